@@ -7,7 +7,6 @@ use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::scene_of;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;

@@ -2,7 +2,7 @@
 
 use crate::support::exact_triangle::{Exact, intersect};
 use crate::support::measure::{Failures, measure};
-use crate::support::meshes::{Closed, VERTEX_ORDERS, bunny, shuffle};
+use crate::support::meshes::{Closed, VERTEX_ORDERS, bunny};
 use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::world_of_mesh;
