@@ -30,8 +30,8 @@ const PER_T: f64 = 1.0 / (1 << 20) as f64;
 const PER_COORDINATE: f64 = 1.0 / (1 << 30) as f64;
 const PER_FLATTENING_ERROR: f64 = (1 << 20) as f64;
 
-/// Two t are the same that differ by less than this part of the coordinates of the way there, with room for the errors in
-/// `proofs/coincidence.g` at all but grazing angles.
+/// Two t are the same that differ by less than this part of the coordinates of the way there over those of the direction,
+/// with room for the errors in `proofs/coincidence.g` at all but grazing angles.
 const SAME_T: f64 = 1.0 / (1u128 << 92) as f64;
 
 impl World {
@@ -81,7 +81,8 @@ impl World {
     fn nearest(&self, ray: &Ray, hits: &[(f64, u32)], first: f64) -> usize {
         let behind: Vec<Dd> = hits.iter().map(|&hit| self.behind(ray, hit, first)).collect();
         // Triangles meet at edges and corners, where a ray hits several of them at the same t.
-        let same = SAME_T * (ray.origin.abs() + first.abs() * ray.direction.abs()).max_element();
+        let way = (ray.origin.abs() + first.abs() * ray.direction.abs()).max_element();
+        let same = SAME_T * way / ray.direction.abs().max_element();
         let is_nearer = |i: usize, j: usize| {
             let (one, other, apart) = (hits[i].1, hits[j].1, (behind[i] - behind[j]).value());
             let are_triangles = self.is_triangle(one) && self.is_triangle(other);
