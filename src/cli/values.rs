@@ -2,7 +2,6 @@
 
 use super::error::CliError;
 use super::flags::SIDES;
-use super::options::JsonTarget;
 use crate::image_io::Format;
 use crate::scene::edition::Edition;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
@@ -79,12 +78,8 @@ pub(super) fn page() -> impl TypedValueParser<Value = PathBuf> {
     path(|path| has_ending(path, "html"), "not .html")
 }
 
-pub(super) fn json() -> impl TypedValueParser<Value = JsonTarget> {
-    PathBufValueParser::new().try_map(|path| match () {
-        () if path == Path::new("-") => Ok(JsonTarget::StandardOutput),
-        () if has_ending(&path, "json") => Ok(JsonTarget::File(path)),
-        () => Err("neither - nor .json"),
-    })
+pub(super) fn json() -> impl TypedValueParser<Value = PathBuf> {
+    path(|path| path == Path::new("-") || has_ending(path, "json"), "neither - nor .json")
 }
 
 fn path(is_fit: fn(&Path) -> bool, problem: &'static str) -> impl TypedValueParser<Value = PathBuf> {
