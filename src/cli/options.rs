@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::flags::{Comparing, Flags, MAX_INT, SIDES, Sampling, Shading};
 use super::outputs::{Output, distinct, outputs};
-use super::values::{Sides, lossy_or_null, not_negative, picture, value};
+use super::values::{Sides, json_target, lossy_or_null, not_negative, picture, value};
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
@@ -69,7 +69,7 @@ pub struct Options {
     /// Whether a warning is an error.
     pub strict: bool,
     /// The file for a JSON document of everything that is reported; `-` prints it in place of the text.
-    #[serde(serialize_with = "lossy_or_null")]
+    #[serde(serialize_with = "json_target")]
     pub json: Option<PathBuf>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
     pub pixel: Option<[usize; 2]>,

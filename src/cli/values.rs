@@ -103,3 +103,11 @@ pub(super) fn lossy_or_null<S: Serializer>(path: &Option<PathBuf>, serializer: S
         None => serializer.serialize_none(),
     }
 }
+
+/// Writes the target of the JSON document: `-` as it is, and a file as an object with its name.
+pub(super) fn json_target<S: Serializer>(target: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
+    match target {
+        Some(file) if file != Path::new("-") => serializer.collect_map([("file", file.to_string_lossy())]),
+        _ => lossy_or_null(target, serializer),
+    }
+}
