@@ -1,7 +1,7 @@
 //! What a run reads it never writes, and no file is written twice: the files of a run are listed and compared, whatever
 //! their names are.
 
-use crate::cli::{Converting, ErrorReporting, Grading, JsonTarget, Merging, Options, Output};
+use crate::cli::{Converting, ErrorReporting, Grading, Merging, Options, Output, References};
 use crate::escape::quoted;
 use crate::image_io::{FileId, part_beside};
 use crate::render::Layer;
@@ -59,9 +59,7 @@ impl WrittenFiles {
         let comparison = options.comparison.as_ref();
         let mut all: Vec<Written> = options.outputs.iter().map(Written::output).collect();
         all.extend(comparison.and_then(|wanted| wanted.difference.clone()).map(Written::Named));
-        if let Some(JsonTarget::File(path)) = &options.json {
-            all.push(Written::Named(path.clone()));
-        }
+        all.extend(options.json_file().map(|file| Written::Named(file.to_owned())));
         if options.needs_standard_output() && !options.has_standard_output() {
             all.push(Written::StandardOutput);
         }
@@ -97,7 +95,9 @@ impl WrittenFiles {
     pub fn of_grading(grading: &Grading) -> Result<Self, SameFile> {
         let report = grading.report_files().into_iter().flatten().map(Written::Named);
         let files = Self::distinct(report.chain([Written::StandardOutput]).collect())?;
-        grading.commands().map_or(Ok(()), |commands| files.check_read(ReadAs::Commands, commands))?;
+        if let References::Commands(commands) = &grading.references {
+            files.check_read(ReadAs::Commands, commands)?;
+        }
         Ok(files)
     }
 

@@ -2,6 +2,7 @@
 
 use raytracer::cli::{Comparison, Options};
 use raytracer::render::{Layer, Request};
+use raytracer::scene::edition::Edition;
 use raytracer::scene_io::{LoadedScene, Source};
 use raytracer::tools::warnings::{self, Severity, Warning};
 use raytracer::trace::Effects;
@@ -21,8 +22,7 @@ pub fn say(found: &[Warning], options: &Options, source: &Source, tell: &dyn Fn(
 pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> {
     let scene = &loaded.scene;
     // Nobody has asked for the bounces of an edition.
-    let asked_for = if options.has_default_bounces { 0 } else { options.effects.bounces };
-    let effects = &Effects { bounces: asked_for, ..options.effects };
+    let effects = &Effects { bounces: options.given_bounces.unwrap_or(0), ..options.effects };
     let mut found: Vec<Warning> =
         std::mem::take(&mut loaded.warnings).into_iter().map(Warning::Text).collect();
     found.extend(loaded.choice.doubt().map(Warning::OpenEdition));
@@ -38,10 +38,13 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
         found.extend(warnings::colors_not_asked_for(&request, options.edition.unwrap_or_default()));
         return found;
     }
+    // `-bounces 0` is meant. In later editions every material with a highlight mirrors if it is asked to, and is not
+    // doubtful without.
+    let is_meant = options.given_bounces == Some(0) || options.edition.unwrap_or_default() != Edition::Y2004;
     // Where the cells of the grid are drawn no ray bounces.
     if !options.visualize_grid {
-        found.extend(warnings::rays_without_effect(scene, effects, options.says_no_bounces));
-        found.extend(warnings::rays_not_followed(scene, effects, options.says_no_bounces));
+        found.extend(warnings::rays_without_effect(scene, effects, is_meant));
+        found.extend(warnings::rays_not_followed(scene, effects, is_meant));
         found.extend(warnings::black_inside(scene, effects));
         found.extend(warnings::too_many_rays(scene, effects));
     }

@@ -4,36 +4,16 @@ use super::options::Options;
 use super::{Command, parse};
 use crate::render::Layer;
 use std::ffi::OsString;
-use std::fmt;
 use std::path::Path;
 
-/// A command line that renders a scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Rendering {
-    /// Its number in the file, from 1.
-    pub line: usize,
-    /// What it asks for. There is a scene.
-    pub options: Options,
-}
-
-/// A line that cannot be used.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CommandsError {
-    /// Its number in the file, from 1.
-    pub line: usize,
-    problem: String,
-}
-
-/// Parses the command lines of a text. Each starts with the name of the program, which may be any; words are separated
-/// by white space. Empty lines, and those that start with `#`, are skipped.
-pub fn parse_commands(text: &str) -> Result<Vec<Rendering>, CommandsError> {
+/// Parses the command lines of a text, all of which render a scene. Each starts with the name of the program, which may
+/// be any; words are separated by white space. Empty lines, and those that start with `#`, are skipped. Errors: the
+/// message about the first line that cannot be used, with its number.
+pub fn parse_commands(text: &str) -> Result<Vec<Options>, String> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
     let commands = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     commands
-        .map(|(line, words)| match rendering(words) {
-            Ok(options) => Ok(Rendering { line, options }),
-            Err(problem) => Err(CommandsError { line, problem }),
-        })
+        .map(|(number, line)| rendering(line).map_err(|problem| format!("line {number}: {problem}")))
         .collect()
 }
 
@@ -44,34 +24,24 @@ fn rendering(line: &str) -> Result<Options, String> {
         _ => return Err("the command does not render a scene".into()),
     };
     let is_stream = options.has_standard_output() || options.input.as_deref() == Some(Path::new("-"));
-    match () {
-        () if options.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_))) => {
-            Err("a cost map is nothing to grade by".into())
-        }
-        () if options.region.is_some() => Err("a part of a picture is nothing to grade by".into()),
-        () if is_stream => Err("`-` is no file to grade by".into()),
-        () => Ok(options),
+    if options.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_))) {
+        return Err("a cost map is nothing to grade by".into());
     }
-}
-
-impl fmt::Display for CommandsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}", self.line, self.problem)
+    if options.region.is_some() {
+        return Err("a part of a picture is nothing to grade by".into());
     }
+    if is_stream { Err("`-` is no file to grade by".into()) } else { Ok(options) }
 }
-
-impl std::error::Error for CommandsError {}
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_numbered_and_comments_skipped() {
+    fn empty_lines_and_comments_are_skipped() {
         let text = "# a\n\nraytracer -input a.txt -output a.tga\r\n  ./rt -input b.txt -size 7 8\n";
         let found = parse_commands(text).unwrap();
-        assert_eq!(found.iter().map(|rendering| rendering.line).collect::<Vec<_>>(), [3, 4]);
-        assert_eq!(found[1].options.size, [7, 8]);
+        assert_eq!(found.iter().map(|options| options.size).collect::<Vec<_>>(), [[100, 100], [7, 8]]);
     }
 
     #[test]
@@ -89,7 +59,7 @@ mod tests {
             ("rt -input a.txt -output - tga", "line 2: `-` is no file to grade by"),
             ("rt -input a.txt -cost_map rays a.tga", "line 2: a cost map is nothing to grade by"),
         ] {
-            assert_eq!(parse_commands(&format!("\n{line}")).unwrap_err().to_string(), message);
+            assert_eq!(parse_commands(&format!("\n{line}")).unwrap_err(), message);
         }
     }
 }

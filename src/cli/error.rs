@@ -1,7 +1,7 @@
 //! Errors of the command line: clap's message in one line, and what may have been meant.
 
 use super::dashes::single;
-use super::flags::{command, find, meant};
+use super::flags::{find, meant};
 use super::values::has_ending;
 use crate::escape::escape;
 use crate::image_io::Format;
@@ -33,8 +33,7 @@ impl CliError {
 
     /// The error for a word that is no value of a flag.
     pub(super) fn unexpected(word: &str) -> Self {
-        let hint =
-            hint_for_word(word, &[]).map_or(String::new(), |meant| format!("; did you mean '{meant}'?"));
+        let hint = hint_for_word(word, &[]).map(|meant| did_you_mean(&meant)).unwrap_or_default();
         Self::new(single(&format!("unexpected argument '{word}' found{hint}")))
     }
 
@@ -63,38 +62,34 @@ fn hint(error: &clap::Error, words: &[OsString]) -> String {
     };
     let flag = text(ContextKind::InvalidArg).unwrap_or_default();
     let similar = text(ContextKind::SuggestedArg).or(text(ContextKind::SuggestedValue));
+    let is_flag = flag.starts_with("--");
     let meant = match error.kind() {
-        ErrorKind::UnknownArgument if flag.starts_with("--") => {
+        ErrorKind::UnknownArgument if is_flag => {
             let name = flag.trim_start_matches('-').split('=').next().unwrap_or_default();
-            meant(name).and_then(usage).or(similar)
+            meant(name).and_then(find).map(|flag| flag.to_string()).or(similar)
         }
         ErrorKind::UnknownArgument => hint_for_word(&flag, words),
         _ => similar,
     };
-    match error.kind() {
-        _ if meant.is_some() => meant.map_or(String::new(), |meant| format!("; did you mean '{meant}'?")),
-        ErrorKind::UnknownArgument if flag.starts_with("--") => " (-help lists all flags)".into(),
-        ErrorKind::MissingRequiredArgument if flag.starts_with("--input") && is_given("--compare", words) => {
-            ", or --reference <picture>".into()
-        }
-        ErrorKind::MissingRequiredArgument if flag.starts_with("--input") => {
-            " (-h lists the usual flags)".into()
+    match (error.kind(), meant) {
+        (_, Some(meant)) => did_you_mean(&meant),
+        (ErrorKind::UnknownArgument, None) if is_flag => " (-help lists all flags)".into(),
+        (ErrorKind::MissingRequiredArgument, None) if flag.starts_with("--input") => {
+            let compares = is_given("--compare", words);
+            if compares { ", or --reference <picture>" } else { " (-h lists the usual flags)" }.into()
         }
         _ => String::new(),
     }
 }
 
-/// The flag with its values, as in `--size <w> <h>`.
-fn usage(name: &str) -> Option<String> {
-    let mut command = command();
-    command.build();
-    find(&command, name).map(ToString::to_string)
+fn did_you_mean(flag: &str) -> String {
+    format!("; did you mean '{flag}'?")
 }
 
 /// The flag that may be missing before a word, or its dash.
 fn hint_for_word(word: &str, words: &[OsString]) -> Option<String> {
     let flag = match Path::new(word) {
-        _ if find(&command(), word).is_some() => return Some(format!("--{word}")),
+        _ if find(word).is_some() => return Some(format!("--{word}")),
         path if has_ending(path, "txt") => "--input",
         path if Format::of(path).is_some() => "--output",
         _ => return None,

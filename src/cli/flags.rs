@@ -4,7 +4,6 @@
 //! help, and each struct is a group by which other flags exclude it. The name of a value tells what completions offer
 //! for it (`completions.rs`). The command line has one dash where clap has two (`dashes.rs`).
 
-use super::options::JsonTarget;
 use super::values::{
     Sides, byte_picture, edition, filter_size, json, not_negative, page, part, picture, sides,
 };
@@ -388,7 +387,7 @@ pub(super) struct Statistics {
 
     /// Writes everything that is reported as .json; - writes it to standard output in place of the text.
     #[arg(long, value_name = "document", value_parser = json())]
-    pub json: Option<JsonTarget>,
+    pub json: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -500,9 +499,11 @@ pub fn command() -> clap::Command {
 }
 
 /// The flag called `name`, by any of its spellings.
-pub(super) fn find<'a>(command: &'a clap::Command, name: &str) -> Option<&'a Arg> {
+pub(super) fn find(name: &str) -> Option<Arg> {
+    let mut command = command();
+    command.build();
     let is_alias = |flag: &Arg| flag.get_all_aliases().is_some_and(|names| names.contains(&name));
-    command.get_arguments().find(|flag| flag.get_id() == name || is_alias(flag))
+    command.get_arguments().find(|flag| flag.get_id() == name || is_alias(flag)).cloned()
 }
 
 #[cfg(test)]
@@ -535,9 +536,9 @@ mod tests {
     fn no_flag_has_a_name_that_another_program_gives_to_another_one() {
         let others: Vec<&str> = ELSEWHERE.iter().flat_map(|(_, names)| *names).copied().collect();
         for (index, name) in others.iter().enumerate() {
-            assert!(find(&command(), name).is_none() && !others[..index].contains(name), "{name}");
+            assert!(find(name).is_none() && !others[..index].contains(name), "{name}");
         }
         let flags = ELSEWHERE.map(|(flag, _)| flag).into_iter().chain(USUAL);
-        flags.for_each(|flag| assert!(find(&command(), flag).is_some(), "{flag}"));
+        flags.for_each(|flag| assert!(find(flag).is_some(), "{flag}"));
     }
 }

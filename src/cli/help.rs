@@ -4,7 +4,7 @@ use super::dashes::single;
 use super::error::CliError;
 use super::flags::{USUAL, command, find, meant};
 use clap::Arg;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 
 /// The length of the longest lines in characters.
 const WIDTH: usize = 80;
@@ -28,34 +28,21 @@ in the scene, 2 for an error in the command line, 3 for a difference above the
 tolerance, and 130, 143 or 129 for a run stopped by Ctrl-C, SIGTERM or SIGHUP.
 ";
 
-/// What help is asked for.
-pub(super) enum Topic {
-    Usual,
-    All,
-    About(OsString),
-}
-
-/// Finds the first flag that asks for help. Cuts `words`, which have clap's dashes, after it: what follows is not read.
-pub(super) fn topic(words: &mut Vec<OsString>) -> Option<Topic> {
+/// Finds the first flag that asks for help, and returns the word after it that tells what about. Cuts `words`, which
+/// have clap's dashes, after the flag: what follows is not read.
+pub(super) fn topic(words: &mut Vec<OsString>) -> Option<String> {
     let place = words.iter().position(|word| word == "--h" || word == "--help")?;
-    let is_flag = |word: &OsStr| word.as_encoded_bytes().starts_with(b"-");
-    let is_known = |word: &OsStr| known(&name_of(word)).is_some();
-    let word = words.get(place + 1).filter(|word| !is_flag(word) || is_known(word));
-    let topic = match word {
-        Some(word) => Topic::About(word.clone()),
-        None if words[place] == "--h" => Topic::Usual,
-        None => Topic::All,
-    };
+    let next = words.get(place + 1).map(|word| word.to_string_lossy().into_owned());
     words.truncate(place + 1);
-    Some(topic)
+    next.filter(|word| !word.starts_with('-') || known(bare(word)).is_some())
 }
 
-/// The text about a topic.
-pub(super) fn text(topic: &Topic) -> Result<String, CliError> {
+/// The text about a topic, or the one that the last of `words` asks for.
+pub(super) fn text(words: &[OsString], topic: Option<String>) -> Result<String, CliError> {
     match topic {
-        Topic::Usual => Ok(usual()),
-        Topic::All => Ok(show(command()) + TAIL),
-        Topic::About(word) => about(word),
+        Some(topic) => about(bare(&topic)),
+        None if words.last().is_some_and(|flag| flag == "--h") => Ok(usual()),
+        None => Ok(show(command()) + TAIL),
     }
 }
 
@@ -78,50 +65,41 @@ fn summary(flag: &Arg) -> String {
 }
 
 /// All about the flag of this name, or the one that other programs call so; otherwise the flags with the word.
-fn about(word: &OsStr) -> Result<String, CliError> {
-    let name = name_of(word);
-    if let Some(id) = known(&name) {
-        return Ok(show_some(|flag| flag.get_id() == id.as_str(), true));
+fn about(name: &str) -> Result<String, CliError> {
+    if let Some(flag) = known(name) {
+        let mut some = only(|other| other.get_id() == flag.get_id()).term_width(WIDTH + ROOM);
+        return Ok(single_dashes(&some.render_long_help().to_string()));
     }
-    let part = name.to_lowercase();
-    let has_part = |text: String| text.to_lowercase().contains(&part);
+    let has_part = |text: String| text.to_lowercase().contains(&name.to_lowercase());
     let has_word = |flag: &Arg| {
         let help = [flag.get_help(), flag.get_long_help()].into_iter().flatten().map(ToString::to_string);
         let names = flag.get_all_aliases().into_iter().flatten().map(str::to_owned);
         help.chain(names).chain([flag.get_id().to_string()]).any(has_part)
     };
     if command().get_arguments().any(has_word) {
-        return Ok(show_some(has_word, false));
+        return Ok(show(only(has_word)));
     }
     // The error for an unknown flag has a suggestion.
     let words = [OsString::from(format!("--{name}"))];
-    match command().try_get_matches_from(&words) {
-        Err(error) => Err(CliError::of(error, &words)),
-        Ok(_) => Err(CliError::new(format!("no flag has '{name}' in its help"))),
-    }
+    let parsed = command().try_get_matches_from(&words);
+    parsed.map(|_| String::new()).map_err(|error| CliError::of(error, &words))
 }
 
-fn name_of(word: &OsStr) -> String {
-    word.to_string_lossy().trim_start_matches('-').to_owned()
+fn bare(word: &str) -> &str {
+    word.trim_start_matches('-')
 }
 
 /// The flag that is called so here or elsewhere.
-fn known(name: &str) -> Option<String> {
-    let command = command();
-    let flag = find(&command, name).map(|flag| flag.get_id().to_string());
-    flag.or_else(|| meant(name).map(str::to_owned))
+fn known(name: &str) -> Option<Arg> {
+    find(name).or_else(|| find(meant(name)?))
 }
 
-fn show_some(is_shown: impl Fn(&Arg) -> bool, in_full: bool) -> String {
-    let some = command().help_template("{options}\n").mut_args(|flag| {
+/// The flags to show, and no text around them.
+fn only(is_shown: impl Fn(&Arg) -> bool) -> clap::Command {
+    command().help_template("{options}\n").mut_args(|flag| {
         let is_hidden = !is_shown(&flag);
         flag.hide(is_hidden)
-    });
-    if in_full {
-        single_dashes(&some.term_width(WIDTH + ROOM).render_long_help().to_string())
-    } else {
-        show(some)
-    }
+    })
 }
 
 fn show(command: clap::Command) -> String {
@@ -147,7 +125,7 @@ mod tests {
 
     #[test]
     fn help_names_every_flag_and_fits_the_screen() {
-        let text = text(&Topic::All).unwrap();
+        let text = text(&[], None).unwrap();
         for flag in command().get_arguments() {
             assert!(text.contains(&format!("\n  -{}", flag.get_id())), "{flag:?}");
         }
@@ -164,7 +142,7 @@ mod tests {
     #[test]
     fn a_word_lists_the_flags_that_have_it() {
         let listed = |word: &str| {
-            let text = about(OsStr::new(word)).unwrap();
+            let text = about(bare(word)).unwrap();
             let flags = text.lines().filter_map(|line| line.strip_prefix("  -")?.split(' ').next());
             flags.map(str::to_owned).collect::<Vec<_>>()
         };
@@ -174,6 +152,6 @@ mod tests {
         for (word, flag) in [("-o", "output"), ("spp", "jittered_samples"), ("--normal", "normals")] {
             assert_eq!(listed(word), [flag]);
         }
-        assert!(about(OsStr::new("shadwos")).unwrap_err().to_string().contains("did you mean '-shadows'?"));
+        assert!(about("shadwos").unwrap_err().to_string().contains("did you mean '-shadows'?"));
     }
 }

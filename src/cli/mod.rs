@@ -6,7 +6,6 @@
 //! `./-a.tga`.
 
 mod commands;
-mod comparison;
 mod dashes;
 mod error;
 mod flags;
@@ -17,11 +16,10 @@ mod rest;
 mod runs;
 mod values;
 
-pub use commands::{CommandsError, Rendering, parse_commands};
-pub use comparison::Comparison;
+pub use commands::parse_commands;
 pub use error::CliError;
 pub use flags::command;
-pub use options::{JsonTarget, LivePage, Options, ShowProgress};
+pub use options::{Comparison, LivePage, Options, ShowProgress};
 pub use outputs::Output;
 pub use rest::{command_of_merge, command_of_rest};
 pub use runs::{Converting, ErrorReporting, Grading, Merging, References};
@@ -30,6 +28,8 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, FromArgMatches};
 use flags::{Flags, SHAPING};
+use options::region;
+use outputs::output_of_bytes;
 use std::ffi::OsString;
 
 /// The action that the command line requests.
@@ -62,9 +62,9 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
     let matches = match command.try_get_matches_from_mut(&words) {
         Ok(matches) => matches,
         Err(error) => {
-            return match (error.kind(), topic) {
-                (ErrorKind::DisplayHelp, Some(topic)) => help::text(&topic).map(Command::Help),
-                (ErrorKind::DisplayVersion, _) => Ok(Command::Version(error.to_string())),
+            return match error.kind() {
+                ErrorKind::DisplayHelp => help::text(&words, topic).map(Command::Help),
+                ErrorKind::DisplayVersion => Ok(Command::Version(error.to_string())),
                 _ => Err(CliError::of(error, &words)),
             };
         }
@@ -73,11 +73,13 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
     if let Some(folder) = flags.grading.grade.clone() {
         return Grading::new(folder, flags).map(Command::Grade);
     }
+    let progress = ShowProgress::new(&flags);
     if let Some(parts) = flags.pictures.merge.clone() {
-        return Merging::new(parts, &flags).map(Command::Merge);
+        let region = flags.pictures.region.as_deref().map(region).transpose()?;
+        return Ok(Command::Merge(Merging { parts, output: output_of_bytes(&flags)?, region, progress }));
     }
     if let Some(picture) = flags.pictures.convert.clone() {
-        return Converting::new(picture, &flags).map(Command::Convert);
+        return Ok(Command::Convert(Converting { picture, output: output_of_bytes(&flags)?, progress }));
     }
     let (report, target) = (flags.error_reporting.error_report.clone(), flags.error_reporting.target);
     // clap does not require a flag that conflicts with one that is given.
@@ -97,14 +99,15 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
 /// The flags that shape the colour picture, with their values, in the order of the help.
 fn shaping_words(command: &clap::Command, matches: &ArgMatches) -> Vec<String> {
     let groups = command.get_groups().filter(|group| SHAPING.contains(&group.get_id().as_str()));
-    let given = groups.flat_map(|group| group.get_args()).map(|flag| flag.as_str());
     let mut words = vec![];
-    for flag in given.filter(|flag| matches.value_source(flag) == Some(ValueSource::CommandLine)) {
-        words.push(format!("-{flag}"));
-        let takes_values =
-            command.get_arguments().any(|arg| arg.get_id() == flag && arg.get_action().takes_values());
-        let values = matches.get_raw(flag).filter(|_| takes_values);
-        words.extend(values.into_iter().flatten().map(|value| value.to_string_lossy().into_owned()));
+    for flag in groups.flat_map(|group| group.get_args()).map(|flag| flag.as_str()) {
+        if matches.value_source(flag) == Some(ValueSource::CommandLine) {
+            words.push(format!("-{flag}"));
+            // clap gives a value to flags that have none.
+            let is_alone = matches!(matches.try_get_one::<bool>(flag), Ok(Some(_)));
+            let values = matches.get_raw(flag).filter(|_| !is_alone).into_iter().flatten();
+            words.extend(values.map(|value| value.to_string_lossy().into_owned()));
+        }
     }
     words
 }

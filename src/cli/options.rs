@@ -1,10 +1,9 @@
 //! The options of a run that renders or compares: the flags, checked together.
 
-use super::comparison::Comparison;
 use super::error::CliError;
-use super::flags::{Flags, MAX_INT, SIDES, Sampling, Shading};
+use super::flags::{Comparing, Flags, MAX_INT, SIDES, Sampling, Shading};
 use super::outputs::{Output, distinct, outputs};
-use super::values::{Sides, lossy, lossy_or_null, not_negative, value};
+use super::values::{Sides, json_target, lossy_or_null, not_negative, picture, value};
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
@@ -14,6 +13,7 @@ use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::edition::Edition;
 use crate::scene_io::Hints;
+use crate::tools::compare::Tolerance;
 use crate::trace::{Effects, Shadows};
 use clap::value_parser;
 use serde::Serialize;
@@ -21,7 +21,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// The number of cells stays below this, so that the index of a cell fits into 32 bits.
-const CELL_LIMIT: u64 = 1 << 31;
+const CELL_LIMIT: u128 = 1 << 31;
 
 /// The checked options of a run. Every number is in the range that its field states.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,12 +47,9 @@ pub struct Options {
     pub reduced: bool,
     /// What is modelled.
     pub effects: Effects,
-    /// Whether the number of bounces is the default of the edition.
+    /// The number of bounces that is given; if none is, `effects` has the default of the edition.
     #[serde(skip)]
-    pub has_default_bounces: bool,
-    /// Whether `-bounces 0` is given, which is the default: whoever says it means it.
-    #[serde(skip)]
-    pub says_no_bounces: bool,
+    pub given_bounces: Option<u32>,
     /// The positions of the samples in a pixel.
     pub sampler: Sampler,
     /// Whether a pixel gets more samples where its first four disagree.
@@ -71,8 +68,9 @@ pub struct Options {
     pub repeat: Option<u32>,
     /// Whether a warning is an error.
     pub strict: bool,
-    /// Where everything that is reported goes as a JSON document, if anywhere.
-    pub json: Option<JsonTarget>,
+    /// The file for a JSON document of everything that is reported; `-` prints it in place of the text.
+    #[serde(serialize_with = "json_target")]
+    pub json: Option<PathBuf>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
     pub pixel: Option<[usize; 2]>,
     /// Whether one of the flags of the course's preview is given.
@@ -97,16 +95,37 @@ pub struct LivePage {
     pub words: Vec<String>,
 }
 
-/// Where a JSON document goes.
+/// A comparison of two pictures. One that has no file is rendered, and not both are.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum JsonTarget {
-    /// Standard output, in place of the text.
-    #[serde(rename = "-")]
-    StandardOutput,
-    /// A file whose name ends in `.json`.
-    #[serde(serialize_with = "lossy")]
-    File(PathBuf),
+pub struct Comparison {
+    /// The picture in question.
+    #[serde(serialize_with = "lossy_or_null")]
+    pub picture: Option<PathBuf>,
+    /// The picture to compare it with.
+    #[serde(serialize_with = "lossy_or_null")]
+    pub reference: Option<PathBuf>,
+    /// The file of the picture that shows the difference.
+    #[serde(serialize_with = "lossy_or_null")]
+    pub difference: Option<PathBuf>,
+    /// The difference that still passes; none if any passes.
+    pub tolerance: Option<Tolerance>,
+}
+
+impl Comparison {
+    pub(super) fn new(flags: &Comparing) -> Result<Option<Self>, CliError> {
+        if flags.compare.is_none() && flags.reference.is_none() {
+            return Ok(None);
+        }
+        let reference = flags.reference.as_ref();
+        let reference = reference.map(|path| value("reference", path.as_os_str(), picture())).transpose()?;
+        let (picture, difference) = (flags.compare.clone(), flags.difference.clone());
+        Ok(Some(Self { picture, reference, difference, tolerance: tolerance(flags)? }))
+    }
+
+    /// Returns true if one of the pictures is to be rendered.
+    pub fn needs_scene(&self) -> bool {
+        self.picture.is_none() || self.reference.is_none()
+    }
 }
 
 /// Where it is shown how far a run has come.
@@ -151,8 +170,7 @@ impl Options {
                 bounces: flags.shading.bounces.unwrap_or(0),
                 min_weight: flags.shading.weight.or(edition.map(Edition::default_weight)).unwrap_or(0.0),
             },
-            has_default_bounces: flags.shading.bounces.is_none(),
-            says_no_bounces: flags.shading.bounces == Some(0),
+            given_bounces: flags.shading.bounces,
             sampler: sampler(&flags.sampling, edition, triples)?,
             adaptive: adaptive(&flags.sampling)?,
             filter: filter(&flags.sampling),
@@ -186,12 +204,7 @@ impl Options {
     pub fn in_edition(&self, edition: Edition) -> Self {
         let mut options = self.clone();
         options.edition = Some(edition);
-        if self.has_default_bounces {
-            options.effects.bounces = edition.default_bounces();
-        }
-        // In later editions every material with a highlight mirrors if it is asked to, and is not doubtful without; in
-        // Aalto's the weight has a default.
-        options.says_no_bounces |= edition != Edition::Y2004;
+        options.effects.bounces = self.given_bounces.unwrap_or(edition.default_bounces());
         options
     }
 
@@ -224,14 +237,12 @@ impl Options {
         if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
             return Err(CliError::new("-visualize_grid needs a grid, as in '-grid 20 20 20'"));
         }
-        for output in &self.outputs {
-            let [width, height] = output.layer.size(self.size);
-            if !SIDES.contains(&(width.max(height) as i64)) {
-                let flag = output.flag();
-                return Err(CliError::new(format!(
-                    "{flag}: the enlarged picture has more than 65535 pixels a side"
-                )));
-            }
+        let is_too_large =
+            |output: &&Output| output.layer.size(self.size).iter().any(|&n| !SIDES.contains(&(n as i64)));
+        if let Some(flag) = self.outputs.iter().find(is_too_large).map(Output::flag) {
+            return Err(CliError::new(format!(
+                "{flag}: the enlarged picture has more than 65535 pixels a side"
+            )));
         }
         if self.comparison.as_ref().is_some_and(Comparison::needs_scene) && self.compared_layer().is_none() {
             let [one, other] = [&self.outputs[0], &self.outputs[1]].map(Output::flag);
@@ -240,8 +251,8 @@ impl Options {
                  is compared then, or only one of them"
             )));
         }
-        match (self.outputs.iter().find(|output| output.is_standard_output()), &self.json) {
-            (Some(output), Some(JsonTarget::StandardOutput)) => {
+        match self.outputs.iter().find(|output| output.is_standard_output()) {
+            Some(output) if self.prints_json() => {
                 Err(CliError::new(format!("{} and -json both write to standard output", output.flag())))
             }
             _ => distinct(&self.files()),
@@ -262,18 +273,24 @@ impl Options {
 
     /// The names of all files to write, where `-` is standard output.
     pub fn written(&self) -> impl Iterator<Item = &Path> {
-        let json = match &self.json {
-            Some(JsonTarget::File(file)) => Some(file.as_path()),
-            Some(JsonTarget::StandardOutput) | None => None,
-        };
-        self.files().into_iter().map(|(_, file)| file).chain(json)
+        self.files().into_iter().map(|(_, file)| file).chain(self.json_file())
+    }
+
+    /// The file of the JSON document, if it is not printed.
+    pub fn json_file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|_| !self.prints_json())
+    }
+
+    /// Returns true if the JSON document is printed in place of the text.
+    pub fn prints_json(&self) -> bool {
+        self.json.as_deref() == Some(Path::new("-"))
     }
 
     /// Whether anything is written to standard output.
     pub fn needs_standard_output(&self) -> bool {
         let counts = self.tracing() == Tracing::Counted;
         let prints = counts || self.repeat.is_some() || self.pixel.is_some() || self.comparison.is_some();
-        prints || self.json == Some(JsonTarget::StandardOutput) || self.has_standard_output()
+        prints || self.prints_json() || self.has_standard_output()
     }
 
     /// How the picture is traced: counted where counts are shown.
@@ -332,19 +349,18 @@ fn edition(flags: &Flags) -> Result<Option<Edition>, CliError> {
         ("regular_samples", flags.sampling.regular_samples.is_some(), Edition::Aalto),
         ("uv", flags.view.uv, Edition::Aalto),
     ];
-    for (flag, _, has_it) in implied.into_iter().filter(|(_, is_given, _)| *is_given) {
-        match named {
-            None => return Ok(Some(has_it)),
-            // The program of 2019 accepts all of them and does nothing.
-            Some(named) if named != has_it && named != Edition::Y2019 => {
-                return Err(CliError::new(format!(
-                    "-{flag} is a flag of the edition {has_it}, not of {named}"
-                )));
+    let mut given = implied.into_iter().filter(|(_, is_given, _)| *is_given);
+    match named {
+        None => Ok(given.next().map(|(_, _, edition)| edition)),
+        // The program of 2019 accepts all of them and does nothing.
+        Some(Edition::Y2019) => Ok(named),
+        Some(named) => match given.find(|(_, _, edition)| *edition != named) {
+            Some((flag, _, edition)) => {
+                Err(CliError::new(format!("-{flag} is a flag of the edition {edition}, not of {named}")))
             }
-            Some(_) => {}
-        }
+            None => Ok(Some(named)),
+        },
     }
-    Ok(named)
 }
 
 fn size(values: &[Sides]) -> Result<[usize; 2], CliError> {
@@ -389,6 +405,14 @@ fn sampler(flags: &Sampling, edition: Option<Edition>, triples: bool) -> Result<
     })
 }
 
+pub(super) fn tolerance(flags: &Comparing) -> Result<Option<Tolerance>, CliError> {
+    let Some([levels, pixels]) = flags.tolerance.as_deref() else { return Ok(None) };
+    Ok(Some(Tolerance {
+        levels: value("tolerance", levels, value_parser!(u8))?,
+        pixels: value("tolerance", pixels, value_parser!(u32))?.into(),
+    }))
+}
+
 fn adaptive(flags: &Sampling) -> Result<Option<Adaptive>, CliError> {
     let Some([most, error]) = flags.adaptive_samples.as_deref() else { return Ok(None) };
     let counts = i64::from(Adaptive::BASE)..=i64::from(Adaptive::LIMIT);
@@ -412,15 +436,11 @@ fn structure(values: &[OsString]) -> Result<Structure, CliError> {
         [x, y, z] => [x, y, z].map(|word| value::<_>("grid", word, value_parser!(u32).range(1..=MAX_INT))),
         _ => return Err(CliError::new("-grid takes 3 values, as in '-grid 20 20 20', or 'auto' or 'none'")),
     };
-    let cells = [x?, y?, z?];
-    let product = cells.iter().try_fold(1u64, |product, &n| product.checked_mul(n.into()));
-    match product {
-        Some(product) if product < CELL_LIMIT => {
-            Ok(Structure::Grid(Resolution::Cells(cells.map(|n| n as usize))))
-        }
-        _ => {
-            let [x, y, z] = cells;
-            Err(CliError::new(format!("-grid: {x} x {y} x {z} cells are too many, 2147483647 is the most")))
-        }
+    let [x, y, z] = [x?, y?, z?];
+    if [x, y, z].map(u128::from).iter().product::<u128>() >= CELL_LIMIT {
+        return Err(CliError::new(format!(
+            "-grid: {x} x {y} x {z} cells are too many, 2147483647 is the most"
+        )));
     }
+    Ok(Structure::Grid(Resolution::Cells([x, y, z].map(|n| n as usize))))
 }

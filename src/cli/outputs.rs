@@ -73,32 +73,29 @@ impl Output {
 
 /// The pictures that the flags ask for, in the order of the help.
 pub(super) fn outputs(flags: &Flags) -> Result<Vec<Output>, CliError> {
+    let pictures = &flags.pictures;
     let all = [
-        colors(flags)?,
-        flags.pictures.depth.as_deref().map(depth).transpose()?,
-        simple("normals", &flags.pictures.normals, [Layer::Normals, Layer::SignedNormals])?,
-        enlarged("render_samples", &flags.pictures.render_samples, |zoom| Layer::Samples { zoom })?,
-        enlarged("render_filter", &flags.pictures.render_filter, |zoom| Layer::Filter { zoom })?,
-        flags.statistics.cost_map.as_deref().map(cost_map).transpose()?,
+        pictures.output.as_deref().map(colors),
+        pictures.depth.as_deref().map(depth),
+        pictures.normals.as_deref().map(normals),
+        pictures.render_samples.as_deref().map(|values| enlarged("render_samples", values)),
+        pictures.render_filter.as_deref().map(|values| enlarged("render_filter", values)),
+        flags.statistics.cost_map.as_deref().map(cost_map),
     ];
-    Ok(all.into_iter().flatten().collect())
+    all.into_iter().flatten().collect()
 }
 
 /// The picture of bytes that `-output` asks for, which clap has required.
 pub(super) fn output_of_bytes(flags: &Flags) -> Result<Output, CliError> {
-    colors(flags)?.ok_or_else(|| CliError::new("-output is required"))?.of_bytes("output")
+    colors(flags.pictures.output.as_deref().unwrap_or_default())?.of_bytes("output")
 }
 
-fn colors(flags: &Flags) -> Result<Option<Output>, CliError> {
-    simple("output", &flags.pictures.output, [Layer::Color; 2])
+fn colors(values: &[OsString]) -> Result<Output, CliError> {
+    Output::new("output", values, [Layer::Color; 2])
 }
 
-fn simple(
-    flag: &str,
-    values: &Option<Vec<OsString>>,
-    layers: [Layer; 2],
-) -> Result<Option<Output>, CliError> {
-    values.as_ref().map(|values| Output::new(flag, values, layers)).transpose()
+fn normals(values: &[OsString]) -> Result<Output, CliError> {
+    Output::new("normals", values, [Layer::Normals, Layer::SignedNormals])
 }
 
 fn depth(values: &[OsString]) -> Result<Output, CliError> {
@@ -114,21 +111,17 @@ fn depth(values: &[OsString]) -> Result<Output, CliError> {
     Output::new("depth", picture, [Layer::Depth { near, far }, Layer::Distance])
 }
 
-fn enlarged(
-    flag: &str,
-    values: &Option<Vec<OsString>>,
-    layer: fn(usize) -> Layer,
-) -> Result<Option<Output>, CliError> {
-    let Some((zoom, picture)) = values.as_ref().and_then(|values| values.split_last()) else {
-        return Ok(None);
-    };
+fn enlarged(flag: &str, values: &[OsString]) -> Result<Output, CliError> {
+    let (picture, last) = values.split_at(values.len() - 1);
     if let [name, _] = picture
         && Format::of(Path::new(name)).is_some()
     {
-        return Err(CliError::unexpected(&zoom.to_string_lossy()));
+        return Err(CliError::unexpected(&last[0].to_string_lossy()));
     }
-    let side: u32 = value(flag, zoom, value_parser!(u32).range(SIDES))?;
-    Output::new(flag, picture, [layer(side as usize); 2]).map(Some)
+    let zoom: u32 = value(flag, &last[0], value_parser!(u32).range(SIDES))?;
+    let zoom = zoom as usize;
+    let layer = if flag == "render_samples" { Layer::Samples { zoom } } else { Layer::Filter { zoom } };
+    Output::new(flag, picture, [layer; 2])
 }
 
 fn cost_map(values: &[OsString]) -> Result<Output, CliError> {

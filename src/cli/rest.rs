@@ -4,7 +4,7 @@ use super::flags::{command, find};
 use crate::image_io::beside;
 use crate::render::Window;
 use crate::shell::Shell;
-use clap::{Arg, Command};
+use clap::Arg;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
@@ -12,12 +12,11 @@ use std::path::Path;
 const REST: &str = "rest";
 
 /// Returns true if a flag has no meaning for a part, or another one.
-fn is_dropped(command: &Command, flag: &Arg) -> bool {
-    let no_region = find(command, "region").map(|region| command.get_arg_conflicts_with(region));
-    let is_excluded = |other: &&Arg| other.get_id() == flag.get_id();
+fn is_dropped(flag: &Arg) -> bool {
+    let is_excluded = |region| command().get_arg_conflicts_with(&region).contains(&flag);
     flag.get_id() == "region"
         || flag.get_help_heading() == Some("Comparison")
-        || no_region.is_some_and(|flags| flags.iter().any(is_excluded))
+        || find("region").is_some_and(is_excluded)
 }
 
 /// The name in a word that is a flag: one or two dashes and a letter.
@@ -34,25 +33,24 @@ pub fn command_of_rest(argv: &[OsString], region: Window, shell: Shell) -> Strin
     let (program, mut words) = argv
         .split_first()
         .map_or(("raytracer".as_ref(), &[][..]), |(program, words)| (program.as_os_str(), words));
-    let command = command();
     let mut line = vec![shell.program(program)];
     while let Some((word, rest)) = words.split_first() {
         let count = rest.iter().take_while(|word| name_of(word).is_none()).count();
         let (values, after) = rest.split_at(count);
-        line.extend(kept(&command, word, values, shell));
+        line.extend(kept(word, values, shell));
         words = after;
     }
     format!("{} -region {x} {y} {width} {height}", line.join(" "))
 }
 
 /// A flag and its values for the rest.
-fn kept(command: &Command, word: &OsStr, values: &[OsString], shell: Shell) -> Vec<String> {
-    let flag = name_of(word).and_then(|name| find(command, name));
-    if flag.is_some_and(|flag| is_dropped(command, flag)) {
+fn kept(word: &OsStr, values: &[OsString], shell: Shell) -> Vec<String> {
+    let flag = name_of(word).and_then(find);
+    if flag.as_ref().is_some_and(is_dropped) {
         return vec![];
     }
     // The pictures of the rest get names of their own.
-    let names = flag.and_then(Arg::get_value_names).unwrap_or_default();
+    let names = flag.as_ref().and_then(Arg::get_value_names).unwrap_or_default();
     let is_file = |index: usize| names.get(index).is_some_and(|name| name == "picture");
     let value = |(index, value): (usize, &OsString)| match is_file(index) {
         true if value != "-" => shell.word(beside(Path::new(value), REST)),

@@ -1,13 +1,12 @@
 //! What runs are asked for that do not render: grading, parts, conversion, and the report on speed and error.
 
-use super::comparison::tolerance;
 use super::error::CliError;
 use super::flags::Flags;
-use super::options::{Options, ShowProgress, region};
-use super::outputs::{Output, output_of_bytes};
+use super::options::{Options, ShowProgress, tolerance};
+use super::outputs::Output;
 use crate::render::Window;
 use crate::tools::compare::Tolerance;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A folder with a folder of pictures for every name, and what they are to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -72,11 +71,9 @@ pub struct ErrorReporting {
 
 impl Grading {
     pub(super) fn new(folder: PathBuf, flags: Flags) -> Result<Self, CliError> {
-        let references = match (flags.comparing.reference.clone(), flags.grading.commands.clone()) {
-            (Some(folder), _) => References::Folder(folder),
-            (None, Some(file)) => References::Commands(file),
-            (None, None) => return Err(CliError::new("-grade needs -reference or -commands")),
-        };
+        let pictures = flags.comparing.reference.clone().map(References::Folder);
+        let references = pictures.or(flags.grading.commands.clone().map(References::Commands));
+        let references = references.ok_or_else(|| CliError::new("-grade needs -reference or -commands"))?;
         Ok(Self {
             folder,
             references,
@@ -91,27 +88,6 @@ impl Grading {
     pub fn report_files(&self) -> Option<[PathBuf; 2]> {
         let page = self.report.as_ref()?;
         Some([page.clone(), page.with_extension("csv")])
-    }
-
-    /// The file of the command lines, if the references are rendered.
-    pub fn commands(&self) -> Option<&Path> {
-        match &self.references {
-            References::Commands(file) => Some(file),
-            References::Folder(_) => None,
-        }
-    }
-}
-
-impl Merging {
-    pub(super) fn new(parts: Vec<PathBuf>, flags: &Flags) -> Result<Self, CliError> {
-        let region = flags.pictures.region.as_deref().map(region).transpose()?;
-        Ok(Self { parts, output: output_of_bytes(flags)?, region, progress: ShowProgress::new(flags) })
-    }
-}
-
-impl Converting {
-    pub(super) fn new(picture: PathBuf, flags: &Flags) -> Result<Self, CliError> {
-        Ok(Self { picture, output: output_of_bytes(flags)?, progress: ShowProgress::new(flags) })
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::error::CliError;
 use super::flags::SIDES;
-use super::options::JsonTarget;
 use crate::image_io::Format;
 use crate::scene::edition::Edition;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
@@ -79,12 +78,8 @@ pub(super) fn page() -> impl TypedValueParser<Value = PathBuf> {
     path(|path| has_ending(path, "html"), "not .html")
 }
 
-pub(super) fn json() -> impl TypedValueParser<Value = JsonTarget> {
-    PathBufValueParser::new().try_map(|path| match () {
-        () if path == Path::new("-") => Ok(JsonTarget::StandardOutput),
-        () if has_ending(&path, "json") => Ok(JsonTarget::File(path)),
-        () => Err("neither - nor .json"),
-    })
+pub(super) fn json() -> impl TypedValueParser<Value = PathBuf> {
+    path(|path| path == Path::new("-") || has_ending(path, "json"), "neither - nor .json")
 }
 
 fn path(is_fit: fn(&Path) -> bool, problem: &'static str) -> impl TypedValueParser<Value = PathBuf> {
@@ -106,5 +101,13 @@ pub(super) fn lossy_or_null<S: Serializer>(path: &Option<PathBuf>, serializer: S
     match path {
         Some(path) => lossy(path, serializer),
         None => serializer.serialize_none(),
+    }
+}
+
+/// Writes the target of the JSON document: `-` as it is, and a file as an object with its name.
+pub(super) fn json_target<S: Serializer>(target: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
+    match target {
+        Some(file) if file != Path::new("-") => serializer.collect_map([("file", file.to_string_lossy())]),
+        _ => lossy_or_null(target, serializer),
     }
 }

@@ -43,9 +43,8 @@ fn plain() -> Options {
         uv: false,
         jitter: false,
         reduced: false,
-        has_default_bounces: true,
+        given_bounces: None,
         effects: none(),
-        says_no_bounces: false,
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
         adaptive: None,
@@ -113,7 +112,7 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -transparent_shadows", with_shadows(Shadows::Transparent));
     accepts("-input s.txt -transparent_shadows -shadows", with_shadows(Shadows::Transparent));
     let bounces = with_effects(Effects { bounces: 2147483647, ..none() });
-    accepts("-input s.txt -bounces 2147483647", Options { has_default_bounces: false, ..bounces });
+    accepts("-input s.txt -bounces 2147483647", Options { given_bounces: Some(2147483647), ..bounces });
     accepts("-input s.txt -weight 0.01", with_effects(Effects { min_weight: 0.01, ..none() }));
     accepts("-input s.txt -grid auto", Options { structure: Structure::Grid(Resolution::Auto), ..plain() });
     accepts("-input s.txt -grid none", Options { structure: Structure::List, ..plain() });
@@ -280,7 +279,7 @@ fn lines_in_the_style_of_the_course() {
         "-input s.txt -size 200 200 -output o.tga -shadows -bounces 5 -weight 0.01 -shade_back -gui -tessellation 30 15",
         Options {
             effects: Effects { shadows: Shadows::Opaque, bounces: 5, min_weight: 0.01, shade_back: true },
-            has_default_bounces: false,
+            given_bounces: Some(5),
             preview: true,
             page: Some(page("-size 200 200 -shade_back -shadows -bounces 5 -weight 0.01")),
             ..sized()

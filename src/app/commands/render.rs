@@ -8,7 +8,7 @@ use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::{Crew, useful};
 use crate::app::{End, Outcome, failed, told_files};
-use raytracer::cli::{self, JsonTarget, Options};
+use raytracer::cli::{self, Options};
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, TextFile};
@@ -47,10 +47,7 @@ pub fn run(
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
     let compared = options.comparison.as_ref().map(|wanted| Compared::open(wanted, options, &tell));
     let compared = compared.transpose()?.flatten();
-    let file = match &options.json {
-        Some(JsonTarget::File(path)) => Some(TextFile::prepare(path).map_err(failed)?),
-        Some(JsonTarget::StandardOutput) | None => None,
-    };
+    let file = options.json_file().map(TextFile::prepare).transpose().map_err(failed)?;
     let mut from = |input: &PathBuf| render(options, argv, input, &written, &crew, signals, &tell);
     let mut rendered = options.input.as_ref().map(&mut from).transpose()?;
     let files = rendered.as_mut().map(|rendered| std::mem::take(&mut rendered.files)).unwrap_or_default();
@@ -71,9 +68,9 @@ pub fn run(
     if let Some(file) = file {
         files.add(file.complete(&json()?).map_err(failed)?)?;
     }
-    let text = match options.json {
-        Some(JsonTarget::StandardOutput) => json()?,
-        Some(JsonTarget::File(_)) | None => text(options, rendered.as_ref(), verdict.as_ref()),
+    let text = match options.prints_json() {
+        true => json()?,
+        false => text(options, rendered.as_ref(), verdict.as_ref()),
     };
     files.finish(signals)?;
     signals.end_at_once()?;

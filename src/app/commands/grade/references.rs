@@ -182,7 +182,7 @@ fn rendered(file: &Path) -> Result<Vec<(OsString, Origin)>, String> {
     let text = text.map_err(|error| failed(format!("cannot read the commands {shown}: {error}")))?;
     let commands = parse_commands(&text).map_err(|error| failed(format!("{shown}, {error}")))?;
     let mut all: Vec<(OsString, Origin)> = Vec::new();
-    for options in commands.into_iter().map(|rendering| rendering.options) {
+    for options in commands {
         for output in &options.outputs {
             let Some(name) = output.file.file_name() else { continue };
             let origin = Origin::Rendered(Box::new(options.clone()), output.layer);
