@@ -103,35 +103,43 @@ impl World {
         };
         let triangle = self.is_triangle(primitive).then_some(primitive);
         let material = self.material_of(primitive);
-        let surface =
-            SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle };
+        // Variables of their own stay in registers. What a cold function returns lies in memory, and a processor waits for
+        // numbers that are stored one by one and loaded as a vector.
+        let (mut normal, mut position, mut extent) = (normal, position, extent);
         if position.abs().max_element() < LEAST_PART * extent {
-            return self.precise_surface(ray, t, surface);
+            let precise = self.precise_surface(ray, t, primitive, (normal, position, extent));
+            (normal, position, extent) = precise;
         }
-        surface
+        SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle }
     }
 
-    /// The same surface with a position that is computed along the ray, where it would lose digits to the coordinates of
-    /// what is far away.
+    /// The normal, the position and the extent of a surface with a position that is computed along the ray, where it would
+    /// lose digits to the coordinates of what is far away.
     #[cold]
-    fn precise_surface(&self, ray: &Ray, t: f64, surface: SurfacePoint) -> SurfacePoint {
-        let found = match surface.primitive.map(|primitive| self.primitive(primitive)) {
-            Some(Primitive::Triangle(i)) => {
-                let point = triangle::Shear::new(ray).precise_point(self.corners_in_place(i), surface.normal);
-                point.map(|position| (surface.normal, position))
+    fn precise_surface(
+        &self,
+        ray: &Ray,
+        t: f64,
+        primitive: u32,
+        (normal, position, extent): (DVec3, DVec3, f64),
+    ) -> (DVec3, DVec3, f64) {
+        let found = match self.primitive(primitive) {
+            Primitive::Triangle(i) => {
+                let point = triangle::Shear::new(ray).precise_point(self.corners_in_place(i), normal);
+                point.map(|position| (normal, position))
             }
-            Some(Primitive::Shape(i)) => match &self.shapes[i] {
+            Primitive::Shape(i) => match &self.shapes[i] {
                 Shape::Sphere(sphere) => Some(sphere.precise_surface(ray, t)),
                 Shape::Ellipsoid(_) => None,
             },
-            _ => None,
+            Primitive::Plane(_) => None,
         };
-        let Some((normal, position)) = found else { return surface };
+        let Some((normal, position)) = found else { return (normal, position, extent) };
         // The roundings of the way are moved off along the normal, which is rounded itself. Of what is far away
         // double-double numbers leave less than a rounding of the square of the least part.
         let way = ray.origin.abs().max_element() + (position - ray.origin).abs().max_element();
-        let extent = position.abs().max_element() + LEAST_PART * (way + LEAST_PART * surface.extent);
-        SurfacePoint { normal, position, extent: extent.min(surface.extent), ..surface }
+        let own = position.abs().max_element() + LEAST_PART * (way + LEAST_PART * extent);
+        (normal, position, own.min(extent))
     }
 
     /// The normal, the position and the extent on a triangle. The position is interpolated from the vertices, because the

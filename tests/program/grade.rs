@@ -135,7 +135,7 @@ fn a_tolerance_is_proposed_that_failed_pictures_pass() {
 #[cfg(target_os = "linux")]
 #[test]
 fn too_little_memory_is_an_error_and_no_verdict() {
-    let folder = Folder::with_scene("OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }");
+    let folder = Folder::with_scene(&sphere());
     ["ref", "class/anna"].iter().for_each(|name| make(&folder, name));
     folder.run("-input s.txt -size 6000 6000 -output ref/o.png").ok();
     fs::copy(folder.path().join("ref/o.png"), folder.path().join("class/anna/o.png")).unwrap();
