@@ -157,7 +157,7 @@ impl Column {
     /// Compares what was handed in with the reference, one picture after the other. The first error ends it.
     ///
     /// `explain` is given the pictures that differ, without repetitions, and returns a cause for each that has one. It is
-    /// called for [`AT_ONCE`] bytes of pictures at a time, which are dropped afterwards, and not at all if all are equal.
+    /// called for 64 MiB of pictures at a time, which are dropped afterwards, and not at all if all are equal.
     pub fn graded<E>(
         picture: String,
         reference: &Picture,

@@ -94,7 +94,7 @@ impl Table {
         Score::of(self.columns.iter().flat_map(|column| &column.cells))
     }
 
-    /// Says how many of the failed pictures pass with [`USUAL_TOLERANCE`], if any does.
+    /// Says how many of the failed pictures pass with the usual tolerance of one level and 50 pixels, if any does.
     pub fn tolerance_hint(&self) -> Option<String> {
         let cells = || self.columns.iter().flat_map(|column| &column.cells);
         let passes = |cell: &&Cell| match cell {
