@@ -34,6 +34,7 @@ use std::sync::Arc;
 
 pub use placement::{Placement, placements};
 pub use resting_lights::RestingPlace;
+#[cfg(feature = "fast")]
 pub(crate) use surface::LEAST_PART;
 pub use surface::SurfacePoint;
 
