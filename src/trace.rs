@@ -97,7 +97,7 @@ impl<R: Rules> Tracer<'_, R> {
         self.color_with(&mut vec![], &mut Patience::endless(), ray, surface, observer)
     }
 
-    /// The same, as far as the patience lasts.
+    /// Returns the colour, but stops following secondary rays when the patience ends.
     ///
     /// Secondary rays wait on a stack, `pending`, instead of being traced by a function that calls itself, so that the
     /// number of bounces is limited by nothing but memory. It is empty before and afterwards, and has its memory for the

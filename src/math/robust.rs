@@ -60,7 +60,7 @@ pub fn transformed(map: &DAffine3, point: DVec3) -> DVec3 {
     DVec3::from_array(transformed_precisely(map, point.to_array().map(Dd::from)).map(Dd::value))
 }
 
-/// The same in double-double arithmetic.
+/// Computes it in double-double arithmetic.
 pub fn transformed_precisely(map: &DAffine3, point: [Dd; 3]) -> [Dd; 3] {
     let rows = map.matrix3.transpose();
     let coordinate = |row: DVec3, offset: f64| dot(row.to_array().map(Dd::from), point) + offset.into();

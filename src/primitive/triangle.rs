@@ -54,7 +54,7 @@ pub(crate) fn largest_coordinate<N: Number>([a, b, c]: [Vector<N>; 3]) -> N {
     x.max(y).max(z)
 }
 
-/// The same as [`point`] in any number of lanes.
+/// Computes [`point`] in any number of lanes.
 #[inline(always)]
 pub(crate) fn interpolated<N: Number>([a, b, c]: [Vector<N>; 3], [u, v, w]: [N; 3]) -> Vector<N> {
     (a * u + b * v + c * w) / (u + v + w)
