@@ -3,7 +3,7 @@
 use super::painter::{Painted, Subject, Unpainted};
 use crate::caster::choose::Structure;
 use crate::cli::Output;
-use crate::distinct_files::{ReadAs, SameFile, WrittenFiles};
+use crate::distinct_files::{SameFile, Written, check_distinct};
 use crate::escape::quoted;
 use crate::image_io::{CompleteFile, Content, ImageError, OutputFile, put_in_place};
 use crate::render::{Layer, Request, Tracing};
@@ -36,17 +36,16 @@ pub fn save(
 
 /// An error if two pictures go to one file, or if one goes to a file that is read.
 fn check(subject: &Subject, outputs: &[Output], compared: &[PathBuf]) -> Result<(), SameFile> {
-    let files = WrittenFiles::of_saving(outputs)?;
     let renderer = &subject.scene.renderer;
     let scene = &renderer.source.path;
-    files.check_read(ReadAs::Scene, scene)?;
     let folder = scene.parent().unwrap_or(Path::new(""));
     let places = |name| Edition::ALL.into_iter().flat_map(move |edition| mesh_places(name, folder, edition));
-    let mut meshes = renderer.scene.meshes.iter().flat_map(|mesh| places(mesh.name.as_str()));
-    meshes.try_for_each(|mesh| files.check_read(ReadAs::Mesh, &mesh))?;
-    let mut images = renderer.scene.images.iter().flat_map(|image| places(image.name.as_str()));
-    images.try_for_each(|image| files.check_read(ReadAs::Picture, &image))?;
-    compared.iter().try_for_each(|picture| files.check_read(ReadAs::Picture, picture))
+    let meshes = renderer.scene.meshes.iter().flat_map(|mesh| places(mesh.name.as_str()));
+    let images = renderer.scene.images.iter().flat_map(|image| places(image.name.as_str()));
+    let pictures = images.chain(compared.iter().cloned()).map(|picture| ("picture", picture));
+    let read =
+        [("scene", scene.clone())].into_iter().chain(meshes.map(|mesh| ("mesh", mesh))).chain(pictures);
+    check_distinct(outputs.iter().map(|output| Written::Named(output.file.clone())), read)
 }
 
 fn complete(subject: &Subject, output: &Output, paint: &mut Paint) -> Result<CompleteFile, String> {

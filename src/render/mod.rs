@@ -4,6 +4,7 @@
 mod delivery;
 pub mod grid_view;
 pub mod layer;
+pub mod renderer;
 mod request;
 mod row;
 mod strip;

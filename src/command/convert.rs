@@ -1,0 +1,21 @@
+//! Writes a picture in another format.
+
+use super::compare::read_picture;
+use super::complete_files::{CompleteFiles, prepare};
+use super::log::Log;
+use super::signals::Signals;
+use super::{End, Outcome, failed};
+use raytracer::cli::Converting;
+use raytracer::distinct_files::{Written, check_distinct};
+
+/// Reads the picture and writes it.
+pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
+    let output = &options.output;
+    check_distinct([Written::Named(output.file.clone())], [("picture", options.picture.clone())])?;
+    let file = prepare(output)?;
+    let picture = read_picture(&options.picture, "converted", log)?;
+    let files = CompleteFiles::default();
+    files.add(file.complete(&picture).map_err(failed)?)?;
+    files.finish(signals)?;
+    Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], options.progress))
+}

@@ -1,0 +1,34 @@
+//! Puts parts of a picture together.
+
+use super::complete_files::{CompleteFiles, prepare};
+use super::progress::{ProgressLine, rows_text};
+use super::signals::Signals;
+use super::{End, Outcome, failed};
+use raytracer::cli::Merging;
+use raytracer::distinct_files::{Written, check_distinct};
+use raytracer::image_io::Merge;
+use std::ops::ControlFlow;
+
+/// Reads the parts and writes the picture.
+pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
+    let output = &options.output;
+    check_distinct(
+        [Written::Named(output.file.clone())],
+        options.parts.iter().map(|part| ("part", part.clone())),
+    )?;
+    let file = prepare(output)?;
+    let merge = Merge::open(&options.parts, options.region).map_err(failed)?;
+    let mut writer = file.begin(merge.size(), merge.part().as_ref()).map_err(failed)?;
+    let progress = ProgressLine::new(options.progress);
+    let watch = |rows| {
+        progress.show(|passed| rows_text("merging", rows, passed));
+        ControlFlow::Continue(())
+    };
+    let merged = merge.write(&mut writer, &watch);
+    progress.end();
+    merged.map_err(failed)?;
+    let files = CompleteFiles::default();
+    files.add(writer.complete().map_err(failed)?)?;
+    files.finish(signals)?;
+    Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], options.progress))
+}
