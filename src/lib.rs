@@ -39,8 +39,6 @@
 
 pub mod base;
 #[doc(hidden)]
-pub mod undisturbed;
-#[doc(hidden)]
 pub mod math;
 pub mod scene;
 pub mod stats;
@@ -69,7 +67,7 @@ pub mod cli;
 pub mod live;
 
 #[doc(hidden)]
-pub use base::{distinct_files, escape, memory, shell, shortcut};
+pub use base::{distinct_files, escape, memory, shell, shortcut, undisturbed};
 #[doc(hidden)]
 pub use render::renderer;
 #[doc(hidden)]

@@ -5,3 +5,4 @@ pub mod escape;
 pub mod memory;
 pub mod shell;
 pub mod shortcut;
+pub mod undisturbed;

@@ -47,8 +47,7 @@ pub fn run(
 ) -> Result<Outcome, End> {
     threads::start(options.threads, options.size[1])?;
 
-    // Load the scene, and the pictures to compare with.
-    let pair = Pair::open(options, log)?;
+    // Load the scene.
     let mut clock = Clock(Instant::now());
     let mut loaded = load_announcing(input, &options.hints(), &|_| ()).map_err(|error| error.to_string())?;
 
@@ -59,6 +58,7 @@ pub fn run(
         log.tell(&format!("note: {note}"));
     }
     let reading = clock.lap();
+    let pair = Pair::open(options, log)?;
 
     // Prepare.
     let mut doubts = warnings::about_scene(&mut loaded, options);

@@ -153,7 +153,7 @@ fn a_refusal_says_how_much_would_be_needed() {
         ("-input one.txt -grid 900 900 900", "error: the grid does not fit into memory"),
         (
             "-input one.txt -size 1 5000 -threads 4096",
-            "error: `-threads`: the system does not start 4095 more",
+            "error: `-threads`: the system does not start the threads: ",
         ),
     ] {
         let message = run_within(&folder, least(&folder) + 1500, line).message(1);
