@@ -24,9 +24,6 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    if let Some(status) = app::page_worker(&argv) {
-        return status;
-    }
     match cli::parse(argv.iter().cloned()) {
         Ok(Command::Help(text) | Command::Version(text)) => {
             report(start, Ok(Outcome { text, written: vec![], passes: true }))

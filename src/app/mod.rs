@@ -18,7 +18,7 @@ mod page;
 mod json;
 pub mod commands;
 
-pub use page::{show as show_page, worker as page_worker};
+pub use page::show as show_page;
 pub use signals::{Interrupted, Signals};
 pub use streams::print;
 

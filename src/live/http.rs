@@ -6,12 +6,11 @@
 //! request, is parsed by `httparse`, the parser of hyper; what is allowed and how long it may take is decided here.
 
 use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
-use std::fmt::Write as _;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// The head of a request. Where a header is absent, so is its value.
+/// The head of a request.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Head {
     pub is_post: bool,
@@ -26,7 +25,7 @@ pub struct Head {
     pub closes: bool,
 }
 
-/// Why a request is not answered: the status, and a line for whoever reads it.
+/// Why a request is not answered: the status, and a line for the reader.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Refusal {
     pub status: u16,
@@ -37,22 +36,35 @@ impl Refusal {
     pub fn new(status: u16, text: impl Into<String>) -> Self {
         Self { status, text: text.into() }
     }
+
+    /// The question is understood, but cannot be answered for this reason.
+    pub fn impossible(reason: impl ToString) -> Self {
+        Self::new(422, reason.to_string())
+    }
 }
 
-/// Reads the requests of one connection.
-pub struct Requests<'s> {
+/// How every answer starts.
+const START: &[u8] = b"HTTP/1.1 ";
+
+/// A connection, on which requests follow each other.
+pub struct Connection<'s> {
     stream: &'s TcpStream,
     /// What has been received and not been used.
     received: Vec<u8>,
+    /// Whether the other side says no more, although it may still listen.
+    is_half_closed: bool,
+    /// How many bytes of the answer have been sent to find out, and when the next one is.
+    probed: usize,
+    next_probe: Instant,
 }
 
-impl<'s> Requests<'s> {
+impl<'s> Connection<'s> {
     pub fn new(stream: &'s TcpStream) -> Self {
-        Self { stream, received: vec![] }
+        Self { stream, received: vec![], is_half_closed: false, probed: 0, next_probe: Instant::now() }
     }
 
-    /// The head of the next request; none if the other side ends the connection before it starts one. All of it must
-    /// arrive before the deadline.
+    /// Returns the head of the next request; none if the other side ends the connection before it starts one. All of it
+    /// must arrive before the deadline.
     pub fn head(&mut self, deadline: Instant) -> io::Result<Option<Result<Head, Refusal>>> {
         loop {
             match parse_head(&self.received) {
@@ -72,7 +84,7 @@ impl<'s> Requests<'s> {
         }
     }
 
-    /// A body of this length, which must arrive before the deadline.
+    /// Returns a body of this length, which must arrive before the deadline.
     pub fn body(&mut self, length: usize, deadline: Instant) -> io::Result<Vec<u8>> {
         while self.received.len() < length {
             if self.receive(length, deadline)? == 0 {
@@ -85,15 +97,10 @@ impl<'s> Requests<'s> {
 
     /// Receives what there is, up to `most` bytes in all, and returns how many more.
     fn receive(&mut self, most: usize, deadline: Instant) -> io::Result<usize> {
-        let left = deadline.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(io::ErrorKind::TimedOut.into());
-        }
-        self.stream.set_read_timeout(Some(left))?;
+        self.stream.set_read_timeout(Some(until(deadline)?))?;
         self.read(most)
     }
 
-    /// Reads once.
     fn read(&mut self, most: usize) -> io::Result<usize> {
         let mut part = [0; 1 << 14];
         let room = most.saturating_sub(self.received.len()).min(part.len());
@@ -103,65 +110,64 @@ impl<'s> Requests<'s> {
         Ok(count)
     }
 
-    /// Looks after the other side while its request is answered.
-    pub fn waiting(&mut self) -> Waiting<'_, 's> {
-        Waiting { requests: self, says_no_more: false, sent: 0, next: Instant::now() }
-    }
-}
-
-/// How every answer starts.
-const START: &[u8] = b"HTTP/1.1 ";
-
-/// Looks whether the other side still waits for its answer.
-///
-/// One that has closed the connection looks at first like one that only says no more. The difference shows when
-/// something is sent: so it gets the first bytes of the answer, which are known, one by one.
-pub struct Waiting<'r, 's> {
-    requests: &'r mut Requests<'s>,
-    says_no_more: bool,
-    /// How many bytes of the answer have been sent, and when the next one is.
-    sent: usize,
-    next: Instant,
-}
-
-impl Waiting<'_, '_> {
-    /// Whether the other side is gone, as far as can be told.
+    /// Returns true if the other side no longer waits for its answer, as far as can be told.
+    ///
+    /// One that has closed the connection looks at first like one that only says no more. The difference shows when
+    /// something is sent: so it gets the first bytes of the answer, which are the same for all, one by one.
     pub fn has_left(&mut self) -> bool {
-        let stream = self.requests.stream;
-        if !self.says_no_more {
-            let found = stream.set_nonblocking(true).and_then(|()| self.requests.read(MAX_HEAD));
-            if stream.set_nonblocking(false).is_err() {
+        if !self.is_half_closed {
+            let found = self.stream.set_nonblocking(true).and_then(|()| self.read(MAX_HEAD));
+            if self.stream.set_nonblocking(false).is_err() {
                 return true;
             }
             match found {
-                // Nobody needs to say more than a head before there is an answer.
-                Ok(0) if self.requests.received.len() >= MAX_HEAD => return true,
-                Ok(0) => (self.says_no_more, self.next) = (true, Instant::now()),
+                // Nothing longer than a head needs to be said before there is an answer.
+                Ok(0) if self.received.len() >= MAX_HEAD => return true,
+                Ok(0) => (self.is_half_closed, self.next_probe) = (true, Instant::now()),
                 Err(error) if error.kind() != io::ErrorKind::WouldBlock => return true,
                 Ok(_) | Err(_) => return false,
             }
         }
-        if matches!(stream.take_error(), Ok(Some(_)) | Err(_)) {
+        if matches!(self.stream.take_error(), Ok(Some(_)) | Err(_)) {
             return true;
         }
-        if self.sent < START.len() && Instant::now() >= self.next {
-            let mut stream = stream;
-            if stream.write_all(&START[self.sent..=self.sent]).is_err() {
+        if self.probed < START.len() && Instant::now() >= self.next_probe {
+            let mut stream = self.stream;
+            if stream.write_all(&START[self.probed..=self.probed]).is_err() {
                 return true;
             }
-            self.sent += 1;
-            self.next += Duration::from_millis(250) * (1 << self.sent);
+            self.probed += 1;
+            self.next_probe += Duration::from_millis(250) * (1 << self.probed);
         }
         false
     }
 
-    /// How many bytes of the answer have been sent.
-    pub fn sent(&self) -> usize {
-        self.sent
+    /// Sends an answer. The other side may take a while to receive it, but not for ever.
+    pub fn send(&mut self, answer: &Answer, closes: bool) -> io::Result<()> {
+        let deadline = Instant::now() + SEND_TIME;
+        let head = answer.head(closes);
+        let sent = std::mem::take(&mut self.probed);
+        self.write(&head.as_bytes()[sent..], deadline)?;
+        self.write(&answer.body, deadline)
+    }
+
+    fn write(&self, mut rest: &[u8], deadline: Instant) -> io::Result<()> {
+        let mut stream = self.stream;
+        while !rest.is_empty() {
+            stream.set_write_timeout(Some(until(deadline)?))?;
+            rest = &rest[stream.write(rest)?..];
+        }
+        Ok(())
     }
 }
 
-/// The head at the start of these bytes and its length; none if it is not complete.
+/// Returns the time until a deadline; an error if it is over.
+fn until(deadline: Instant) -> io::Result<Duration> {
+    let left = deadline.saturating_duration_since(Instant::now());
+    if left.is_zero() { Err(io::ErrorKind::TimedOut.into()) } else { Ok(left) }
+}
+
+/// Parses the head at the start of these bytes, and returns its length, too; none if it is not complete.
 fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Refusal> {
     let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
     let mut request = httparse::Request::new(&mut headers);
@@ -196,9 +202,9 @@ impl Head {
             Some(_) => Err(Refusal::new(400, "a header is given twice")),
         };
         match header.name.to_ascii_lowercase().as_str() {
-            "host" => once(&mut self.host),
-            "origin" => once(&mut self.origin),
-            "x-key" => once(&mut self.key),
+            "host" => once(&mut self.host)?,
+            "origin" => once(&mut self.origin)?,
+            "x-key" => once(&mut self.key)?,
             "content-length" => {
                 let text = value()?;
                 let digits = text.bytes().all(|byte| byte.is_ascii_digit());
@@ -206,15 +212,12 @@ impl Head {
                     Ok(length) if digits && self.length.is_none() => self.length = Some(length),
                     _ => return Err(Refusal::new(400, "the length of the body is unclear")),
                 }
-                Ok(())
             }
-            "transfer-encoding" => Err(Refusal::new(411, "the length of the body must be given")),
-            "connection" => {
-                self.closes |= value()?.to_ascii_lowercase().contains("close");
-                Ok(())
-            }
-            _ => Ok(()),
+            "transfer-encoding" => return Err(Refusal::new(411, "the length of the body must be given")),
+            "connection" => self.closes |= value()?.to_ascii_lowercase().contains("close"),
+            _ => {}
         }
+        Ok(())
     }
 }
 
@@ -223,51 +226,36 @@ impl Head {
 pub struct Answer {
     pub status: u16,
     pub content_type: &'static str,
-    /// The content security policy, if it is a page.
-    pub policy: Option<String>,
+    /// The content security policy.
+    pub policy: String,
     pub body: Vec<u8>,
 }
 
 impl Answer {
-    /// A text.
+    fn new(status: u16, content_type: &'static str, body: Vec<u8>) -> Self {
+        Self { status, content_type, policy: "default-src 'none'; frame-ancestors 'none'".into(), body }
+    }
+
     pub fn text(status: u16, text: &str) -> Self {
-        let body = format!("{text}\n").into_bytes();
-        Self { status, content_type: "text/plain; charset=utf-8", policy: None, body }
+        Self::new(status, "text/plain; charset=utf-8", format!("{text}\n").into_bytes())
     }
 
-    /// Numbers and pixels that the page's script reads.
+    /// Returns an answer of numbers and pixels, which the page's script reads.
     pub fn bytes(body: Vec<u8>) -> Self {
-        Self { status: 200, content_type: "application/octet-stream", policy: None, body }
+        Self::new(200, "application/octet-stream", body)
     }
 
-    /// Sends it from this byte on. The other side may take a while to receive it, but not for ever.
-    pub fn send(&self, mut stream: &TcpStream, closes: bool, from: usize) -> io::Result<()> {
-        let deadline = Instant::now() + SEND_TIME;
-        let mut head = format!(
-            "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n",
-            self.status,
-            reason(self.status),
-            self.content_type,
-            self.body.len()
-        );
-        let policy = self.policy.as_deref().unwrap_or("default-src 'none'; frame-ancestors 'none'");
-        let _ = write!(head, "Content-Security-Policy: {policy}\r\n");
-        head += "X-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\nReferrer-Policy: no-referrer\r\n\
-                 Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: same-origin\r\n\
-                 Cache-Control: no-store\r\n";
-        head += if closes { "Connection: close\r\n\r\n" } else { "\r\n" };
-        let mut message = head.into_bytes();
-        message.extend_from_slice(&self.body);
-        let mut rest = &message[from..];
-        while !rest.is_empty() {
-            let left = deadline.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return Err(io::ErrorKind::TimedOut.into());
-            }
-            stream.set_write_timeout(Some(left))?;
-            rest = &rest[stream.write(rest)?..];
-        }
-        Ok(())
+    fn head(&self, closes: bool) -> String {
+        let Self { status, content_type, policy, body } = self;
+        format!(
+            "HTTP/1.1 {status} {}\r\nContent-Type: {content_type}\r\nContent-Length: {}\r\n\
+             Content-Security-Policy: {policy}\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n\
+             Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
+             Cross-Origin-Opener-Policy: same-origin\r\nCache-Control: no-store\r\n{}\r\n",
+            reason(*status),
+            body.len(),
+            if closes { "Connection: close\r\n" } else { "" },
+        )
     }
 }
 
@@ -285,7 +273,6 @@ fn reason(status: u16) -> &'static str {
         404 => "Not Found",
         405 => "Method Not Allowed",
         408 => "Request Timeout",
-        409 => "Conflict",
         410 => "Gone",
         411 => "Length Required",
         413 => "Content Too Large",

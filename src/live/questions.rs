@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 /// A view of a scene, as the controls and the hand have set it.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Debug, Deserialize)]
 pub struct PageView {
     /// The scene's revision.
     pub scene: u64,
@@ -14,26 +14,20 @@ pub struct PageView {
     pub words: Vec<String>,
     /// The camera's block of scene text; none for the scene's own.
     pub camera: Option<String>,
-    /// What is shown.
     pub show: Show,
 }
 
-/// What a picture shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+/// What a picture shows: colours, or what each pixel costs.
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Show {
-    /// Colours.
     Color,
-    /// What each pixel costs, in rays.
     Rays,
-    /// In tests.
     Tests,
-    /// In cells of the grid.
     Cells,
 }
 
 impl Show {
-    /// The cost that is shown, if it is one.
     pub fn cost(self) -> Option<Cost> {
         match self {
             Self::Color => None,
@@ -45,7 +39,7 @@ impl Show {
 }
 
 /// A picture.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Debug, Deserialize)]
 pub struct Wanted {
     pub view: PageView,
     /// Width and height in pixels of a sketch with one ray through each centre, in place of the whole picture.
@@ -53,7 +47,7 @@ pub struct Wanted {
 }
 
 /// A scene's text, in place of the one on the page.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Debug, Deserialize)]
 pub struct Edited {
     pub text: String,
     /// The flags, which may name the edition in which it is read.
@@ -62,37 +56,22 @@ pub struct Edited {
 }
 
 /// The pixel whose rays are traced, by column and row from the top left.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Debug, Deserialize)]
 pub struct TracedPixel {
     pub view: PageView,
     pub pixel: [usize; 2],
 }
 
-/// What any question says about whom it comes from, and what for. Of the questions of one page, those with a lower turn
-/// are overtaken.
-#[derive(Clone, Debug, Default, Deserialize)]
+/// Where a question comes from. It overtakes those of the same page and kind with a lower turn.
+#[derive(Debug, Default, Deserialize)]
 pub struct Asked {
     /// A random number of the page.
     pub page: Option<u64>,
     /// Grows with each picture.
     pub turn: Option<u64>,
-    scene: Option<u64>,
-    view: Option<OfScene>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-struct OfScene {
-    scene: u64,
-}
-
-impl Asked {
-    /// The revision of the scene that the question is about; 0 is the command line's.
-    pub fn scene(&self) -> u64 {
-        self.scene.or(self.view.as_ref().map(|view| view.scene)).unwrap_or(0)
-    }
-}
-
-/// A question in the body of a request.
+/// Reads the question in the body of a request.
 pub fn understood<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Refusal> {
     serde_json::from_slice(body).map_err(|error| Refusal::new(400, format!("not a question: {error}")))
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 /// The most that a picture may ask for: what the command line asks for, or the limits of any page.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Most {
-    side: usize,
+    pub side: usize,
     samples: u32,
     bounces: u32,
     support: usize,
@@ -20,10 +20,10 @@ pub struct Most {
 }
 
 impl Most {
-    /// The limits for pages of this command line.
-    pub fn of(line: &Options) -> Self {
+    /// The limits for pages of this command line, which compares with a picture of this size.
+    pub fn of(line: &Options, compared: [usize; 2]) -> Self {
         Self {
-            side: line.request().size.into_iter().fold(MAX_SIDE, usize::max),
+            side: line.request().size.into_iter().chain(compared).fold(MAX_SIDE, usize::max),
             samples: samples(line).max(MAX_SAMPLES),
             bounces: line.effects.bounces.max(MAX_BOUNCES),
             support: line.filter.support().max(MAX_SUPPORT),
@@ -31,8 +31,8 @@ impl Most {
         }
     }
 
-    /// What these flags ask for. Errors: the message of the command line's parser, a flag that a page cannot give, or
-    /// more than the limits allow.
+    /// Returns what these flags ask for. Errors: the message of the command line's parser, a flag that a page cannot
+    /// give, or more than the limits allow.
     pub fn options(&self, words: &[String]) -> Result<Options, String> {
         let line = ["raytracer", "-input", "scene.txt"].into_iter().chain(words.iter().map(String::as_str));
         let options = match cli::parse(line.map(OsString::from)) {
@@ -67,24 +67,20 @@ fn cells(options: &Options) -> usize {
     }
 }
 
-/// Whether the options do nothing but shape a picture: no file is named, and nothing else is asked for.
+/// Returns true if the options do nothing but shape a picture: no file is named, and nothing else is asked for.
 fn shapes_a_picture(options: &Options) -> bool {
-    let Options { outputs, region, comparison, stats, strict, json, pixel, preview, page, threads, .. } =
-        options;
-    outputs.is_empty()
-        && region.is_none()
-        && !strict
-        && comparison.is_none()
-        && !stats
-        && json.is_none()
-        && pixel.is_none()
-        && !preview
-        && page.is_none()
-        && threads.is_none()
-        && options.progress == ShowProgress::OnTerminal
+    let does_more = options.stats || options.strict || options.preview;
+    let has_value = options.region.is_some()
+        || options.repeat.is_some()
+        || options.comparison.is_some()
+        || options.json.is_some()
+        || options.pixel.is_some()
+        || options.page.is_some()
+        || options.threads.is_some();
+    !does_more && !has_value && options.outputs.is_empty() && options.progress == ShowProgress::OnTerminal
 }
 
-/// The command line that writes a picture.
+/// Returns the command line that writes a picture.
 pub fn command_line(input: &Path, words: &[String], cost: Option<Cost>, output: Option<&Path>) -> String {
     let name = |path: &Path| path.to_string_lossy().into_owned();
     let output = output.map_or("picture.png".into(), name);
@@ -118,7 +114,7 @@ mod tests {
 
     #[test]
     fn flags_that_shape_a_picture_are_understood() {
-        let most = Most::of(&line(""));
+        let most = Most::of(&line(""), [0; 2]);
         for flags in [
             "",
             "-size 7 9 -shadows -shade_back -bounces 3 -weight .1 -grid auto -visualize_grid",
@@ -134,7 +130,7 @@ mod tests {
 
     #[test]
     fn no_flag_reaches_a_file_or_starts_anything_else() {
-        let most = Most::of(&line(""));
+        let most = Most::of(&line(""), [0; 2]);
         for flags in [
             "-output a.png",
             "-depth 1 2 a.png",
@@ -150,6 +146,7 @@ mod tests {
             "-gui -port 80",
             "-gouraud",
             "-threads 4096",
+            "-repeat 3",
             "-region 0 0 1 1",
             "-strict",
             "-progress",
@@ -169,8 +166,8 @@ mod tests {
     fn the_limits_are_those_of_the_page_or_of_the_line() {
         let message = "-bounces: 17 is more than this page allows, 16";
         let too_much = words("-bounces 17");
-        assert_eq!(Most::of(&line("")).options(&too_much), Err(message.into()));
-        assert!(Most::of(&line("-bounces 17")).options(&too_much).is_ok());
+        assert_eq!(Most::of(&line(""), [0; 2]).options(&too_much), Err(message.into()));
+        assert!(Most::of(&line("-bounces 17"), [0; 2]).options(&too_much).is_ok());
         for flags in [
             "-size 4 2049",
             "-random_samples 1025",
@@ -179,7 +176,7 @@ mod tests {
             "-size 70000 1",
             "-bounces x",
         ] {
-            assert!(Most::of(&line("")).options(&words(flags)).is_err(), "{flags}");
+            assert!(Most::of(&line(""), [0; 2]).options(&words(flags)).is_err(), "{flags}");
         }
     }
 

@@ -192,7 +192,9 @@ impl RayNode {
     /// About the number of lines that tell of this ray and of its rays towards the lights.
     pub(super) fn lines(&self) -> usize {
         let lights = self.surface.iter().flat_map(|surface| &surface.lights);
-        1 + lights.map(|light| 1 + light.shadow.as_ref().map_or(0, |shadow| shadow.crossed.len())).sum::<usize>()
+        1 + lights
+            .map(|light| 1 + light.shadow.as_ref().map_or(0, |shadow| shadow.crossed.len()))
+            .sum::<usize>()
     }
 }
 
