@@ -1,6 +1,6 @@
 //! Who is let in: a request with the key that comes from the page itself, under a name of this machine.
 
-use super::http::{Head, Refusal};
+use super::http::{Answer, Head};
 use subtle::ConstantTimeEq;
 
 /// The number of random bits in the key.
@@ -27,19 +27,19 @@ impl Key {
     /// A page of another origin can send requests here, and a name of its own can be made to resolve to this machine
     /// (DNS rebinding). The first has another `Origin`, the second another `Host`. Ports are not compared, since a tunnel
     /// may have another one at its end.
-    pub fn admit(&self, head: &Head) -> Result<(), Refusal> {
-        let host = head.host.as_deref().ok_or_else(|| Refusal::new(400, "the request names no host"))?;
+    pub fn admit(&self, head: &Head) -> Result<(), Answer> {
+        let host = head.host.as_deref().ok_or_else(|| Answer::text(400, "the request names no host"))?;
         if !is_this_machine(host) {
-            return Err(Refusal::new(403, "this page is served to this machine only"));
+            return Err(Answer::text(403, "this page is served to this machine only"));
         }
         if head.origin.as_ref().is_some_and(|origin| origin.strip_prefix("http://") != Some(host)) {
-            return Err(Refusal::new(403, "another page cannot use this one"));
+            return Err(Answer::text(403, "another page cannot use this one"));
         }
         // A form of another page can post to an address that it guesses, but cannot set a header.
         let in_query = head.query.strip_prefix("key=").filter(|_| !head.is_post);
         match head.key.as_deref().or(in_query) {
             Some(given) if self.is(given) => Ok(()),
-            _ => Err(Refusal::new(403, "open the address that the program prints: it has the key")),
+            _ => Err(Answer::text(403, "open the address that the program prints: it has the key")),
         }
     }
 }

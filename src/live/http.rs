@@ -6,6 +6,9 @@
 //! request, is parsed by `httparse`, the parser of hyper; what is allowed and how long it may take is decided here.
 
 use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
+use serde_json::Value;
+use std::error::Error;
+use std::fmt::Display;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -23,24 +26,6 @@ pub struct Head {
     /// The length of the body.
     pub length: Option<usize>,
     pub closes: bool,
-}
-
-/// Why a request is not answered: the status, and a line for the reader.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Refusal {
-    pub status: u16,
-    pub text: String,
-}
-
-impl Refusal {
-    pub fn new(status: u16, text: impl Into<String>) -> Self {
-        Self { status, text: text.into() }
-    }
-
-    /// The question is understood, but cannot be answered for this reason.
-    pub fn impossible(reason: impl ToString) -> Self {
-        Self::new(422, reason.to_string())
-    }
 }
 
 /// How every answer starts.
@@ -65,7 +50,7 @@ impl<'s> Connection<'s> {
 
     /// Returns the head of the next request; none if the other side ends the connection before it starts one. All of it
     /// must arrive before the deadline.
-    pub fn head(&mut self, deadline: Instant) -> io::Result<Option<Result<Head, Refusal>>> {
+    pub fn head(&mut self, deadline: Instant) -> io::Result<Option<Result<Head, Answer>>> {
         loop {
             match parse_head(&self.received) {
                 Ok(Some((head, length))) => {
@@ -73,10 +58,10 @@ impl<'s> Connection<'s> {
                     return Ok(Some(Ok(head)));
                 }
                 Ok(None) if self.received.len() >= MAX_HEAD => {
-                    return Ok(Some(Err(Refusal::new(431, "the head of the request is too long"))));
+                    return Ok(Some(Err(Answer::text(431, "the head of the request is too long"))));
                 }
                 Ok(None) => {}
-                Err(refusal) => return Ok(Some(Err(refusal))),
+                Err(answer) => return Ok(Some(Err(answer))),
             }
             if self.receive(MAX_HEAD, deadline)? == 0 {
                 return Ok(None);
@@ -168,61 +153,58 @@ fn until(deadline: Instant) -> io::Result<Duration> {
 }
 
 /// Parses the head at the start of these bytes, and returns its length, too; none if it is not complete.
-fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Refusal> {
+fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
     let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
     let mut request = httparse::Request::new(&mut headers);
     let length = match request.parse(bytes) {
         Ok(httparse::Status::Complete(length)) => length,
         Ok(httparse::Status::Partial) => return Ok(None),
-        Err(httparse::Error::TooManyHeaders) => return Err(Refusal::new(431, "too many headers")),
-        Err(error) => return Err(Refusal::new(400, format!("not a request: {error}"))),
+        Err(httparse::Error::TooManyHeaders) => return Err(Answer::text(431, "too many headers")),
+        Err(error) => return Err(Answer::text(400, &format!("not a request: {error}"))),
     };
     let is_post = match request.method {
         Some("GET") => false,
         Some("POST") => true,
-        _ => return Err(Refusal::new(405, "only GET and POST")),
+        _ => return Err(Answer::text(405, "only GET and POST")),
     };
     let target = request.path.unwrap_or_default();
     let (path, query) = target.split_once('?').unwrap_or((target, ""));
-    let mut head = Head { is_post, path: path.into(), query: query.into(), ..Head::default() };
-    head.closes = request.version == Some(0);
-    request.headers.iter().try_for_each(|header| head.add(header))?;
+    let header = |name| header(request.headers, name);
+    if header("transfer-encoding")?.is_some() {
+        return Err(Answer::text(411, "the length of the body must be given"));
+    }
+    let unclear = || Answer::text(400, "the length of the body is unclear");
+    let number = |text: String| match text.bytes().all(|byte| byte.is_ascii_digit()) {
+        true => text.parse().map_err(|_| unclear()),
+        false => Err(unclear()),
+    };
+    let is_close = |text: String| text.to_ascii_lowercase().contains("close");
+    let head = Head {
+        is_post,
+        path: path.into(),
+        query: query.into(),
+        host: header("host")?,
+        origin: header("origin")?,
+        key: header("x-key")?,
+        length: header("content-length")?.map(number).transpose()?,
+        closes: request.version == Some(0) || header("connection")?.is_some_and(is_close),
+    };
     Ok(Some((head, length)))
 }
 
-impl Head {
-    /// Takes a header that means something here. One that could be read in two ways is refused.
-    fn add(&mut self, header: &httparse::Header) -> Result<(), Refusal> {
-        let value = || match std::str::from_utf8(header.value) {
-            Ok(text) => Ok(text.trim().to_owned()),
-            Err(_) => Err(Refusal::new(400, "a header is not text")),
-        };
-        let once = |place: &mut Option<String>| match place.replace(value()?) {
-            None => Ok(()),
-            Some(_) => Err(Refusal::new(400, "a header is given twice")),
-        };
-        match header.name.to_ascii_lowercase().as_str() {
-            "host" => once(&mut self.host)?,
-            "origin" => once(&mut self.origin)?,
-            "x-key" => once(&mut self.key)?,
-            "content-length" => {
-                let text = value()?;
-                let digits = text.bytes().all(|byte| byte.is_ascii_digit());
-                match text.parse() {
-                    Ok(length) if digits && self.length.is_none() => self.length = Some(length),
-                    _ => return Err(Refusal::new(400, "the length of the body is unclear")),
-                }
-            }
-            "transfer-encoding" => return Err(Refusal::new(411, "the length of the body must be given")),
-            "connection" => self.closes |= value()?.to_ascii_lowercase().contains("close"),
-            _ => {}
-        }
-        Ok(())
+/// Returns a header that means something here. One that could be read in two ways is refused.
+fn header(headers: &[httparse::Header], name: &str) -> Result<Option<String>, Answer> {
+    let mut found = headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
+    let (Some(header), second) = (found.next(), found.next()) else { return Ok(None) };
+    match std::str::from_utf8(header.value) {
+        Ok(text) if second.is_none() => Ok(Some(text.trim().to_owned())),
+        Ok(_) => Err(Answer::text(400, &format!("the header `{name}` is given twice"))),
+        Err(_) => Err(Answer::text(400, &format!("the header `{name}` is not text"))),
     }
 }
 
-/// What is sent back.
-#[derive(Debug)]
+/// What is sent back: what was asked for, or why it is refused.
+#[derive(Debug, PartialEq, Eq)]
 pub struct Answer {
     pub status: u16,
     pub content_type: &'static str,
@@ -240,8 +222,17 @@ impl Answer {
         Self::new(status, "text/plain; charset=utf-8", format!("{text}\n").into_bytes())
     }
 
-    /// Returns an answer of numbers and pixels, which the page's script reads.
-    pub fn bytes(body: Vec<u8>) -> Self {
+    /// The question is understood, but cannot be answered for this reason.
+    pub fn impossible(reason: impl Display) -> Self {
+        Self::text(422, &reason.to_string())
+    }
+
+    /// Returns a description in JSON and the bytes that it describes, for the page's script: the length of the first as
+    /// four bytes, the lowest one first, and then both.
+    pub fn described(meta: &Value, parts: &[&[u8]]) -> Self {
+        let meta = meta.to_string().into_bytes();
+        let length = (meta.len() as u32).to_le_bytes();
+        let body = [&length[..], &meta].iter().chain(parts).copied().collect::<Vec<_>>().concat();
         Self::new(200, "application/octet-stream", body)
     }
 
@@ -252,33 +243,16 @@ impl Answer {
              Content-Security-Policy: {policy}\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n\
              Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
              Cross-Origin-Opener-Policy: same-origin\r\nCache-Control: no-store\r\n{}\r\n",
-            reason(*status),
+            if *status == 200 { "OK" } else { "Refused" },
             body.len(),
             if closes { "Connection: close\r\n" } else { "" },
         )
     }
 }
 
-impl From<Refusal> for Answer {
-    fn from(refusal: Refusal) -> Self {
-        Self::text(refusal.status, &refusal.text)
-    }
-}
-
-fn reason(status: u16) -> &'static str {
-    match status {
-        200 => "OK",
-        400 => "Bad Request",
-        403 => "Forbidden",
-        404 => "Not Found",
-        405 => "Method Not Allowed",
-        408 => "Request Timeout",
-        410 => "Gone",
-        411 => "Length Required",
-        413 => "Content Too Large",
-        422 => "Unprocessable Content",
-        431 => "Request Header Fields Too Large",
-        _ => "Service Unavailable",
+impl<E: Error> From<E> for Answer {
+    fn from(error: E) -> Self {
+        Self::impossible(error)
     }
 }
 
@@ -287,7 +261,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Option<Head>, u16> {
-        parse_head(text.as_bytes()).map(|found| found.map(|(head, _)| head)).map_err(|refusal| refusal.status)
+        parse_head(text.as_bytes()).map(|found| found.map(|(head, _)| head)).map_err(|answer| answer.status)
     }
 
     #[test]

@@ -29,6 +29,9 @@ pub const MAX_PLACES: usize = 5;
 /// The bytes that these take together. One that takes more by itself is worked on alone.
 pub const MAX_BYTES: u64 = 600_000_000;
 
+/// Longer than anybody waits for the scene of the command line.
+pub const FOREVER: Duration = Duration::from_secs(1 << 30);
+
 /// How long the answer to a question may take, with the time for which it waits for others.
 pub fn answer_time(path: &str) -> Duration {
     Duration::from_secs(match path {
@@ -39,17 +42,10 @@ pub fn answer_time(path: &str) -> Duration {
     })
 }
 
-/// The longer side of a picture in pixels, and the limits below, unless the command line itself asks for more.
+/// The longer side of a picture in pixels, unless the command line itself asks for more; `settings` has limits of this
+/// kind that are not needed elsewhere.
 pub const MAX_SIDE: usize = 2048;
-/// Samples of a pixel.
-pub const MAX_SAMPLES: u32 = 1024;
-/// Reflections and refractions: each may double the rays.
-pub const MAX_BOUNCES: u32 = 16;
-/// Pixels that a filter reaches.
-pub const MAX_SUPPORT: usize = 16;
-/// Cells of a grid.
-pub const MAX_CELLS: usize = 1 << 21;
-/// Primitives in the cells of such a grid, each counted once for each cell: building it takes less than a second.
+/// Primitives in the cells of a grid, each counted once for each cell: building it takes less than a second.
 pub const MAX_REFERENCES: u64 = 1 << 22;
 /// Camera rays of a picture for whose difference a cause is looked for: the search renders it some fifty times.
 pub const MAX_CAUSE_RAYS: usize = 1 << 22;

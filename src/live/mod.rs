@@ -14,7 +14,6 @@ mod http;
 mod limits;
 mod objects;
 mod painter;
-mod questions;
 mod queue;
 mod rays;
 mod saving;

@@ -3,6 +3,7 @@
 use crate::render::Request;
 use crate::renderer::Prepared;
 use crate::scene::Camera;
+use crate::scene::error::SceneError;
 use crate::stats::Quiet;
 use crate::tools::explain::{Objects, Stop};
 use glam::DVec2;
@@ -28,14 +29,14 @@ pub struct ObjectMap {
 }
 
 impl ObjectMap {
-    /// For a picture of this size; an error is a line. Incomplete where it is stopped.
+    /// For a picture of this size. Incomplete where it is stopped.
     pub fn new(
         prepared: &Prepared,
         camera: Option<Camera>,
         [width, height]: [usize; 2],
         stop: &Stop,
-    ) -> Result<Self, String> {
-        let objects = Objects::new(prepared.renderer()).map_err(|error| error.to_string())?;
+    ) -> Result<Self, SceneError> {
+        let objects = Objects::new(prepared.renderer())?;
         let view = prepared.camera(&Request { camera, ..Request::new([width, height]) });
         // Every ray is cast, also where a picture would be rasterized.
         let seen = |pixel: usize| {
@@ -69,7 +70,7 @@ mod tests {
     use crate::render::Tracing;
     use crate::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
-    use crate::scene::error::{Problem, SceneError};
+    use crate::scene::error::Problem;
     use crate::scene::texels::ImageFile;
     use crate::scene_io::{Hints, Readers, Source, load_text};
     use std::time::{Duration, Instant};

@@ -1,6 +1,6 @@
 //! Paints pictures. Scenes stay prepared, so that the next picture of them starts at once.
 
-use super::http::Refusal;
+use super::http::Answer;
 use super::limits::*;
 use super::scenes::OpenScene;
 use crate::caster::choose::{Rays, Resolution, Structure};
@@ -76,21 +76,24 @@ self_cell! {
 }
 
 /// What a scene is prepared for.
-#[derive(Clone, Copy, PartialEq)]
-struct Purpose {
-    revision: u64,
-    structure: Structure,
-    shows_cells: bool,
-    counts: bool,
-    /// The camera's rays, where the picture depends on how many there are.
-    rays: Option<usize>,
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// To show it, or the cells of its grid.
+    Picture,
+    /// To cast single rays through its structure, or to count the work, too.
+    Rays,
+    CountedRays,
 }
+
+/// What a preparation depends on: the scene's revision, its structure, whether cells are drawn and work is counted, and
+/// the camera's rays where their number matters.
+type Preparation = (u64, Structure, bool, bool, Option<usize>);
 
 pub struct Painter {
     /// The structure that the command line asks for, whatever it takes.
     own: Structure,
     /// The last scenes that were prepared, the newest first.
-    ready: Mutex<Vec<(Purpose, Arc<Ready>)>>,
+    ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
 }
 
 impl Painter {
@@ -101,13 +104,14 @@ impl Painter {
     /// Forgets typed scenes that were closed.
     pub fn forget(&self, is_open: impl Fn(u64) -> bool) {
         let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
-        ready.retain(|(purpose, _)| is_open(purpose.revision));
+        ready.retain(|((revision, ..), _)| is_open(*revision));
     }
 
     /// Paints a picture of the scene, unless it is stopped.
-    pub fn paint(&self, subject: &Subject, stop: &Stop) -> Result<Painted, Refusal> {
+    pub fn paint(&self, subject: &Subject, stop: &Stop) -> Result<Painted, Answer> {
         let start = Instant::now();
-        let ready = self.ready(subject, subject.cost.is_some())?;
+        let purpose = if subject.cost.is_some() { Purpose::CountedRays } else { Purpose::Picture };
+        let ready = self.ready(subject, purpose)?;
         let request = subject.request(subject.cost.map_or(Layer::Color, Layer::Cost));
         let [width, height] = request.layer_size(&Layer::Color);
         let (mut bytes, mut counts, mut nans) = (vec![], vec![], 0);
@@ -123,37 +127,38 @@ impl Painter {
         };
         let watch = |progress: Progress| stop.watch(progress);
         let prepared = ready.borrow_dependent();
-        prepared.render_rows(&request, &watch, &mut take_row).map_err(Refusal::impossible)?;
+        prepared.render_rows(&request, &watch, &mut take_row)?;
         let costs = subject.cost.map(|cost| CostReport {
             map: CostMap { cost, size: request.size, counts },
             cells: prepared.fullness(FULLEST),
         });
         let picture = match &costs {
-            Some(report) => report.map.draw().map_err(Refusal::impossible)?,
+            Some(report) => report.map.draw()?,
             None => Picture::from_rgb(width as u32, height as u32, bytes),
         };
         Ok(Painted { picture, costs, nans, time: start.elapsed() })
     }
 
-    /// Prepares the scene of a picture to be traced fast or counted, unless it is prepared already.
-    pub fn ready(&self, subject: &Subject, counts: bool) -> Result<Arc<Ready>, Refusal> {
-        let Options { structure, visualize_grid: shows_cells, .. } = subject.options;
-        let revision = subject.scene.revision;
-        let whole = Request { layers: vec![Layer::Color], ..subject.options.request() };
+    /// Prepares the scene of a picture, unless it is prepared already.
+    pub fn ready(&self, subject: &Subject, purpose: Purpose) -> Result<Arc<Ready>, Answer> {
+        let Subject { scene, options, .. } = subject;
+        let (structure, counts) = (options.structure, purpose == Purpose::CountedRays);
+        let shows_cells = purpose == Purpose::Picture && options.visualize_grid;
+        let whole = Request { layers: vec![Layer::Color], ..options.request() };
         let rays = (counts || shows_cells).then(|| whole.camera_rays());
-        let purpose = Purpose { revision, structure, shows_cells, counts, rays };
+        let preparation = (scene.revision, structure, shows_cells, counts, rays);
         let known = || self.ready.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, ready)) = known().iter().find(|(known, _)| *known == purpose) {
+        if let Some((_, ready)) = known().iter().find(|(known, _)| *known == preparation) {
             return Ok(ready.clone());
         }
         // Others need not wait meanwhile. The same may be prepared twice.
-        let may_be_large = revision == 0 && structure == self.own;
-        let scene = subject.scene.clone();
-        let ready = Ready::try_new(scene, |scene| prepare(&scene.renderer, purpose, &whole, may_be_large))?;
-        let ready = Arc::new(ready);
+        let may_be_large = scene.revision == 0 && structure == self.own;
+        let ready = Arc::new(Ready::try_new(scene.clone(), |scene| {
+            prepare(&scene.renderer, preparation, &whole, may_be_large)
+        })?);
         let mut all = known();
-        all.insert(0, (purpose, ready.clone()));
-        let is_full = |all: &[(Purpose, Arc<Ready>)]| {
+        all.insert(0, (preparation, ready.clone()));
+        let is_full = |all: &[(Preparation, Arc<Ready>)]| {
             let primitives: usize = all.iter().map(|(_, ready)| ready.borrow_owner().primitives()).sum();
             all.len() > MAX_PREPARED || all.len() > 1 && primitives > MAX_PRIMITIVES
         };
@@ -166,27 +171,24 @@ impl Painter {
 
 fn prepare<'r>(
     renderer: &'r Renderer,
-    purpose: Purpose,
+    (_, structure, shows_cells, counts, _): Preparation,
     whole: &Request,
     may_be_large: bool,
-) -> Result<Prepared<'r>, Refusal> {
-    if let Structure::Grid(Resolution::Cells(cells)) = purpose.structure {
+) -> Result<Prepared<'r>, Answer> {
+    if let Structure::Grid(Resolution::Cells(cells)) = structure {
         let world = renderer.world();
         let references = most_references(world, &Lattice::new(bounds_of(world), cells));
         if references > MAX_REFERENCES && !may_be_large {
-            return Err(Refusal::impossible(
+            return Err(Answer::impossible(
                 "-grid: these cells hold more than this page allows: choose fewer",
             ));
         }
-        memory::ask(references.saturating_mul(BYTES_PER_REFERENCE)).map_err(Refusal::impossible)?;
+        memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
     }
-    let tracing = if purpose.counts { Tracing::Counted } else { Tracing::Fast };
-    match purpose.structure {
-        Structure::Grid(grid) if purpose.shows_cells => {
-            renderer.prepare_cells(grid, whole.camera_rays(), tracing)
-        }
-        structure if purpose.counts => renderer.prepare_for(structure, whole, tracing),
-        structure => renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing),
-    }
-    .map_err(Refusal::impossible)
+    let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
+    Ok(match structure {
+        Structure::Grid(grid) if shows_cells => renderer.prepare_cells(grid, whole.camera_rays(), tracing)?,
+        structure if counts => renderer.prepare_for(structure, whole, tracing)?,
+        structure => renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing)?,
+    })
 }

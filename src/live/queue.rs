@@ -5,11 +5,10 @@
 //! another request waits, the one that came last leaves after a moment, and starts again when two places are free. So the
 //! last place serves short requests, however many long ones there are, and no request leaves twice.
 
-use super::http::{Answer, Refusal};
+use super::http::Answer;
 use super::limits::{MAX_BYTES, MAX_PLACES};
 use crate::tools::explain::Stop;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -37,8 +36,8 @@ struct State {
     next: u64,
     /// The threads of the free places, as far as they have been started.
     threads: Vec<Arc<ThreadPool>>,
-    /// The newest turn of each page and kind of question, the first that was asked for coming first.
-    turns: Vec<((u64, &'static str), Arc<AtomicU64>)>,
+    /// The newest turn of each page and kind, the first that was asked for coming first.
+    turns: Vec<Turn>,
 }
 
 /// A request's place, which is free again when this is dropped.
@@ -48,18 +47,8 @@ struct Place {
     threads: Arc<ThreadPool>,
 }
 
-/// A request's place among those of its page and kind.
-pub struct Turn {
-    number: u64,
-    newest: Arc<AtomicU64>,
-}
-
-impl Turn {
-    /// Returns true if the page has asked for something later.
-    pub fn is_overtaken(&self) -> bool {
-        self.newest.load(Ordering::Relaxed) > self.number
-    }
-}
+/// The number of a question among those of a kind that a page asks.
+pub type Turn = (u64, &'static str, u64);
 
 impl State {
     /// Returns true if there is memory for another request of so many bytes, if those of one that leaves are free.
@@ -74,23 +63,29 @@ impl Queue {
         Arc::new(Self { threads, state: Mutex::default(), freed: Condvar::new() })
     }
 
-    /// Notes that a page asks a question of a kind, and which number it has; by default it comes after all before it.
+    /// Notes that a page asks a question of a kind, with a number; by default it comes after all before it.
     pub fn turn(&self, page: u64, kind: &'static str, number: Option<u64>) -> Turn {
         let mut state = self.lock();
         state.next += 1;
-        let number = number.unwrap_or(state.next);
-        let newest = match state.turns.iter().find(|(known, _)| *known == (page, kind)) {
-            Some((_, newest)) => newest.clone(),
+        let turn = (page, kind, number.unwrap_or(state.next));
+        match state.turns.iter_mut().find(|newest| (newest.0, newest.1) == (page, kind)) {
+            Some(newest) => newest.2 = newest.2.max(turn.2),
             None => {
                 let surplus = (state.turns.len() + 1).saturating_sub(MAX_TURNS);
                 state.turns.drain(..surplus);
-                let newest = Arc::new(AtomicU64::new(number));
-                state.turns.push(((page, kind), newest.clone()));
-                newest
+                state.turns.push(turn);
             }
-        };
-        newest.fetch_max(number, Ordering::Relaxed);
-        Turn { number, newest }
+        }
+        turn
+    }
+
+    /// Returns true if the page has asked for something later.
+    pub fn is_overtaken(&self, (page, kind, number): Turn) -> bool {
+        let state = self.lock();
+        state
+            .turns
+            .iter()
+            .any(|&(other, its_kind, newest)| (other, its_kind) == (page, kind) && newest > number)
     }
 
     /// Does work that takes so many bytes when there is a place for it, and returns what it finds. `gives_up` is asked
@@ -121,7 +116,7 @@ impl Queue {
                     Ok(found) if !leaves => return Ok(found),
                     Ok(_) => break,
                     Err(RecvTimeoutError::Disconnected) => {
-                        return Err(Refusal::new(503, "the work has ended without a result").into());
+                        return Err(Answer::text(503, "the work has ended without a result"));
                     }
                     Err(RecvTimeoutError::Timeout) => {}
                 }
@@ -138,14 +133,6 @@ impl Queue {
         }
     }
 
-    /// Does work that nobody else waits for.
-    pub fn install<T: Send>(self: &Arc<Self>, work: impl FnOnce() -> T + Send) -> Result<T, String> {
-        let place = self
-            .place(MAX_PLACES, 0, &mut || None)
-            .map_err(|answer| String::from_utf8_lossy(&answer.body).trim_end().to_owned())?;
-        Ok(place.threads.install(work))
-    }
-
     /// Waits until fewer than `places` are taken and there is enough memory, and takes a place.
     fn place(
         self: &Arc<Self>,
@@ -153,23 +140,29 @@ impl Queue {
         bytes: u64,
         gives_up: &mut dyn FnMut() -> Option<Answer>,
     ) -> Result<Place, Answer> {
-        let mut state = self.lock();
         let is_first = places == MAX_PLACES;
-        state.waiting.extend(is_first.then_some(bytes));
-        let mut answer = gives_up();
-        while answer.is_none() && (state.placed.len() >= places || !state.has_room(bytes, 0)) {
-            state = self.freed.wait_timeout(state, LOOK).unwrap_or_else(PoisonError::into_inner).0;
-            answer = gives_up();
-        }
-        if is_first && let Some(own) = state.waiting.iter().position(|&waiting| waiting == bytes) {
-            state.waiting.swap_remove(own);
-        }
-        if let Some(answer) = answer {
-            return Err(answer);
-        }
+        self.lock().waiting.extend(is_first.then_some(bytes));
+        let stop_waiting = |state: &mut State| {
+            if is_first && let Some(own) = state.waiting.iter().position(|&waiting| waiting == bytes) {
+                state.waiting.swap_remove(own);
+            }
+        };
+        let mut state = loop {
+            // It may look at the state.
+            if let Some(answer) = gives_up() {
+                stop_waiting(&mut self.lock());
+                return Err(answer);
+            }
+            let state = self.lock();
+            if state.placed.len() < places && state.has_room(bytes, 0) {
+                break state;
+            }
+            drop(self.freed.wait_timeout(state, LOOK));
+        };
+        stop_waiting(&mut state);
         let build = || ThreadPoolBuilder::new().num_threads(self.threads).build().map(Arc::new);
         let threads = state.threads.pop().map_or_else(build, Ok);
-        let threads = threads.map_err(|error| Refusal::new(503, format!("no threads: {error}")))?;
+        let threads = threads.map_err(|error| Answer::text(503, &format!("no threads: {error}")))?;
         state.next += 1;
         let number = state.next;
         state.placed.push((number, bytes));
@@ -220,13 +213,26 @@ mod tests {
         let queue = Queue::new(1);
         let (first, other, kind) =
             (queue.turn(1, "a", None), queue.turn(2, "a", None), queue.turn(1, "b", None));
-        assert!(!first.is_overtaken());
+        assert!(!queue.is_overtaken(first));
         let second = queue.turn(1, "a", None);
-        let overtaken = [&first, &second, &other, &kind].map(Turn::is_overtaken);
+        let overtaken = [first, second, other, kind].map(|turn| queue.is_overtaken(turn));
         assert_eq!(overtaken, [true, false, false, false]);
-        assert!(queue.turn(1, "a", Some(1)).is_overtaken(), "one that comes late is overtaken at once");
-        (3..3 * MAX_TURNS as u64).for_each(|page| drop(queue.turn(page, "a", None)));
+        let late = queue.turn(1, "a", Some(1));
+        assert!(queue.is_overtaken(late), "one that comes late is overtaken at once");
+        for page in 3..3 * MAX_TURNS as u64 {
+            queue.turn(page, "a", None);
+        }
         assert_eq!(queue.lock().turns.len(), MAX_TURNS);
+    }
+
+    #[test]
+    fn a_request_that_is_overtaken_needs_no_place() {
+        let queue = Queue::new(1);
+        let first = queue.turn(1, "a", None);
+        queue.turn(1, "a", None);
+        let mut gives_up = || queue.is_overtaken(first).then(|| Answer::text(409, "overtaken"));
+        assert_eq!(queue.run(0, in_a_minute(), &mut gives_up, |_| ()).unwrap_err().status, 409);
+        assert!(queue.lock().waiting.is_empty());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Writes the pictures that the command line names, and no others.
 
-use super::http::Refusal;
-use super::painter::{Painter, Subject};
+use super::http::Answer;
+use super::painter::{Painter, Purpose, Subject};
 use crate::cli::Output;
 use crate::distinct_files::{ReadAs, SameFile, WrittenFiles};
 use crate::escape::quoted;
@@ -23,14 +23,14 @@ pub fn save(
     compared: &[PathBuf],
     painter: &Painter,
     stop: &Stop,
-) -> Result<String, Refusal> {
+) -> Result<String, Answer> {
     if outputs.is_empty() {
         let reason = "the command line names no picture to write; copy the one below";
-        return Err(Refusal::impossible(reason));
+        return Err(Answer::impossible(reason));
     }
-    check(subject, outputs, compared).map_err(Refusal::impossible)?;
+    check(subject, outputs, compared)?;
     let complete = |output| complete(subject, output, painter, stop);
-    put_in_place(outputs.iter().map(complete).collect::<Result<_, _>>()?).map_err(Refusal::impossible)?;
+    put_in_place(outputs.iter().map(complete).collect::<Result<_, _>>()?)?;
     let names: Vec<String> = outputs.iter().map(|output| quoted(&output.file)).collect();
     Ok(format!("saved {}", names.join(", ")))
 }
@@ -56,21 +56,21 @@ fn complete(
     output: &Output,
     painter: &Painter,
     stop: &Stop,
-) -> Result<CompleteFile, Refusal> {
+) -> Result<CompleteFile, Answer> {
     // A pipe would wait for a reader.
     if fs::metadata(&output.file).is_ok_and(|found| !found.is_file()) {
-        return Err(Refusal::impossible(format!("{} is no file", quoted(&output.file))));
+        return Err(Answer::impossible(format!("{} is no file", quoted(&output.file))));
     }
-    let file = OutputFile::prepare_as(&output.file, output.format).map_err(Refusal::impossible)?;
+    let file = OutputFile::prepare_as(&output.file, output.format)?;
     if let Layer::Cost(cost) = output.layer {
         let painted = painter.paint(&Subject { cost: Some(cost), ..subject.clone() }, stop)?;
-        return file.complete(&painted.picture).map_err(Refusal::impossible);
+        return Ok(file.complete(&painted.picture)?);
     }
     let request = subject.request(output.layer);
-    let ready = painter.ready(subject, false)?;
+    let ready = painter.ready(subject, Purpose::Picture)?;
     let content = if output.layer.is_distance() { Content::Distances } else { Content::Colors };
     let size = request.layer_size(&output.layer);
-    let mut writer = file.begin_with(size, content, None).map_err(Refusal::impossible)?;
+    let mut writer = file.begin_with(size, content, None)?;
     let mut written = Ok(());
     let mut take_row = |_: usize, row: &[Color]| {
         written = writer.row(row);
@@ -78,7 +78,7 @@ fn complete(
     };
     let watch = |progress: Progress| stop.watch(progress);
     let rendered = ready.borrow_dependent().render_rows(&request, &watch, &mut take_row);
-    written.map_err(Refusal::impossible)?;
-    rendered.map_err(Refusal::impossible)?;
-    writer.complete().map_err(Refusal::impossible)
+    written?;
+    rendered?;
+    Ok(writer.complete()?)
 }

@@ -10,7 +10,7 @@ use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
 use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Readers, Source};
 use crate::tools::explain::Stop;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::cell::Cell;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -43,16 +43,6 @@ pub struct Scenes {
     /// The one that was used last is the last.
     typed: Mutex<Vec<Arc<OpenScene>>>,
     last: AtomicU64,
-}
-
-/// Why a text is no scene.
-#[derive(Debug, Serialize)]
-pub struct SceneMessage {
-    /// Where, if it is at a place: line and column, from 1.
-    at: Option<[u32; 2]>,
-    /// In one line.
-    problem: String,
-    hint: Option<String>,
 }
 
 impl Scenes {
@@ -88,13 +78,14 @@ impl Scenes {
         revision == 0 || typed.iter().any(|scene| scene.revision == revision)
     }
 
-    /// Opens a text, in this edition if one is named. Scenes for which there is no room are closed.
+    /// Opens a text, in this edition if one is named, or says why it is no scene. Scenes for which there is no room are
+    /// closed.
     pub fn type_in(
         &self,
         text: String,
         named: Option<Edition>,
         stop: &Stop,
-    ) -> Result<Arc<OpenScene>, SceneMessage> {
+    ) -> Result<Arc<OpenScene>, Value> {
         let (choice, renderer) = self.renderer(Source { path: self.path.clone(), text }, named, stop)?;
         let revision = 1 + self.last.fetch_add(1, Ordering::Relaxed);
         let scene = Arc::new(OpenScene { revision, named, choice, renderer });
@@ -115,7 +106,7 @@ impl Scenes {
         source: Source,
         named: Option<Edition>,
         stop: &Stop,
-    ) -> Result<(Choice, Renderer), SceneMessage> {
+    ) -> Result<(Choice, Renderer), Value> {
         let first = &self.first.renderer;
         let beside = MeshesBeside {
             folder: self.path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new(".")),
@@ -151,8 +142,8 @@ impl Scenes {
         };
         let hints = Hints { edition: named, ..self.hints.clone() };
         let readers = Readers { mesh: &read, image: &read_image };
-        let loaded = scene_io::load_text(source, &hints, readers).map_err(SceneMessage::of)?;
-        let refused = |problem| Err(SceneMessage { at: None, problem, hint: None });
+        let loaded = scene_io::load_text(source, &hints, readers).map_err(told)?;
+        let refused = |problem: String| Err(json!({ "problem": problem }));
         let (primitives, lights) = (primitives(&loaded), loaded.scene.lights.len());
         if primitives > MAX_PRIMITIVES {
             return refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives"));
@@ -164,19 +155,18 @@ impl Scenes {
             return refused(error.to_string());
         }
         let choice = loaded.choice.clone();
-        Ok((choice, Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)?))
+        Ok((choice, Renderer::new(loaded, Meshes::Kept).map_err(told)?))
     }
 }
 
-impl SceneMessage {
-    fn of(error: LoadError) -> Self {
-        match error {
-            LoadError::Scene { error, .. } => {
-                let SceneError { at, problem, hint } = *error;
-                Self { at: Some([at.line, at.column]), problem: problem.to_string(), hint }
-            }
-            other => Self { at: None, problem: other.to_string(), hint: None },
+/// Returns what the page shows of an error: its place, if it has one, the problem in one line, and perhaps a hint.
+fn told(error: LoadError) -> Value {
+    match error {
+        LoadError::Scene { error, .. } => {
+            let SceneError { at, problem, hint } = *error;
+            json!({ "at": [at.line, at.column], "problem": problem.to_string(), "hint": hint })
         }
+        other => json!({ "problem": other.to_string() }),
     }
 }
 

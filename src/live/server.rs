@@ -1,10 +1,11 @@
 //! Listens, and answers one request after the other on each connection.
 
 use super::access::Key;
-use super::http::{Answer, Connection, Head, Refusal};
+use super::http::{Answer, Connection, Head};
 use super::limits::*;
 use super::session::Session;
 use crate::cli::Options;
+use askama::Template;
 use std::fmt::Display;
 use std::io;
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -133,7 +134,7 @@ impl Shared {
         while let Some(head) = connection.head(Instant::now() + time)? {
             let (head, length) = match head.and_then(|head| self.admitted(head)) {
                 Ok(admitted) => admitted,
-                Err(refusal) => return refuse(refusal, &mut connection, stream),
+                Err(answer) => return refuse(&answer, &mut connection, stream),
             };
             time = IDLE_TIME;
             // One that sends no body asks for nothing yet.
@@ -151,13 +152,13 @@ impl Shared {
     }
 
     /// Returns the head of a request that may be answered, and the length of its body.
-    fn admitted(&self, head: Head) -> Result<(Head, usize), Refusal> {
+    fn admitted(&self, head: Head) -> Result<(Head, usize), Answer> {
         self.key.admit(&head)?;
         let most = if head.path == "/reference" { MAX_PICTURE_FILE } else { MAX_QUESTION };
         match head.length {
-            Some(length) if length > most => Err(Refusal::new(413, format!("at most {most} bytes"))),
+            Some(length) if length > most => Err(Answer::text(413, &format!("at most {most} bytes"))),
             Some(length) => Ok((head, length)),
-            None if head.is_post => Err(Refusal::new(411, "the length of the body must be given")),
+            None if head.is_post => Err(Answer::text(411, "the length of the body must be given")),
             None => Ok((head, 0)),
         }
     }
@@ -172,7 +173,8 @@ impl Shared {
             }
             (true, "/alive") => self.alive(has_left),
             (true, path) => {
-                self.session.answer(path, &head.query, body, has_left).unwrap_or_else(Answer::from)
+                let found = self.session.answer(path, &head.query, body, has_left);
+                found.unwrap_or_else(|refusal| refusal)
             }
             (false, _) => Answer::text(404, "there is nothing here"),
         }
@@ -194,39 +196,31 @@ impl Shared {
 }
 
 /// Says why, and waits a little for the other side to read it before the connection is closed.
-fn refuse(refusal: Refusal, connection: &mut Connection, stream: &TcpStream) -> io::Result<()> {
+fn refuse(answer: &Answer, connection: &mut Connection, stream: &TcpStream) -> io::Result<()> {
     const ENOUGH: usize = 1 << 16;
-    connection.send(&refusal.into(), true)?;
+    connection.send(answer, true)?;
     stream.shutdown(Shutdown::Write)?;
     let _ = connection.body(ENOUGH, Instant::now() + Duration::from_millis(500));
     Ok(())
 }
 
-const PAGE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("page.css");
-/// In the order in which they run; each uses what those before it define.
-const SCRIPTS: [&str; 9] = [
-    include_str!("asking.js"),
-    include_str!("camera.js"),
-    include_str!("controls.js"),
-    include_str!("view.js"),
-    include_str!("hand.js"),
-    include_str!("rays.js"),
-    include_str!("editor.js"),
-    include_str!("compare.js"),
-    include_str!("main.js"),
-];
+/// The page: one document, whose own parts have a mark that is new each time.
+#[derive(Template)]
+#[template(path = "live.html")]
+struct Page {
+    mark: String,
+}
 
-/// Returns the page: one document, made of the files beside this one. Its policy lets nothing run or be loaded but its
-/// own parts, whose mark is new each time.
+/// Returns the page. Its policy lets nothing run or be loaded but its own parts.
 fn page() -> Answer {
-    let Ok(Key(mark)) = Key::new() else { return Answer::text(503, "there are no random numbers") };
-    let scripts = SCRIPTS.map(|script| format!("<script nonce=\"{mark}\">\n{script}</script>\n")).concat();
-    let style = format!("<style nonce=\"{mark}\">\n{STYLE}</style>");
-    let body = PAGE.replace("<!-- style -->", &style).replace("<!-- scripts -->", &scripts).into_bytes();
+    let page = Key::new().ok().map(|Key(mark)| Page { mark });
+    let Some((page, text)) = page.and_then(|page| page.render().ok().map(|text| (page, text))) else {
+        return Answer::text(503, "there are no random numbers");
+    };
     let policy = format!(
-        "default-src 'none'; script-src 'nonce-{mark}'; style-src 'nonce-{mark}'; connect-src 'self'; img-src data:; \
-         base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+        "default-src 'none'; script-src 'nonce-{0}'; style-src 'nonce-{0}'; connect-src 'self'; img-src data:; \
+         base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+        page.mark
     );
-    Answer { status: 200, content_type: "text/html; charset=utf-8", policy, body }
+    Answer { status: 200, content_type: "text/html; charset=utf-8", policy, body: text.into_bytes() }
 }

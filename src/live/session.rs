@@ -1,11 +1,10 @@
 //! Answers the questions of pages.
 
 use super::camera::{camera_block, camera_values};
-use super::http::{Answer, Refusal};
+use super::http::Answer;
 use super::limits::*;
 use super::objects::ObjectMap;
-use super::painter::{Painted, Painter, Subject};
-use super::questions::{Asked, Edited, PageView, TracedPixel, Wanted, understood};
+use super::painter::{Painted, Painter, Purpose, Subject};
 use super::queue::Queue;
 use super::rays::Rays;
 use super::saving::save;
@@ -15,11 +14,13 @@ use crate::cli::{Options, Output};
 use crate::image_io::{read_picture, read_picture_from};
 use crate::memory;
 use crate::picture::{CHANNELS, Picture};
-use crate::render::{Layer, Progress, grid_view};
+use crate::render::{Cost, Layer, Progress, grid_view};
+use crate::scene::edition::Edition;
 use crate::scene::parser::parse_camera;
 use crate::tools::causes::Original;
 use crate::tools::compare::{Comparison, DifferencePicture};
 use crate::tools::explain::{Explainer, Stop};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -48,8 +49,58 @@ struct Reference {
     picture: Picture,
 }
 
-/// A description in JSON and bytes, as in [`framed`].
-type Found = Result<Vec<u8>, Refusal>;
+/// What a page asks. Each question has some of these.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Question {
+    /// A random number of the page, and one that grows with each picture.
+    page: Option<u64>,
+    turn: Option<u64>,
+    view: Option<View>,
+    /// Width and height in pixels of a sketch with one ray through each centre, in place of the whole picture.
+    sketch: Option<[usize; 2]>,
+    /// The pixel whose rays are traced, by column and row from the top left.
+    pixel: Option<[usize; 2]>,
+    /// A scene's text, in place of the one on the page, and the flags, which may name its edition.
+    text: Option<String>,
+    words: Vec<String>,
+}
+
+/// A view of a scene, as the controls and the hand have set it.
+#[derive(Deserialize)]
+struct View {
+    /// The scene's revision.
+    scene: u64,
+    /// Flags with their values.
+    words: Vec<String>,
+    /// The camera's block of scene text; none for the scene's own.
+    camera: Option<String>,
+    show: Show,
+}
+
+/// What a picture shows: colours, or what each pixel costs.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Show {
+    Color,
+    Rays,
+    Tests,
+    Cells,
+}
+
+impl Question {
+    fn read(path: &str, body: &[u8]) -> Result<Self, Answer> {
+        let refused = |error: serde_json::Error| Answer::text(400, &format!("not a question: {error}"));
+        let mut question: Self = serde_json::from_slice(body).map_err(refused)?;
+        // These are views themselves.
+        if matches!(path, "/objects" | "/save") {
+            question.view = Some(serde_json::from_slice(body).map_err(refused)?);
+        }
+        Ok(question)
+    }
+}
+
+type Found = Result<Answer, Answer>;
 type Work = Box<dyn Fn(&Session, &Stop) -> Found + Send + Sync>;
 
 impl Session {
@@ -57,8 +108,10 @@ impl Session {
     pub fn open(options: &Options, input: &Path, words: &[String]) -> Result<Self, String> {
         let cores = || thread::available_parallelism().map_or(1, usize::from);
         let queue = Queue::new(options.threads.unwrap_or_else(cores));
-        let scenes =
-            queue.install(|| Scenes::open(input, options.hints()).map_err(|error| error.to_string()))??;
+        let (path, hints, endless) = (input.to_owned(), options.hints(), Instant::now() + FOREVER);
+        let open = move |_: &Stop| Scenes::open(&path, hints.clone()).map_err(|error| error.to_string());
+        let scenes = queue.run(0, endless, &mut || None, open);
+        let scenes = scenes.map_err(|answer| String::from_utf8_lossy(&answer.body).into_owned())??;
         let comparison = options.comparison.as_ref();
         let file = comparison.and_then(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
         // One that cannot be read has been complained about.
@@ -90,106 +143,70 @@ impl Session {
         query: &str,
         body: Vec<u8>,
         has_left: &mut dyn FnMut() -> bool,
-    ) -> Result<Answer, Refusal> {
+    ) -> Found {
         let deadline = Instant::now() + answer_time(path);
-        let asked: Asked = if path == "/reference" { Asked::default() } else { understood(&body)? };
-        let turn = kind(path).zip(asked.page).map(|(kind, page)| self.queue.turn(page, kind, asked.turn));
+        let question = if path == "/reference" { Question::default() } else { Question::read(path, &body)? };
+        // Of these only the newest of a page counts.
+        let kind = match path {
+            "/picture" | "/compare" | "/cause" => Some("picture"),
+            "/scene" => Some("scene"),
+            "/objects" => Some("objects"),
+            "/trace" => Some("trace"),
+            _ => None,
+        };
+        let turn = kind.zip(question.page).map(|(kind, page)| self.queue.turn(page, kind, question.turn));
         let mut gives_up = || match () {
             // This is no failure, and a browser lists failures.
-            () if turn.as_ref().is_some_and(|turn| turn.is_overtaken()) => {
-                Some(Answer::bytes(framed(json!({ "overtaken": true }), &[])))
+            () if turn.is_some_and(|turn| self.queue.is_overtaken(turn)) => {
+                Some(Answer::described(&json!({ "overtaken": true }), &[]))
             }
             () if Instant::now() > deadline => {
                 let reason = "this takes longer than a page may: choose a smaller picture, or fewer samples";
-                Some(Refusal::impossible(reason).into())
+                Some(Answer::impossible(reason))
             }
-            () => has_left().then(|| Refusal::new(408, "nobody waits for this answer").into()),
+            () => has_left().then(|| Answer::text(408, "nobody waits for this answer")),
         };
-        let (work, bytes) = self.work(path, query, body)?;
+        let (work, bytes) = match path {
+            "/reference" => {
+                let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
+                let work: Work = Box::new(move |session, _| session.take_reference(&name, &body));
+                (work, MAX_BYTES)
+            }
+            _ => self.work(path, question)?,
+        };
         let session = self.clone();
-        let found = self.queue.run(bytes, deadline, &mut gives_up, move |stop| work(&session, stop));
-        match found {
-            Ok(found) => found.map(Answer::bytes),
-            Err(answer) => Ok(answer),
-        }
+        self.queue.run(bytes, deadline, &mut gives_up, move |stop| work(&session, stop))?
     }
 
     /// Returns what is to be done for a question, and the memory in bytes that it takes.
-    fn work(&self, path: &str, query: &str, body: Vec<u8>) -> Result<(Work, u64), Refusal> {
+    fn work(&self, path: &str, question: Question) -> Result<(Work, u64), Answer> {
+        let incomplete = || Answer::text(400, "not a question: it is incomplete");
+        if path == "/start" {
+            return Ok((Box::new(|session, _| session.start()), 0));
+        }
+        if path == "/scene" {
+            let text = question.text.ok_or_else(incomplete)?;
+            let named = self.most.options(&question.words)?.edition;
+            return Ok((Box::new(move |session, stop| session.type_in(&text, named, stop)), BYTES_OF_SCENE));
+        }
+        let view = question.view.ok_or_else(incomplete)?;
+        let mut subject = self.subject(&view)?;
+        if path == "/picture" {
+            subject.sketch = question.sketch.map(clipped);
+        }
+        let size = subject.bytes(0);
+        let with_copy = subject.bytes(1);
         Ok(match path {
-            "/start" => (Box::new(|session, _| session.start()), 0),
-            "/scene" => {
-                let Edited { text, words } = understood(&body)?;
-                let named = self.most.options(&words).map_err(Refusal::impossible)?.edition;
-                let work = move |session: &Self, stop: &Stop| {
-                    let scene = match session.scenes.type_in(text.clone(), named, stop) {
-                        Ok(scene) => scene,
-                        Err(error) => return Ok(framed(json!({ "errors": [error] }), &[])),
-                    };
-                    session.painter.forget(|revision| session.scenes.is_open(revision));
-                    Ok(framed(json!({ "scene": session.description(&scene) }), &[]))
-                };
-                (Box::new(work), BYTES_OF_SCENE)
-            }
-            "/picture" => {
-                let Wanted { view, sketch } = understood(&body)?;
-                let subject = Subject { sketch: sketch.map(clipped), ..self.subject(&view)? };
-                let bytes = subject.bytes(0);
-                (Box::new(move |session, stop| session.picture(&subject, &view.words, stop)), bytes)
-            }
-            "/objects" => {
-                let mut subject = self.subject(&understood::<PageView>(&body)?)?;
-                let size = clipped(subject.options.picture_size());
-                subject.options.visualize_grid = false;
-                let bytes = subject.bytes(1);
-                let work = move |session: &Self, stop: &Stop| {
-                    let ready = session.painter.ready(&subject, false)?;
-                    let map = ObjectMap::new(ready.borrow_dependent(), subject.camera, size, stop);
-                    let map = map.map_err(Refusal::impossible)?;
-                    Ok(framed(json!({ "size": size, "objects": map.objects }), &[&map.places]))
-                };
-                (Box::new(work), bytes)
-            }
+            "/picture" => (Box::new(move |session, stop| session.picture(&subject, &view.words, stop)), size),
+            "/save" => (Box::new(move |session, stop| session.save(&subject, stop)), size),
+            "/compare" => (Box::new(move |session, stop| session.compare(&subject, stop)), 2 * size),
+            "/cause" => (Box::new(move |session, stop| session.cause(&subject, stop)), 2 * with_copy),
+            "/objects" => (Box::new(move |session, stop| session.objects(&subject, stop)), with_copy),
             "/trace" => {
-                let TracedPixel { view, pixel } = understood(&body)?;
-                let mut subject = self.subject(&view)?;
-                subject.options.visualize_grid = false;
-                let bytes = subject.bytes(1);
-                (Box::new(move |session, stop| session.trace(&subject, pixel, stop)), bytes)
+                let pixel = question.pixel.ok_or_else(incomplete)?;
+                (Box::new(move |session, stop| session.trace(&subject, pixel, stop)), with_copy)
             }
-            "/save" => {
-                let subject = self.subject(&understood::<PageView>(&body)?)?;
-                let bytes = subject.bytes(0);
-                let work = move |session: &Self, stop: &Stop| {
-                    let Self { outputs, compared, painter, .. } = session;
-                    let said = save(&subject, outputs, compared, painter, stop)?;
-                    Ok(framed(json!({ "said": said }), &[]))
-                };
-                (Box::new(work), bytes)
-            }
-            "/reference" => {
-                let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
-                (Box::new(move |session, _| session.take_reference(&name, &body)), MAX_BYTES)
-            }
-            "/compare" | "/cause" => {
-                let Wanted { view, .. } = understood(&body)?;
-                let reference = self.reference();
-                let reference =
-                    reference.ok_or_else(|| Refusal::impossible("there is no picture to compare with"))?;
-                // Costs are no colours, and their map has a scale beside it.
-                let subject = Subject { cost: None, ..self.subject(&view)? };
-                match path {
-                    "/compare" => {
-                        let bytes = 2 * subject.bytes(0);
-                        (Box::new(move |session, stop| session.compare(&reference, &subject, stop)), bytes)
-                    }
-                    _ => {
-                        let bytes = 2 * subject.bytes(1);
-                        (Box::new(move |session, stop| session.cause(&reference, &subject, stop)), bytes)
-                    }
-                }
-            }
-            _ => return Err(Refusal::new(404, "there is nothing here")),
+            _ => return Err(Answer::text(404, "there is nothing here")),
         })
     }
 
@@ -203,11 +220,11 @@ impl Session {
             "text": first.renderer.source.text,
             "scene": self.description(first),
             "reference": self.reference().as_deref().map(summary),
-            "most": self.most,
+            "most": self.most.to_json(),
             "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
             "version": env!("CARGO_PKG_VERSION"),
         });
-        Ok(framed(meta, &[]))
+        Ok(Answer::described(&meta, &[]))
     }
 
     /// The flags that the page starts with. Their picture has the size of the one to compare with.
@@ -235,6 +252,15 @@ impl Session {
         words
     }
 
+    fn type_in(&self, text: &str, named: Option<Edition>, stop: &Stop) -> Found {
+        let meta = match self.scenes.type_in(text.to_owned(), named, stop) {
+            Ok(scene) => json!({ "scene": self.description(&scene) }),
+            Err(error) => json!({ "errors": [error] }),
+        };
+        self.painter.forget(|revision| self.scenes.is_open(revision));
+        Ok(Answer::described(&meta, &[]))
+    }
+
     fn picture(&self, subject: &Subject, words: &[String], stop: &Stop) -> Found {
         let Painted { picture, costs, nans, time } = self.painter.paint(subject, stop)?;
         let layer = subject.cost.map_or(Layer::Color, Layer::Cost);
@@ -258,42 +284,54 @@ impl Session {
             "command": command_line(&self.input, &words, subject.cost, output),
             "camera": subject.camera.as_ref().map(camera_block),
         });
-        Ok(framed(meta, &[&rgba(&picture), &counts]))
+        Ok(Answer::described(&meta, &[&rgba(&picture), &counts]))
+    }
+
+    fn save(&self, subject: &Subject, stop: &Stop) -> Found {
+        let said = save(subject, &self.outputs, &self.compared, &self.painter, stop)?;
+        Ok(Answer::described(&json!({ "said": said }), &[]))
+    }
+
+    fn objects(&self, subject: &Subject, stop: &Stop) -> Found {
+        let size = clipped(subject.options.picture_size());
+        let ready = self.painter.ready(subject, Purpose::Rays)?;
+        let map = ObjectMap::new(ready.borrow_dependent(), subject.camera, size, stop);
+        let map = map?;
+        Ok(Answer::described(&json!({ "size": size, "objects": map.objects }), &[&map.places]))
     }
 
     fn trace(&self, subject: &Subject, pixel: [usize; 2], stop: &Stop) -> Found {
         if subject.options.reduced {
-            return Err(Refusal::impossible("the pixels of a picture that is reduced are not traced"));
+            return Err(Answer::impossible("the pixels of a picture that is reduced are not traced"));
         }
-        let ready = self.painter.ready(subject, true)?;
+        let ready = self.painter.ready(subject, Purpose::CountedRays)?;
         let prepared = ready.borrow_dependent();
-        let explainer = Explainer::new(prepared).map_err(Refusal::impossible)?;
-        let tree =
-            explainer.pixel(&subject.request(Layer::Color), pixel, stop).map_err(Refusal::impossible)?;
+        let explainer = Explainer::new(prepared)?;
+        let tree = explainer.pixel(&subject.request(Layer::Color), pixel, stop)?;
         let rays = Rays::of(&tree, subject.scene.renderer.bounds(), prepared.cells());
-        Ok(framed(json!({ "pixel": pixel, "rays": rays }), &[]))
+        Ok(Answer::described(&json!({ "pixel": pixel, "rays": rays }), &[]))
     }
 
     /// Takes a picture from elsewhere, in the bytes of a file with this name.
     fn take_reference(&self, name: &str, file: &[u8]) -> Found {
-        let picture = read_picture_from(Path::new(name), file).map_err(Refusal::impossible)?;
-        let ([width, height], most) = (picture_size(&picture), self.most.side);
+        let picture = read_picture_from(Path::new(name), file)?;
+        let ([width, height], most) = (picture_size(&picture), self.most.side());
         if width.max(height) > most {
             let reason =
                 format!("a page shows pictures of at most {most} pixels a side, not {width} x {height}");
-            return Err(Refusal::impossible(reason));
+            return Err(Answer::impossible(reason));
         }
         let reference = Arc::new(Reference { name: name.to_owned(), picture });
-        let said = framed(summary(&reference), &[]);
+        let said = Answer::described(&summary(&reference), &[]);
         *self.reference.lock().unwrap_or_else(PoisonError::into_inner) = Some(reference);
         Ok(said)
     }
 
-    fn compare(&self, reference: &Reference, subject: &Subject, stop: &Stop) -> Found {
-        let (own, picture) = (self.painter.paint(subject, stop)?.picture, &reference.picture);
-        let compared =
-            Comparison::new_unless(picture, &own, &|| stop.is_over()).map_err(Refusal::impossible)?;
-        let shown = DifferencePicture::new(picture, &own).map_err(Refusal::impossible)?;
+    fn compare(&self, subject: &Subject, stop: &Stop) -> Found {
+        let (reference, own) = self.pair(subject, stop)?;
+        let picture = &reference.picture;
+        let compared = Comparison::new_unless(picture, &own, &|| stop.is_over())?;
+        let shown = DifferencePicture::new(picture, &own)?;
         let meta = json!({
             "size": picture_size(picture), "block": compared.to_string(), "amplification": shown.amplification,
             "name": reference.name,
@@ -302,14 +340,15 @@ impl Session {
         // The last of the panels that stand side by side.
         let [all, panel] = [shown.picture.width(), picture.width()].map(|width| 4 * width as usize);
         let difference: Vec<&[u8]> = difference.chunks_exact(all).map(|row| &row[all - panel..]).collect();
-        Ok(framed(meta, &[&rgba(picture), &rgba(&own), &difference.concat()]))
+        Ok(Answer::described(&meta, &[&rgba(picture), &rgba(&own), &difference.concat()]))
     }
 
     /// Finds what makes the difference, in the words of the command line; none where nothing can be tried.
-    fn cause(&self, reference: &Reference, subject: &Subject, stop: &Stop) -> Found {
-        let (own, picture) = (self.painter.paint(subject, stop)?.picture, &reference.picture);
+    fn cause(&self, subject: &Subject, stop: &Stop) -> Found {
+        let (reference, own) = self.pair(subject, stop)?;
+        let picture = &reference.picture;
         if picture_size(picture) != picture_size(&own) {
-            return Err(Refusal::impossible("the pictures differ in size"));
+            return Err(Answer::impossible("the pictures differ in size"));
         }
         let request = subject.request(Layer::Color);
         let can_try = !subject.options.visualize_grid
@@ -321,7 +360,16 @@ impl Session {
         let original = || Original::watched(renderer, subject.options.structure, &request, &watch);
         let original = if can_try { original() } else { None };
         let cause = original.map(|original| original.explain(picture, &own).to_string());
-        Ok(framed(json!({ "cause": cause }), &[]))
+        Ok(Answer::described(&json!({ "cause": cause }), &[]))
+    }
+
+    /// Returns the picture from elsewhere, and the view's.
+    fn pair(&self, subject: &Subject, stop: &Stop) -> Result<(Arc<Reference>, Picture), Answer> {
+        let reference = self.reference();
+        let reference = reference.ok_or_else(|| Answer::impossible("there is no picture to compare with"))?;
+        // Costs are no colours, and their map has a scale beside it.
+        let own = self.painter.paint(&Subject { cost: None, ..subject.clone() }, stop)?;
+        Ok((reference, own.picture))
     }
 
     fn reference(&self) -> Option<Arc<Reference>> {
@@ -344,29 +392,24 @@ impl Session {
         })
     }
 
-    fn subject(&self, view: &PageView) -> Result<Subject, Refusal> {
-        let scene = self.scenes.scene(view.scene).ok_or_else(|| Refusal::new(410, "the scene is closed"))?;
-        let options = self.most.options(&view.words).map_err(Refusal::impossible)?;
+    fn subject(&self, view: &View) -> Result<Subject, Answer> {
+        let scene = self.scenes.scene(view.scene).ok_or_else(|| Answer::text(410, "the scene is closed"))?;
+        let options = self.most.options(&view.words)?;
         if options.edition != scene.named {
-            return Err(Refusal::new(410, "the scene is open in another edition"));
+            return Err(Answer::text(410, "the scene is open in another edition"));
         }
         let options = options.in_edition(scene.choice.edition);
         let camera = view.camera.as_deref().map(parse_camera).transpose();
-        let camera = camera.map_err(|error| Refusal::impossible(format!("the camera: {error}")))?;
-        let subject = Subject { scene, options, camera, cost: view.show.cost(), sketch: None };
-        memory::ask(subject.bytes(0)).map_err(Refusal::impossible)?;
+        let camera = camera.map_err(|error| Answer::impossible(format!("the camera: {error}")))?;
+        let cost = match view.show {
+            Show::Color => None,
+            Show::Rays => Some(Cost::Rays),
+            Show::Tests => Some(Cost::Tests),
+            Show::Cells => Some(Cost::Cells),
+        };
+        let subject = Subject { scene, options, camera, cost, sketch: None };
+        memory::ask(subject.bytes(0))?;
         Ok(subject)
-    }
-}
-
-/// Returns the kind of a question of which only the newest counts.
-fn kind(path: &str) -> Option<&'static str> {
-    match path {
-        "/picture" | "/compare" | "/cause" => Some("picture"),
-        "/scene" => Some("scene"),
-        "/objects" => Some("objects"),
-        "/trace" => Some("trace"),
-        _ => None,
     }
 }
 
@@ -389,12 +432,4 @@ fn rgba(picture: &Picture) -> Vec<u8> {
         bytes.extend_from_slice(&[red, green, blue, u8::MAX]);
     }
     bytes
-}
-
-/// A description in JSON and the bytes that it describes: the length of the first as four bytes, the lowest one first,
-/// and then both.
-fn framed(meta: Value, parts: &[&[u8]]) -> Vec<u8> {
-    let meta = meta.to_string().into_bytes();
-    let length = (meta.len() as u32).to_le_bytes();
-    [&length[..], &meta].iter().chain(parts).copied().collect::<Vec<_>>().concat()
 }
