@@ -3,10 +3,8 @@
 use super::log::Log;
 use super::signals::Signals;
 use raytracer::cli::{LivePage, Options};
-use std::ffi::OsString;
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
-use std::process::ExitCode;
 
 /// What there is to say about the flags of the course's preview, unless the page is shown.
 pub fn note(options: &Options) -> Option<&'static str> {
@@ -36,13 +34,7 @@ fn scene_file(options: &Options) -> Option<&Path> {
 }
 
 #[cfg(feature = "gui")]
-pub use server::{show, worker};
-
-/// There are no workers.
-#[cfg(not(feature = "gui"))]
-pub fn worker(_: &[OsString]) -> Option<ExitCode> {
-    None
-}
+pub use server::show;
 
 /// Shows nothing.
 #[cfg(not(feature = "gui"))]
@@ -53,46 +45,18 @@ pub fn show(_: &Options, _: &Signals, _: &Log) -> Result<(), String> {
 #[cfg(feature = "gui")]
 mod server {
     use super::*;
-    use raytracer::cli;
-    use raytracer::live::{Server, Setup, work};
+    use raytracer::live::Server;
     use raytracer::undisturbed::undisturbed;
-    use std::env;
-    use std::io::{self, Write};
+    use std::io::Write;
     use std::process::{Command, Stdio};
     use std::sync::{Arc, Mutex, PoisonError};
     use std::thread;
     use std::time::Duration;
     use tempfile::NamedTempFile;
 
-    /// The first argument of a process that works for a page. The others are those of the page's program.
-    const WORKER: &str = "--work-for-page";
-
-    /// Does the work of a page's worker, if the program was started as one.
-    pub fn worker(argv: &[OsString]) -> Option<ExitCode> {
-        if argv.get(1).is_none_or(|word| word != WORKER) {
-            return None;
-        }
-        let line = argv.iter().take(1).chain(&argv[2..]).cloned();
-        let Ok(cli::Command::Render(options)) = cli::parse(line) else { return Some(ExitCode::FAILURE) };
-        let (Some(page), Some(input)) = (&options.page, scene_file(&options)) else {
-            return Some(ExitCode::FAILURE);
-        };
-        work(&Setup { options: &options, input, words: &page.words });
-        Some(ExitCode::SUCCESS)
-    }
-
-    /// The command that starts a worker.
-    fn worker_command() -> io::Result<Command> {
-        // The file may have been replaced since.
-        let program = if cfg!(target_os = "linux") { "/proc/self/exe".into() } else { env::current_exe()? };
-        let mut command = Command::new(program);
-        command.arg(WORKER).args(env::args_os().skip(1));
-        Ok(command)
-    }
-
     /// Serves the page, if there is one, until it is ended there.
     pub fn show(options: &Options, signals: &Signals, log: &Log) -> Result<(), String> {
-        let Some(page) = &options.page else { return Ok(()) };
+        let (Some(page), Some(input)) = (&options.page, scene_file(options)) else { return Ok(()) };
         if !is_shown(options) {
             return Ok(());
         }
@@ -101,8 +65,7 @@ mod server {
         let to_remove = opened.clone();
         let remove = move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take());
         signals.before_end(remove.clone());
-        let port = page.port.unwrap_or(0);
-        let server = Server::open(port, worker_command)?;
+        let server = Server::open(options, input, &page.words, page.port.unwrap_or(0))?;
         let url = server.url();
         log.tell(&format!("open {url}  (Ctrl-C ends)"));
         if page.browser {

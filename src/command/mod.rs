@@ -87,9 +87,6 @@ impl Outcome {
 /// Runs the program with this command line, whose first word is the program's name.
 pub fn run(argv: &[OsString]) -> ExitCode {
     let log = Log::default();
-    if let Some(status) = live::worker(argv) {
-        return status;
-    }
     match run_command(argv, &log) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(DIFFERENT),

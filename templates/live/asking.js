@@ -2,7 +2,7 @@
 // Questions to the program. Every answer is a description in JSON and the bytes that it describes.
 
 const key = new URLSearchParams(location.search).get('key') || '';
-// Of the pictures that one page asks for, a later turn overtakes the earlier ones.
+// Of the questions of one kind that a page asks, a later one overtakes the earlier ones; of pictures, by their turns.
 const page = Math.floor(Math.random() * 2 ** 50);
 let turn = 0;
 
@@ -17,7 +17,7 @@ class Refused extends Error {
 
 // Asks, and returns { meta, bytes }. A refusal is thrown, with its status and its reason.
 async function ask(path, question) {
-  const body = question instanceof Blob ? question : JSON.stringify(question || {});
+  const body = question instanceof Blob ? question : JSON.stringify({ page, ...question });
   let answer;
   try {
     answer = await fetch(path, { method: 'POST', headers: { 'X-Key': key }, body, cache: 'no-store' });
