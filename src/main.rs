@@ -28,9 +28,7 @@ fn main() -> ExitCode {
         return status;
     }
     match cli::parse(argv.iter().cloned()) {
-        Ok(Command::Help(text) | Command::Version(text)) => {
-            report(start, Ok(Outcome { text, written: vec![], passes: true }))
-        }
+        Ok(Command::Print(text)) => report(start, Ok(Outcome { text, written: vec![], passes: true })),
         Ok(Command::Render(options)) => render(start, &options, &argv, &mut signals),
         Ok(Command::Grade(options)) => report(start, grade::run(&options, &signals, &tell)),
         Ok(Command::Merge(options)) => report(start, merge::run(&options, &signals)),

@@ -1,8 +1,8 @@
 //! Errors of the command line: clap's message in one line, and what may have been meant.
 
-use super::dashes::single;
 use super::flags::{find, meant};
 use super::values::has_ending;
+use super::words::single;
 use crate::escape::escape;
 use crate::image_io::Format;
 use clap::error::{ContextKind, ContextValue, ErrorKind};

@@ -2,30 +2,27 @@
 //!
 //! The first paragraph is in every help, the others in the help about the flag alone. Flags are in the order of the
 //! help, and each struct is a group by which other flags exclude it. The name of a value tells what completions offer
-//! for it (`completions.rs`). The command line has one dash where clap has two (`dashes.rs`).
+//! for it (`completions.rs`). The command line has one dash where clap has two (`words.rs`).
 
 use super::values::{
-    Sides, byte_picture, edition, filter_size, json, not_negative, page, part, picture, sides,
+    Sides, byte_picture, edition, filter_size, has_ending, not_negative, part, path, picture, sides,
 };
 use crate::scene::edition::Edition;
+use clap::builder::RangedU64ValueParser;
 use clap::{Arg, ArgAction, ArgGroup, Args, CommandFactory, Parser, value_parser};
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// The range of a picture's sides, in pixels.
-pub(super) const SIDES: RangeInclusive<i64> = 1..=65535;
-/// The range of columns and rows.
-const PLACES: RangeInclusive<i64> = 0..=65534;
 /// The largest value of the course's `int`.
 pub(super) const MAX_INT: i64 = i32::MAX as i64;
 /// Far above the cores of any machine, and far below the number of threads that cannot be started.
-const MAX_THREADS: i64 = 4096;
+const MAX_THREADS: u64 = 4096;
 const SAMPLES: RangeInclusive<i64> = 1..=65536;
 
 /// The flags that shape the colour picture.
 pub(super) const SHAPING: [&str; 4] = ["View", "Shading", "Sampling", "Grid"];
-/// The flags that only a run that renders a scene understands.
+/// The flags that only a run that renders a scene understands, beside those that shape its colours.
 const RENDERING: [&str; 9] = [
     "depth",
     "normals",
@@ -37,6 +34,9 @@ const RENDERING: [&str; 9] = [
     "Preview",
     "strict",
 ];
+/// The flags that have no meaning for a part of a picture.
+pub(super) const NOT_OF_PARTS: [&str; 8] =
+    ["render_filter", "cost_map", "compare", "reference", "difference", "tolerance", "jitter", "filter"];
 
 /// Renders the scenes of MIT's 6.837 ray tracing assignments.
 #[derive(Debug, Parser)]
@@ -44,6 +44,8 @@ const RENDERING: [&str; 9] = [
 #[command(disable_help_flag = true, disable_version_flag = true)]
 #[command(override_usage = "raytracer -input scene.txt [flags, in any order]")]
 #[command(group = ArgGroup::new("compared").multiple(true))]
+#[command(group = ArgGroup::new("without_scene").conflicts_with_all(RENDERING)
+    .conflicts_with_all(SHAPING).conflicts_with_all(["input", "error_report"]))]
 pub(super) struct Flags {
     #[command(flatten)]
     pub pictures: Pictures,
@@ -76,7 +78,7 @@ pub(super) struct Pictures {
     ///
     /// Mesh files named in the scene are searched in the working directory, then beside the scene.
     #[arg(long, value_name = "scene", required_unless_present_all = ["compare", "reference"])]
-    #[arg(required_unless_present_any = ["merge", "convert", "grade"])]
+    #[arg(required_unless_present = "without_scene")]
     pub input: Option<PathBuf>,
 
     /// Writes the picture as .tga, .png, .bmp, .ppm, .pfm or .exr. The last two are in floating point. -output - png
@@ -116,16 +118,15 @@ pub(super) struct Pictures {
     /// Renders only this part of every picture; its bytes are those of the whole. The top left pixel is 0 0.
     ///
     /// Example: raytracer -input scene.txt -output top.png -region 0 0 100 50
-    #[arg(long, num_args = 4, value_names = ["x", "y", "w", "h"], value_parser = value_parser!(u32).range(0..=65535))]
-    #[arg(conflicts_with_all = ["render_filter", "cost_map", "compare", "reference", "jitter", "filter"])]
-    pub region: Option<Vec<u32>>,
+    #[arg(long, num_args = 4, value_names = ["x", "y", "w", "h"], value_parser = value_parser!(u16))]
+    #[arg(conflicts_with_all = NOT_OF_PARTS)]
+    pub region: Option<Vec<u16>>,
 
     /// Joins these parts of a picture, which come from -region, into -output. Their order is free.
     ///
     /// Example: raytracer -merge top.png bottom.png -output whole.png
-    #[arg(long, num_args = 1.., value_names = ["parts"], value_parser = part(), group = "run", requires = "output")]
-    #[arg(conflicts_with_all = RENDERING, conflicts_with_all = SHAPING)]
-    #[arg(conflicts_with_all = ["input", "reference", "tolerance", "threads"])]
+    #[arg(long, num_args = 1.., value_names = ["parts"], value_parser = part(), group = "without_scene", requires = "output")]
+    #[arg(conflicts_with_all = ["reference", "tolerance", "threads"])]
     pub merge: Option<Vec<PathBuf>>,
 
     /// Converts the picture to the 8-bit format given by -output. Needs no scene.
@@ -134,9 +135,8 @@ pub(super) struct Pictures {
     /// clamped.
     ///
     /// Example: raytracer -convert mine.tga -output mine.png
-    #[arg(long, value_name = "picture", value_parser = picture(), group = "run", requires = "output")]
-    #[arg(conflicts_with_all = RENDERING, conflicts_with_all = SHAPING)]
-    #[arg(conflicts_with_all = ["input", "reference", "tolerance", "threads", "region", "progress"])]
+    #[arg(long, value_name = "picture", value_parser = picture(), group = "without_scene", requires = "output")]
+    #[arg(conflicts_with_all = ["reference", "tolerance", "threads", "region", "progress"])]
     pub convert: Option<PathBuf>,
 }
 
@@ -324,9 +324,8 @@ pub(super) struct Grading {
     /// Compares the pictures in every folder of this folder with those of -reference or -commands.
     ///
     /// Example: raytracer -grade class -commands commands.txt -report page.html
-    #[arg(long, value_name = "folder", group = "run", requires = "references")]
-    #[arg(conflicts_with_all = RENDERING, conflicts_with_all = SHAPING)]
-    #[arg(conflicts_with_all = ["input", "output", "region"])]
+    #[arg(long, value_name = "folder", group = "without_scene", requires = "references")]
+    #[arg(conflicts_with_all = ["output", "region"])]
     pub grade: Option<PathBuf>,
 
     /// Grades by the pictures that the command lines in this file render.
@@ -336,7 +335,8 @@ pub(super) struct Grading {
     pub commands: Option<PathBuf>,
 
     /// Writes the result of -grade as a page, .html, and as a table beside it, .csv.
-    #[arg(long, value_name = "page", value_parser = page(), requires = "grade")]
+    #[arg(long, value_name = "page", requires = "grade")]
+    #[arg(value_parser = path(|path| has_ending(path, "html"), "not .html"))]
     pub report: Option<PathBuf>,
 }
 
@@ -347,7 +347,7 @@ pub(super) struct ErrorReporting {
     /// report.html and report.csv.
     ///
     /// Example: raytracer -input scene.txt -size 60 60 -shadows -error_report folder
-    #[arg(long, value_name = "folder", group = "run", conflicts_with_all = RENDERING)]
+    #[arg(long, value_name = "folder", conflicts_with_all = RENDERING)]
     #[arg(conflicts_with_all = ["output", "region", "jitter", "filter", "visualize_grid", "reference", "tolerance"])]
     pub error_report: Option<PathBuf>,
 
@@ -381,12 +381,13 @@ pub(super) struct Statistics {
     /// Prints the rays behind one pixel, and what each of them meets. The top left pixel is 0 0.
     ///
     /// Example: raytracer -input scene.txt -size 200 200 -shadows -pixel 100 160
-    #[arg(long, num_args = 2, value_names = ["x", "y"], value_parser = value_parser!(u32).range(PLACES))]
+    #[arg(long, num_args = 2, value_names = ["x", "y"], value_parser = value_parser!(u16))]
     #[arg(conflicts_with = "visualize_grid", requires = "input")]
-    pub pixel: Option<Vec<u32>>,
+    pub pixel: Option<Vec<u16>>,
 
     /// Writes everything that is reported as .json; - writes it to standard output in place of the text.
-    #[arg(long, value_name = "document", value_parser = json())]
+    #[arg(long, value_name = "document")]
+    #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "neither - nor .json"))]
     pub json: Option<PathBuf>,
 }
 
@@ -424,8 +425,8 @@ pub(super) struct Other {
     /// Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.
     ///
     /// Without it, one thread begins work that looks short, and the others join if it lasts.
-    #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(1..=MAX_THREADS))]
-    pub threads: Option<u32>,
+    #[arg(long, value_name = "n", value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_THREADS))]
+    pub threads: Option<usize>,
 
     /// Prints the progress every ten seconds where standard error is no terminal. A terminal shows it after one second.
     #[arg(long, alias = "show_progress", conflicts_with = "quiet")]

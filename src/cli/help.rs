@@ -1,8 +1,8 @@
 //! The help: about the usual flags, all flags, one of them, or those with a word.
 
-use super::dashes::single;
 use super::error::CliError;
 use super::flags::{USUAL, command, find, meant};
+use super::words::single;
 use clap::Arg;
 use std::ffi::OsString;
 

@@ -1,8 +1,8 @@
 //! The options of a run that renders or compares: the flags, checked together.
 
 use super::error::CliError;
-use super::flags::{Comparing, Flags, MAX_INT, SIDES, Sampling, Shading};
-use super::outputs::{Output, distinct, outputs};
+use super::flags::{Comparing, Flags, MAX_INT, Sampling, Shading};
+use super::outputs::{Output, outputs};
 use super::values::{Sides, json_target, lossy_or_null, not_negative, picture, value};
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request, Tracing, Window};
@@ -23,15 +23,13 @@ use std::path::{Path, PathBuf};
 /// The number of cells stays below this, so that the index of a cell fits into 32 bits.
 const CELL_LIMIT: u128 = 1 << 31;
 
-/// The checked options of a run. Every number is in the range that its field states.
+/// The checked options of a run that renders or compares.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Options {
-    /// The scene file, or `-` for standard input.
-    ///
-    /// It is none only if two pictures are compared that need no scene.
+    /// The scene file, or `-` for standard input. None only if two pictures are compared that need no scene.
     #[serde(serialize_with = "lossy_or_null")]
     pub input: Option<PathBuf>,
-    /// The pictures to write, in the order of the help. No two name the same file.
+    /// The pictures to write, in the order of the help.
     pub outputs: Vec<Output>,
     /// Width and height in pixels, 1 to 65535 each.
     pub size: [usize; 2],
@@ -39,47 +37,41 @@ pub struct Options {
     pub region: Option<Window>,
     /// The edition of the course; none until the scene's words have been read.
     pub edition: Option<Edition>,
-    /// Whether the places of pixels are shown in place of the scene.
+    /// Shows the places of pixels in place of the scene.
     pub uv: bool,
-    /// Whether the picture is rendered with three times the width and height.
+    /// Renders three times the width and height.
     pub jitter: bool,
-    /// Whether it is blurred and reduced to a third.
+    /// Blurs the picture and reduces it to a third.
     pub reduced: bool,
-    /// What is modelled.
     pub effects: Effects,
     /// The number of bounces that is given; if none is, `effects` has the default of the edition.
     #[serde(skip)]
     pub given_bounces: Option<u32>,
-    /// The positions of the samples in a pixel.
     pub sampler: Sampler,
-    /// Whether a pixel gets more samples where its first four disagree.
+    /// Takes more samples in a pixel where its first four disagree.
     pub adaptive: Option<Adaptive>,
-    /// The reconstruction filter.
     pub filter: Filter,
-    /// The acceleration structure. A grid has at least one cell along each axis, and less than 2^31 cells in all.
+    /// A grid has at least one cell along each axis, and less than 2^31 cells in all.
     pub structure: Structure,
-    /// Whether the grid's cells are drawn instead of the scene. There is a grid if so.
+    /// Draws the grid's cells in place of the scene. There is a grid if so.
     pub visualize_grid: bool,
-    /// The comparison of two pictures.
     pub comparison: Option<Comparison>,
-    /// Whether statistics are printed.
     pub stats: bool,
     /// How often the scene is rendered, 1 to 10000, if the times are to be compared.
     pub repeat: Option<u32>,
-    /// Whether a warning is an error.
+    /// Treats warnings as errors.
     pub strict: bool,
     /// The file for a JSON document of everything that is reported; `-` prints it in place of the text.
     #[serde(serialize_with = "json_target")]
     pub json: Option<PathBuf>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
     pub pixel: Option<[usize; 2]>,
-    /// Whether one of the flags of the course's preview is given.
+    /// True if one of the flags of the course's preview is given.
     pub preview: bool,
     /// The live page, if `-gui` asks for it.
     pub page: Option<LivePage>,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
-    /// Where progress is shown.
     pub progress: ShowProgress,
 }
 
@@ -101,7 +93,6 @@ pub struct Comparison {
     /// The picture in question.
     #[serde(serialize_with = "lossy_or_null")]
     pub picture: Option<PathBuf>,
-    /// The picture to compare it with.
     #[serde(serialize_with = "lossy_or_null")]
     pub reference: Option<PathBuf>,
     /// The file of the picture that shows the difference.
@@ -112,10 +103,11 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    pub(super) fn new(flags: &Comparing) -> Result<Option<Self>, CliError> {
+    fn new(flags: &Comparing) -> Result<Option<Self>, CliError> {
         if flags.compare.is_none() && flags.reference.is_none() {
             return Ok(None);
         }
+        // Where a folder is graded, it is a folder.
         let reference = flags.reference.as_ref();
         let reference = reference.map(|path| value("reference", path.as_os_str(), picture())).transpose()?;
         let (picture, difference) = (flags.compare.clone(), flags.difference.clone());
@@ -128,15 +120,12 @@ impl Comparison {
     }
 }
 
-/// Where it is shown how far a run has come.
+/// Where progress is shown on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShowProgress {
-    /// On standard error if that is a terminal.
     OnTerminal,
-    /// On standard error.
     Always,
-    /// Nowhere.
     Never,
 }
 
@@ -155,9 +144,10 @@ impl Options {
     pub(super) fn new(flags: Flags, words: Vec<String>) -> Result<Self, CliError> {
         let edition = edition(&flags)?;
         let triples = flags.view.edition != Some(Edition::Y2019);
+        let size = size(&flags.view.size)?;
         let options = Self {
-            outputs: outputs(&flags)?,
-            size: size(&flags.view.size)?,
+            outputs: outputs(&flags, size)?,
+            size,
             region: flags.pictures.region.as_deref().map(region).transpose()?,
             edition,
             uv: flags.view.uv,
@@ -180,14 +170,14 @@ impl Options {
             stats: flags.statistics.stats,
             repeat: flags.statistics.repeat,
             strict: flags.other.strict,
-            pixel: flags.statistics.pixel.as_deref().map(|place| [place[0] as usize, place[1] as usize]),
+            pixel: flags.statistics.pixel.as_deref().map(|place| [0, 1].map(|axis| place[axis].into())),
             preview: flags.preview.gui || flags.preview.tessellation.is_some() || flags.preview.gouraud,
             page: flags.preview.gui.then_some(LivePage {
                 port: flags.preview.port,
                 browser: !flags.preview.no_browser,
                 words,
             }),
-            threads: flags.other.threads.map(|threads| threads as usize),
+            threads: flags.other.threads,
             progress: ShowProgress::new(&flags),
             json: flags.statistics.json,
             input: flags.pictures.input,
@@ -237,43 +227,29 @@ impl Options {
         if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
             return Err(CliError::new("-visualize_grid needs a grid, as in '-grid 20 20 20'"));
         }
-        let is_too_large =
-            |output: &&Output| output.layer.size(self.size).iter().any(|&n| !SIDES.contains(&(n as i64)));
-        if let Some(flag) = self.outputs.iter().find(is_too_large).map(Output::flag) {
-            return Err(CliError::new(format!(
-                "{flag}: the enlarged picture has more than 65535 pixels a side"
-            )));
-        }
         if self.comparison.as_ref().is_some_and(Comparison::needs_scene) && self.compared_layer().is_none() {
-            let [one, other] = [&self.outputs[0], &self.outputs[1]].map(Output::flag);
-            return Err(CliError::new(format!(
-                "-compare and -reference compare one picture, and {one} and {other} write two: give -output too, which \
-                 is compared then, or only one of them"
-            )));
+            return Err(CliError::new(
+                "-compare and -reference compare one picture, and several are written: give -output too, which is \
+                 compared then, or write only one of them",
+            ));
         }
-        match self.outputs.iter().find(|output| output.is_standard_output()) {
-            Some(output) if self.prints_json() => {
-                Err(CliError::new(format!("{} and -json both write to standard output", output.flag())))
-            }
-            _ => distinct(&self.files()),
+        let streams = self.written().filter(|file| *file == Path::new("-")).count();
+        if streams + usize::from(self.prints_json()) > 1 {
+            return Err(CliError::new("only one of the pictures and -json can go to standard output"));
         }
+        Ok(())
     }
 
-    /// Whether a picture goes to standard output, so that text has to go elsewhere.
+    /// Returns true if a picture goes to standard output, so that text has to go elsewhere.
     pub fn has_standard_output(&self) -> bool {
         self.outputs.iter().any(Output::is_standard_output)
     }
 
-    /// The pictures to write, each with the flag that names its file.
-    fn files(&self) -> Vec<(&'static str, &Path)> {
-        let pictures = self.outputs.iter().map(|output| (output.flag(), output.file.as_path()));
-        let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
-        pictures.chain(difference.map(|file| ("-difference", file))).collect()
-    }
-
     /// The names of all files to write, where `-` is standard output.
     pub fn written(&self) -> impl Iterator<Item = &Path> {
-        self.files().into_iter().map(|(_, file)| file).chain(self.json_file())
+        let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
+        let pictures = self.outputs.iter().map(|output| output.file.as_path());
+        pictures.chain(difference).chain(self.json_file())
     }
 
     /// The file of the JSON document, if it is not printed.
@@ -286,7 +262,7 @@ impl Options {
         self.json.as_deref() == Some(Path::new("-"))
     }
 
-    /// Whether anything is written to standard output.
+    /// Returns true if anything is written to standard output.
     pub fn needs_standard_output(&self) -> bool {
         let counts = self.tracing() == Tracing::Counted;
         let prints = counts || self.repeat.is_some() || self.pixel.is_some() || self.comparison.is_some();
@@ -370,10 +346,10 @@ fn size(values: &[Sides]) -> Result<[usize; 2], CliError> {
     sides.as_slice().try_into().map_err(wrong)
 }
 
-pub(super) fn region(values: &[u32]) -> Result<Window, CliError> {
-    match values {
-        &[x, y, width, height] if width > 0 && height > 0 => {
-            let [x, y, width, height] = [x, y, width, height].map(|n| n as usize);
+pub(super) fn region(values: &[u16]) -> Result<Window, CliError> {
+    match *values {
+        [x, y, width, height] if width > 0 && height > 0 => {
+            let [x, y, width, height] = [x, y, width, height].map(usize::from);
             Ok(Window { x, y, width, height })
         }
         _ => Err(CliError::new("-region: width and height must be at least 1")),

@@ -1,17 +1,19 @@
 //! Parsers of values, which clap calls, and which the flags call whose values are of different kinds.
 
 use super::error::CliError;
-use super::flags::SIDES;
 use crate::image_io::Format;
 use crate::scene::edition::Edition;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue};
 use serde::Serializer;
 use std::ffi::OsStr;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+/// The range of a picture's sides, in pixels.
+pub(super) const SIDES: RangeInclusive<usize> = 1..=65535;
 /// The filter's weights divide by its size and the square of that, which must not underflow. In pixels.
-const FILTER_SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+const FILTER_SIZES: RangeInclusive<f64> = 1e-6..=1e6;
 
 pub(super) const NOT_PICTURE: &str = "none of .tga, .png, .bmp, .ppm, .pfm and .exr";
 pub(super) const NOT_BYTES: &str = "none of .tga, .png, .bmp and .ppm";
@@ -28,13 +30,10 @@ pub(super) fn value<P: TypedValueParser>(flag: &str, word: &OsStr, parser: P) ->
 }
 
 /// Parses a side, or both in the form `200x150`.
-pub(super) fn sides(word: &str) -> Result<Sides, String> {
-    let side = |text: &str| match text.parse::<i64>() {
-        Ok(side) if SIDES.contains(&side) => Ok(side as usize),
-        Ok(_) => Err(format!("{text} is not in 1..=65535")),
-        Err(error) => Err(error.to_string()),
-    };
-    word.split(['x', 'X']).map(side).collect()
+pub(super) fn sides(word: &str) -> Result<Sides, &'static str> {
+    let side = |text: &str| text.parse().ok().filter(|side| SIDES.contains(side));
+    let sides: Option<Sides> = word.split(['x', 'X']).map(side).collect();
+    sides.ok_or("not a whole number in 1..=65535")
 }
 
 pub(super) fn finite(word: &str) -> Result<f64, &'static str> {
@@ -64,25 +63,19 @@ pub(super) fn picture() -> impl TypedValueParser<Value = PathBuf> {
 
 /// A picture of bytes.
 pub(super) fn byte_picture() -> impl TypedValueParser<Value = PathBuf> {
-    let is_byte_picture = |path: &Path| Format::of(path).is_some_and(|format| !format.is_float());
-    path(is_byte_picture, NOT_BYTES)
+    path(|path| Format::of(path).is_some_and(|format| !format.is_float()), NOT_BYTES)
 }
 
 /// A picture that may be a part of another.
 pub(super) fn part() -> impl TypedValueParser<Value = PathBuf> {
-    let is_part = |path: &Path| Format::of(path).is_some_and(Format::has_parts);
-    path(is_part, "neither .tga nor .png, as parts are")
+    path(|path| Format::of(path).is_some_and(Format::has_parts), "neither .tga nor .png, as parts are")
 }
 
-pub(super) fn page() -> impl TypedValueParser<Value = PathBuf> {
-    path(|path| has_ending(path, "html"), "not .html")
-}
-
-pub(super) fn json() -> impl TypedValueParser<Value = PathBuf> {
-    path(|path| path == Path::new("-") || has_ending(path, "json"), "neither - nor .json")
-}
-
-fn path(is_fit: fn(&Path) -> bool, problem: &'static str) -> impl TypedValueParser<Value = PathBuf> {
+/// A path that meets a condition.
+pub(super) fn path(
+    is_fit: fn(&Path) -> bool,
+    problem: &'static str,
+) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |path| if is_fit(&path) { Ok(path) } else { Err(problem) })
 }
 
