@@ -25,6 +25,7 @@ pub use words::{command_of_merge, command_of_rest};
 
 use clap::FromArgMatches;
 use clap::error::ErrorKind;
+use error::fail;
 use flags::Flags;
 use outputs::output_of_bytes;
 use std::ffi::OsString;
@@ -43,39 +44,38 @@ pub enum Command {
 
 /// Parses a command line. The first word of `argv` is the program's name.
 ///
-/// No file is accessed. `-h`, `-help` and `-version` take precedence over errors later in the line. Errors: the
-/// first error found.
+/// No file is accessed. `-h` and `-help` take precedence over all errors, and `-version` over those later in the line.
+/// Errors: the first error found.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
-    let mut words: Vec<OsString> = argv.into_iter().skip(1).map(|word| words::double(&word)).collect();
-    let topic = help::topic(&mut words);
+    let words: Vec<OsString> = argv.into_iter().skip(1).map(|word| words::double(&word)).collect();
+    if let Some(place) = words.iter().position(|word| word == "--h" || word == "--help") {
+        return help::text(&words[place..]).map(Command::Print);
+    }
     let mut command = command();
     let matches = match command.try_get_matches_from_mut(&words) {
-        Err(error) if error.kind() == ErrorKind::DisplayHelp => {
-            return help::text(&words, topic).map(Command::Print);
-        }
         Err(error) if error.kind() == ErrorKind::DisplayVersion => {
             return Ok(Command::Print(error.to_string()));
         }
         matches => matches.map_err(|error| CliError::of(error, &words))?,
     };
     let flags = Flags::from_arg_matches(&matches).map_err(|error| CliError::of(error, &words))?;
-    if let Some(folder) = flags.grading.grade.clone() {
+    if let Some(folder) = flags.grade.clone() {
         return Grading::new(folder, &flags).map(Command::Grade);
     }
-    if let Some(parts) = flags.pictures.merge.clone() {
+    if let Some(parts) = flags.merge.clone() {
         return Merging::new(parts, &flags).map(Command::Merge);
     }
-    if let Some(picture) = flags.pictures.convert.clone() {
+    if let Some(picture) = flags.convert.clone() {
         let (output, progress) = (output_of_bytes(&flags)?, ShowProgress::new(&flags));
         return Ok(Command::Convert(Converting { picture, output, progress }));
     }
-    let (report, target) = (flags.error_reporting.error_report.clone(), flags.error_reporting.target);
+    let (report, target) = (flags.error_report.clone(), flags.target);
     // clap does not require a flag that conflicts with one that is given.
-    if flags.grading.commands.is_some() || flags.grading.report.is_some() {
-        return Err(CliError::new("-commands and -report need '-grade <folder>'"));
+    if flags.commands.is_some() || flags.report.is_some() {
+        return fail("-commands and -report need '-grade <folder>'");
     }
     if target.is_some() && report.is_none() {
-        return Err(CliError::new("-target needs '-error_report <folder>'"));
+        return fail("-target needs '-error_report <folder>'");
     }
     let options = Options::new(flags, words::shaping_words(&command, &matches))?;
     Ok(match report {

@@ -1,11 +1,10 @@
 //! The pictures to write: what each shows, and where it goes.
 
-use super::error::CliError;
+use super::error::{CliError, fail};
 use super::flags::Flags;
-use super::values::{NOT_BYTES, NOT_PICTURE, SIDES, finite, lossy, value};
+use super::values::{FINITE, NOT_BYTES, NOT_PICTURE, SIDES, lossy, number, value};
 use crate::image_io::Format;
 use crate::render::{Cost, Layer};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::value_parser;
 use serde::Serialize;
 use std::ffi::OsString;
@@ -32,13 +31,14 @@ impl Output {
         let is_standard_output = name == "-" || name == "/dev/stdout";
         let format = match (Format::of(Path::new(&name)), values.get(1)) {
             (Some(format), None) => format,
-            (Some(_), Some(word)) => return Err(CliError::unexpected(&word.to_string_lossy())),
+            (Some(_), Some(word)) => return Err(CliError::unexpected(word)),
             (None, Some(word)) => Format::named(&word.to_string_lossy())
                 .ok_or_else(|| CliError::value(flag, word, "none of tga, png, bmp, ppm, pfm and exr"))?,
-            (None, None) if is_standard_output => {
-                return Err(CliError::value(flag, name, "needs its format after it, as in '- png'"));
+            (None, None) => {
+                let needed = "needs its format after it, as in '- png'";
+                let problem = if is_standard_output { needed } else { NOT_PICTURE };
+                return Err(CliError::value(flag, name, problem));
             }
-            (None, None) => return Err(CliError::value(flag, name, NOT_PICTURE)),
         };
         let file = if is_standard_output { "-".into() } else { PathBuf::from(name) };
         Ok(Self { layer: layers[usize::from(format.is_float())], file, format })
@@ -57,22 +57,21 @@ impl Output {
 
 /// The pictures that the flags ask for, in the order of the help. `size` is that of the picture.
 pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, CliError> {
-    let pictures = &flags.pictures;
     let normals = [Layer::Normals, Layer::SignedNormals];
     let all = [
-        pictures.output.as_deref().map(colors),
-        pictures.depth.as_deref().map(depth),
-        pictures.normals.as_deref().map(|values| Output::new("normals", values, normals)),
-        pictures.render_samples.as_deref().map(|values| enlarged("render_samples", values, size)),
-        pictures.render_filter.as_deref().map(|values| enlarged("render_filter", values, size)),
-        flags.statistics.cost_map.as_deref().map(cost_map),
+        flags.output.as_deref().map(colors),
+        flags.depth.as_deref().map(depth),
+        flags.normals.as_deref().map(|values| Output::new("normals", values, normals)),
+        flags.render_samples.as_deref().map(|values| enlarged("render_samples", values, size)),
+        flags.render_filter.as_deref().map(|values| enlarged("render_filter", values, size)),
+        flags.cost_map.as_deref().map(cost_map),
     ];
     all.into_iter().flatten().collect()
 }
 
 /// The picture of bytes that `-output` asks for, which clap has required.
 pub(super) fn output_of_bytes(flags: &Flags) -> Result<Output, CliError> {
-    colors(flags.pictures.output.as_deref().unwrap_or_default())?.of_bytes("output")
+    colors(flags.output.as_deref().unwrap_or_default())?.of_bytes("output")
 }
 
 fn colors(values: &[OsString]) -> Result<Output, CliError> {
@@ -81,13 +80,14 @@ fn colors(values: &[OsString]) -> Result<Output, CliError> {
 
 fn depth(values: &[OsString]) -> Result<Output, CliError> {
     let (ends, picture) = values.split_at(2);
-    let (near, far) = (value("depth", &ends[0], finite)?, value("depth", &ends[1], finite)?);
+    let end = |index: usize| value("depth", &ends[index], number(FINITE));
+    let (near, far) = (end(0)?, end(1)?);
     if near >= far {
-        return Err(CliError::new(format!("-depth: t0 must be less than t1, but {near} >= {far}")));
+        return fail(format!("-depth: t0 must be less than t1, but {near} >= {far}"));
     }
     // The greys divide by the difference.
     if !(far - near).is_finite() {
-        return Err(CliError::new("-depth: t1 - t0 is too large for a number"));
+        return fail("-depth: t1 - t0 is too large for a number");
     }
     Output::new("depth", picture, [Layer::Depth { near, far }, Layer::Distance])
 }
@@ -95,25 +95,23 @@ fn depth(values: &[OsString]) -> Result<Output, CliError> {
 fn enlarged(flag: &str, values: &[OsString], size: [usize; 2]) -> Result<Output, CliError> {
     let (picture, last) = values.split_at(values.len() - 1);
     if picture.len() > 1 && Format::of(Path::new(&picture[0])).is_some() {
-        return Err(CliError::unexpected(&last[0].to_string_lossy()));
+        return Err(CliError::unexpected(&last[0]));
     }
     let zoom = usize::from(value(flag, &last[0], value_parser!(u16).range(1..))?);
-    if !size.iter().all(|&side| SIDES.contains(&(side * zoom))) {
-        return Err(CliError::new(format!(
-            "-{flag}: the enlarged picture has more than 65535 pixels a side"
-        )));
-    }
     let layer = if flag == "render_samples" { Layer::Samples { zoom } } else { Layer::Filter { zoom } };
+    if !layer.size(size).iter().all(|side| SIDES.contains(side)) {
+        return fail(format!("-{flag}: the enlarged picture has more than 65535 pixels a side"));
+    }
     Output::new(flag, picture, [layer; 2])
 }
 
 fn cost_map(values: &[OsString]) -> Result<Output, CliError> {
-    let kinds = PossibleValuesParser::new(["rays", "tests", "cells"]).map(|kind| match kind.as_str() {
-        "rays" => Cost::Rays,
-        "tests" => Cost::Tests,
-        _ => Cost::Cells,
-    });
-    let cost = value("cost_map", &values[0], kinds)?;
+    let cost = match values[0].to_str() {
+        Some("rays") => Cost::Rays,
+        Some("tests") => Cost::Tests,
+        Some("cells") => Cost::Cells,
+        _ => return Err(CliError::value("cost_map", &values[0], "none of rays, tests and cells")),
+    };
     // A picture in false colours has nothing beyond bytes.
     Output::new("cost_map", &values[1..], [Layer::Cost(cost); 2])?.of_bytes("cost_map")
 }

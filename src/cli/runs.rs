@@ -60,14 +60,14 @@ pub struct ErrorReporting {
 
 impl Grading {
     pub(super) fn new(folder: PathBuf, flags: &Flags) -> Result<Self, CliError> {
-        let pictures = flags.comparing.reference.clone().map(References::Folder);
-        let references = pictures.or(flags.grading.commands.clone().map(References::Commands));
+        let pictures = flags.reference.clone().map(References::Folder);
+        let references = pictures.or(flags.commands.clone().map(References::Commands));
         Ok(Self {
             folder,
             references: references.ok_or_else(|| CliError::new("-grade needs -reference or -commands"))?,
-            report: flags.grading.report.clone(),
-            tolerance: tolerance(&flags.comparing)?,
-            threads: flags.other.threads,
+            report: flags.report.clone(),
+            tolerance: tolerance(&flags)?,
+            threads: flags.threads,
             progress: ShowProgress::new(flags),
         })
     }
@@ -81,7 +81,7 @@ impl Grading {
 
 impl Merging {
     pub(super) fn new(parts: Vec<PathBuf>, flags: &Flags) -> Result<Self, CliError> {
-        let region = flags.pictures.region.as_deref().map(region).transpose()?;
+        let region = flags.region.as_deref().map(region).transpose()?;
         Ok(Self { parts, output: output_of_bytes(flags)?, region, progress: ShowProgress::new(flags) })
     }
 }

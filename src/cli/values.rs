@@ -12,8 +12,14 @@ use std::path::{Path, PathBuf};
 
 /// The range of a picture's sides, in pixels.
 pub(super) const SIDES: RangeInclusive<usize> = 1..=65535;
-/// The filter's weights divide by its size and the square of that, which must not underflow. In pixels.
-const FILTER_SIZES: RangeInclusive<f64> = 1e-6..=1e6;
+
+/// A range of numbers, and the words for what is not in it.
+type Numbers = (RangeInclusive<f64>, &'static str);
+
+pub(super) const FINITE: Numbers = (f64::MIN..=f64::MAX, "not a finite number");
+pub(super) const NOT_NEGATIVE: Numbers = (0.0..=f64::MAX, "not a finite number of 0 or more");
+/// The filter's weights divide by its size and the square of that, which must not underflow.
+pub(super) const FILTER_SIZE: Numbers = (1e-6..=1e6, "not in 0.000001..=1000000 pixels");
 
 pub(super) const NOT_PICTURE: &str = "none of .tga, .png, .bmp, .ppm, .pfm and .exr";
 pub(super) const NOT_BYTES: &str = "none of .tga, .png, .bmp and .ppm";
@@ -36,20 +42,8 @@ pub(super) fn sides(word: &str) -> Result<Sides, &'static str> {
     sides.ok_or("not a whole number in 1..=65535")
 }
 
-pub(super) fn finite(word: &str) -> Result<f64, &'static str> {
-    word.parse().ok().filter(|number: &f64| number.is_finite()).ok_or("not a finite number")
-}
-
-pub(super) fn not_negative(word: &str) -> Result<f64, &'static str> {
-    match finite(word)? {
-        number if number < 0.0 => Err("negative"),
-        number => Ok(number),
-    }
-}
-
-pub(super) fn filter_size(word: &str) -> Result<f64, &'static str> {
-    let size = finite(word)?;
-    if FILTER_SIZES.contains(&size) { Ok(size) } else { Err("not in 0.000001..=1000000 pixels") }
+pub(super) fn number((range, problem): Numbers) -> impl TypedValueParser<Value = f64> {
+    move |word: &str| word.parse().ok().filter(|number| range.contains(number)).ok_or(problem)
 }
 
 pub(super) fn edition() -> impl TypedValueParser<Value = Edition> {

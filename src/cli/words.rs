@@ -1,6 +1,6 @@
 //! The words of a command line: as clap reads them, with two dashes before a flag, and as users write them, with one.
 
-use super::flags::{NOT_OF_PARTS, SHAPING, command};
+use super::flags::{NOT_OF_PARTS, command, shapes};
 use crate::image_io::beside;
 use crate::render::Window;
 use crate::shell::Shell;
@@ -47,55 +47,59 @@ pub(super) fn single(text: &str) -> String {
     single
 }
 
-/// Returns the flags that were given, each with its values, in the order of the help.
-fn given(flags: &clap::Command, matches: &ArgMatches) -> Vec<(Arg, Vec<OsString>)> {
-    let is_given =
-        |flag: &&Arg| matches.value_source(flag.get_id().as_str()) == Some(ValueSource::CommandLine);
-    let values = |flag: &Arg| {
+/// Returns the flags that were given and for which `is_kept` holds, each with its values, in the order of the help.
+fn given(
+    flags: &clap::Command,
+    matches: &ArgMatches,
+    is_kept: impl Fn(&Arg) -> bool,
+) -> Vec<(Arg, Vec<OsString>)> {
+    let given = flags.get_arguments().filter(|flag| {
+        let source = matches.value_source(flag.get_id().as_str());
+        source == Some(ValueSource::CommandLine) && is_kept(flag)
+    });
+    let with_values = |flag: &Arg| {
         // clap gives a value to flags that have none.
         let values = matches.get_raw(flag.get_id().as_str()).filter(|_| flag.get_action().takes_values());
-        values.into_iter().flatten().map(OsStr::to_owned).collect()
+        (flag.clone(), values.into_iter().flatten().map(OsStr::to_owned).collect())
     };
-    flags.get_arguments().filter(is_given).map(|flag| (flag.clone(), values(flag))).collect()
+    given.map(with_values).collect()
 }
 
 /// Returns the given flags that shape the colour picture, with their values.
 pub(super) fn shaping_words(flags: &clap::Command, matches: &ArgMatches) -> Vec<String> {
-    let groups = flags.get_groups().filter(|group| SHAPING.contains(&group.get_id().as_str()));
-    let shaping: Vec<_> = groups.flat_map(|group| group.get_args()).collect();
-    let given = given(flags, matches).into_iter().filter(|(flag, _)| shaping.contains(&flag.get_id()));
     let words = |(flag, values): (Arg, Vec<OsString>)| {
         let values = values.into_iter().map(|value| value.to_string_lossy().into_owned());
         std::iter::once(format!("-{}", flag.get_id())).chain(values)
     };
-    given.flat_map(words).collect()
+    given(flags, matches, shapes).into_iter().flat_map(words).collect()
 }
 
 /// Returns the command line that renders this region with all else as in `argv`, whose first word is the program's name.
 /// The pictures get names of their own.
 pub fn command_of_rest(argv: &[OsString], region: Window, shell: Shell) -> String {
-    let Window { x, y, width, height } = region;
     let Some((program, words)) = argv.split_first() else { return String::new() };
     let flags = command();
     let Ok(matches) = flags.clone().try_get_matches_from(words.iter().map(|word| double(word))) else {
         return String::new();
     };
-    let is_kept = |(flag, _): &(Arg, _)| {
-        let name = flag.get_id().as_str();
-        name != "region" && !NOT_OF_PARTS.contains(&name)
-    };
-    let mut given: Vec<_> = given(&flags, &matches).into_iter().filter(is_kept).collect();
+    let is_kept = |flag: &Arg| flag.get_id() != "region" && !NOT_OF_PARTS.contains(&flag.get_id().as_str());
+    let mut given = given(&flags, &matches, is_kept);
     given.sort_by_key(|(flag, _)| matches.index_of(flag.get_id().as_str()));
-    let mut line = vec![shell.program(program)];
+    let mut line = shell.program(program);
     for (flag, values) in given {
-        line.push(format!("-{}", flag.get_id()));
+        line += &format!(" -{}", flag.get_id());
         let names = flag.get_value_names().unwrap_or_default();
         for (index, value) in values.iter().enumerate() {
             let is_file = value != "-" && names.get(index).is_some_and(|name| name == "picture");
-            line.push(if is_file { shell.word(beside(Path::new(value), REST)) } else { shell.word(value) });
+            let value = if is_file { beside(Path::new(value), REST).into() } else { value.clone() };
+            line += &format!(" {}", shell.word(value));
         }
     }
-    format!("{} -region {x} {y} {width} {height}", line.join(" "))
+    line + &words_of(region)
+}
+
+fn words_of(Window { x, y, width, height }: Window) -> String {
+    format!(" -region {x} {y} {width} {height}")
 }
 
 /// Returns the command line that joins the part that is there and its rest. `region` is the part of the picture that they
@@ -106,10 +110,8 @@ pub fn command_of_merge(
     region: Option<Window>,
     shell: Shell,
 ) -> String {
-    let region = region
-        .map_or(String::new(), |Window { x, y, width, height }| format!(" -region {x} {y} {width} {height}"));
     let [part, file, rest] = [part, file, &beside(file, REST)].map(|file| shell.word(file));
-    let program = shell.program(program);
+    let (program, region) = (shell.program(program), region.map(words_of).unwrap_or_default());
     format!("{program} -merge {part} {rest} -output {file}{region}")
 }
 
