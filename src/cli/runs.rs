@@ -66,7 +66,7 @@ impl Grading {
             folder,
             references: references.ok_or_else(|| CliError::new("-grade needs -reference or -commands"))?,
             report: flags.report.clone(),
-            tolerance: tolerance(&flags)?,
+            tolerance: tolerance(flags)?,
             threads: flags.threads,
             progress: ShowProgress::new(flags),
         })
