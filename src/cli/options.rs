@@ -214,7 +214,10 @@ impl Options {
             return fail(format!("-region: not within the picture of {width} x {height} pixels"));
         }
         if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {
-            return fail(format!("-pixel: not within the picture of {width} x {height} pixels, from 0 0"));
+            let [last_column, last_row] = [width - 1, height - 1];
+            return fail(format!(
+                "-pixel: outside the picture, whose columns are 0 to {last_column} and rows 0 to {last_row}"
+            ));
         }
         if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
             return fail("-visualize_grid needs a grid, as in '-grid 20 20 20'");

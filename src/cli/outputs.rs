@@ -110,7 +110,7 @@ fn cost_map(values: &[OsString]) -> Result<Output, CliError> {
         Some("rays") => Cost::Rays,
         Some("tests") => Cost::Tests,
         Some("cells") => Cost::Cells,
-        _ => return Err(CliError::value("cost_map", &values[0], "none of rays, tests and cells")),
+        _ => return Err(CliError::value("cost_map", &values[0], "none of rays, tests, cells")),
     };
     // A picture in false colours has nothing beyond bytes.
     Output::new("cost_map", &values[1..], [Layer::Cost(cost); 2])?.of_bytes("cost_map")
