@@ -104,7 +104,7 @@ fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
     let refused = |error| End { message: Some(failed(error)), status: REFUSED };
     let command = cli::parse(argv.iter().cloned()).map_err(refused)?;
     let Outcome { text, written, passes } = match &command {
-        Command::Help(text) | Command::Version(text) => Outcome::of_text(text.clone()),
+        Command::Print(text) => Outcome::of_text(text.clone()),
         Command::Render(options) => render_or_compare(options, argv, &signals, log)?,
         Command::Grade(options) => grade::run(options, &signals, log)?,
         Command::Merge(options) => merge::run(options, &signals)?,
