@@ -118,9 +118,7 @@ impl WrittenFiles {
         let files: Vec<_> =
             all.into_iter().map(|file| (file.id(), file)).map(|(id, file)| (file, id)).collect();
         for (index, (written, id)) in files.iter().enumerate() {
-            let is_same = |(_, other): &&(Written, Option<FileId>)| {
-                id.as_ref().zip(other.as_ref()).is_some_and(|(id, other)| id.is_same(other))
-            };
+            let is_same = |(_, other): &&(Written, Option<FileId>)| id.is_some() && id == other;
             if let Some((other, _)) = files[..index].iter().find(is_same) {
                 return Err(SameFile { written: other.clone(), other: Other::Written(written.clone()) });
             }
@@ -137,7 +135,7 @@ impl WrittenFiles {
         else {
             return Ok(());
         };
-        match self.0.iter().find(|(_, id)| id.as_ref().is_some_and(|id| id.is_same(&read))) {
+        match self.0.iter().find(|(_, id)| id.as_ref() == Some(&read)) {
             Some((written, _)) => {
                 Err(SameFile { written: written.clone(), other: Other::Read(kind, path.to_owned()) })
             }

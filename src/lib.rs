@@ -70,7 +70,6 @@ pub mod render;
 pub mod image_io;
 pub mod scene_io;
 pub mod renderer;
-pub mod fingerprint;
 pub mod tools;
 #[doc(hidden)]
 pub mod cli;

@@ -12,6 +12,7 @@ mod progress;
 mod complete_files;
 mod warned;
 mod products;
+mod fingerprint;
 mod stopping;
 mod pictures;
 mod page;

@@ -1,6 +1,7 @@
 //! The rendering of a scene, with everything that is written and printed of it.
 
 use crate::app::complete_files::CompleteFiles;
+use crate::app::fingerprint;
 use crate::app::products::Products;
 use crate::app::progress::{ProgressLine, rows_text};
 use crate::app::signals::Signals;
@@ -12,7 +13,6 @@ use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
-use raytracer::fingerprint;
 use raytracer::image_io::{
     CompleteFile, Exceptional, ImageError, OutputFile, Remarks, read_remarked_picture,
 };

@@ -146,7 +146,7 @@ fn unwritable_targets_are_reported_before_rendering() {
         // The folder is there, and makes no files.
         #[cfg(target_os = "linux")]
         ("/proc/a.tga", "cannot write `/proc/a.tga`: No such file or directory (os error 2)"),
-        ("a.jpg", "`F/a.jpg` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
+        ("a.jpg", "cannot write `F/a.jpg`: its name ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
     ];
     for (name, expected) in rows {
         let error = OutputFile::prepare(&folder.path().join(name)).unwrap_err();

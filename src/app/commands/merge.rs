@@ -8,18 +8,18 @@ use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::Merging;
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::image_io::Merge;
-use std::ops::ControlFlow;
+use raytracer::render::Progress;
 
 /// Reads the parts and writes the picture. An error is the message that ends the program.
 pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
     WrittenFiles::of_merging(options)?;
     let file = prepare_file(&options.output).map_err(failed)?;
     let merge = Merge::open(&options.parts, options.region).map_err(failed)?;
-    let mut writer = file.begin(merge.size(), merge.part().as_ref()).map_err(failed)?;
+    let mut writer = file.begin(merge.size(), merge.part()).map_err(failed)?;
     let progress = ProgressLine::new(options.progress);
-    let watch = |rows| {
+    let watch = |done| {
+        let rows = Progress { done, rows: merge.size()[1], rays: 0 };
         progress.show(|passed| rows_text("merging", rows, passed));
-        ControlFlow::Continue(())
     };
     let merged = merge.write(&mut writer, &watch);
     progress.end();

@@ -3,7 +3,7 @@
 use super::references::References;
 use crate::app::failed;
 use raytracer::escape::quoted;
-use raytracer::image_io::{Format, ImageError, read_picture_of_size};
+use raytracer::image_io::{Format, read_picture_of_size};
 use raytracer::tools::grade::{Column, Submission};
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -164,7 +164,7 @@ fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, String> {
     }
     match read_picture_of_size(path, size) {
         Ok(picture) => Ok(Submission::Picture(picture)),
-        Err(error @ ImageError::Memory { .. }) => Err(failed(error)),
+        Err(error) if error.is_out_of_memory() => Err(failed(error)),
         Err(error) => {
             let message = error.to_string();
             let start = format!("cannot read {}: ", quoted(path));

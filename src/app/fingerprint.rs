@@ -1,9 +1,9 @@
 //! What a part of a picture says about the whole, so that parts of different pictures are told apart.
 
-use crate::image_io::Part;
-use crate::render::{Layer, Request, Window};
-use crate::renderer::{Prepared, Renderer};
-use crate::world::World;
+use raytracer::image_io::Part;
+use raytracer::render::{Layer, Request, Window};
+use raytracer::renderer::{Prepared, Renderer};
+use raytracer::world::World;
 use siphasher::sip128::{Hasher128, SipHasher13};
 use std::hash::Hasher;
 
