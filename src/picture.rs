@@ -67,6 +67,12 @@ impl Window {
         self.y + self.height
     }
 
+    /// True if it has pixels, all of them within a picture of this width and height.
+    pub fn fits(&self, [width, height]: [usize; 2]) -> bool {
+        let is_within = |at: usize, side: usize, whole: usize| side > 0 && at < whole && side <= whole - at;
+        is_within(self.x, self.width, width) && is_within(self.y, self.height, height)
+    }
+
     /// True if both have a pixel in common.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.x < other.right() && other.x < self.right() && self.y < other.bottom() && other.y < self.bottom()

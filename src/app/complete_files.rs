@@ -3,6 +3,7 @@
 use crate::app::signals::{Interrupted, Signals};
 use crate::app::{End, failed, tell};
 use raytracer::image_io::{CompleteFile, ImageError, put_in_place};
+use std::io::ErrorKind;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Regular files that are complete and have no names yet.
@@ -14,7 +15,7 @@ impl CompleteFiles {
     /// gone away has seen enough.
     pub fn add(&self, file: CompleteFile) -> Result<(), String> {
         match file.write_stream() {
-            Err(error) if error.is_reader_gone() => {}
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
             written => self.files().extend(written.map_err(failed)?),
         }
         Ok(())

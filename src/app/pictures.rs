@@ -78,6 +78,7 @@ pub fn render(
 ) -> Result<Rendered, End> {
     let files = options.outputs.iter().map(prepare_file);
     let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
+    let files = files.into_iter().zip(options.outputs.iter().map(|output| output.format)).collect();
 
     let mut clock = Clock(Instant::now());
     let announce = |bytes| {
@@ -256,8 +257,8 @@ fn repeated(
 /// Checks that a picture can be written.
 pub fn prepare_file(output: &Output) -> Result<OutputFile, ImageError> {
     match output.is_standard_output() {
-        true => Ok(OutputFile::standard_output(output.format)),
-        false => OutputFile::prepare_as(&output.file, output.format),
+        true => Ok(OutputFile::standard_output()),
+        false => OutputFile::prepare(&output.file),
     }
 }
 

@@ -2,28 +2,19 @@
 
 use crate::escape::quoted;
 use std::path::{Path, PathBuf};
-use std::{fmt, io};
+use std::{error, fmt, io};
 
 /// A file that cannot be read or written, or parts that make no picture. It is displayed as one line.
 #[derive(Debug)]
 pub enum ImageError {
-    /// The system fails to read or write a file, or has too little memory for its picture.
-    Io {
-        /// A verb, such as "read".
-        action: &'static str,
-        /// The path as the user gave it.
-        path: PathBuf,
-        /// The reason.
-        error: io::Error,
-    },
-    /// The content or the name of a file does not allow what is to be done with it.
+    /// What is to be done with a file is not possible.
     File {
         /// A verb, such as "read".
         action: &'static str,
         /// The path as the user gave it.
         path: PathBuf,
-        /// What was found, and what to do.
-        reason: String,
+        /// The system's error, or what was found and what to do.
+        error: io::Error,
     },
     /// Parts that are no parts of one picture, or leave a gap.
     Parts(String),
@@ -31,44 +22,34 @@ pub enum ImageError {
 
 impl ImageError {
     pub(super) fn io(action: &'static str, path: &Path, error: impl Into<io::Error>) -> Self {
-        Self::Io { action, path: path.to_owned(), error: error.into() }
+        Self::File { action, path: path.to_owned(), error: error.into() }
     }
 
-    pub(super) fn file(action: &'static str, path: &Path, reason: impl Into<String>) -> Self {
-        Self::File { action, path: path.to_owned(), reason: reason.into() }
+    pub(super) fn new(action: &'static str, path: &Path, reason: impl Into<String>) -> Self {
+        Self::io(action, path, io::Error::other(reason.into()))
     }
 
     /// The file's name ends in none of the endings of pictures.
     pub(super) fn ending(action: &'static str, path: &Path) -> Self {
-        Self::file(action, path, "its name ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr")
+        Self::new(action, path, "its name ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr")
     }
 
-    /// True if the reader of a pipe has closed it.
-    pub fn is_reader_gone(&self) -> bool {
-        matches!(self, Self::Io { error, .. } if error.kind() == io::ErrorKind::BrokenPipe)
-    }
-
-    /// True if there is too little memory, which says nothing about the file.
-    pub fn is_out_of_memory(&self) -> bool {
-        matches!(self, Self::Io { error, .. } if error.kind() == io::ErrorKind::OutOfMemory)
+    /// Returns the kind of the system's error, such as [`OutOfMemory`](io::ErrorKind::OutOfMemory).
+    pub fn kind(&self) -> io::ErrorKind {
+        match self {
+            Self::File { error, .. } => error.kind(),
+            Self::Parts(_) => io::ErrorKind::Other,
+        }
     }
 }
 
 impl fmt::Display for ImageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Io { action, path, error } => write!(f, "cannot {action} {}: {error}", quoted(path)),
-            Self::File { action, path, reason } => write!(f, "cannot {action} {}: {reason}", quoted(path)),
+            Self::File { action, path, error } => write!(f, "cannot {action} {}: {error}", quoted(path)),
             Self::Parts(problem) => f.write_str(problem),
         }
     }
 }
 
-impl std::error::Error for ImageError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Io { error, .. } => Some(error),
-            Self::File { .. } | Self::Parts(_) => None,
-        }
-    }
-}
+impl error::Error for ImageError {}

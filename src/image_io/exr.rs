@@ -10,8 +10,6 @@ use crate::picture::{CHANNELS, Picture};
 use crate::scene::Color;
 use std::borrow::Cow;
 
-/// Upper bound on the length of a name, in bytes.
-const LONGEST_NAME: usize = 255;
 /// A byte of a deflate stream encodes at most this many.
 const MAX_INFLATION: u64 = 1032;
 /// Upper bound on the bytes of a row, which are in memory at once with up to 15 others.
@@ -26,10 +24,10 @@ const CONVERT: &str = "convert it, as with `oiiotool a.exr --scanline --compress
 struct Header<'a> {
     channels: Vec<Channel<'a>>,
     compression: u8,
-    /// The columns and rows of the numbers: the first column and row, and the last ones.
-    data: Option<[i32; 4]>,
-    /// The columns and rows of the picture.
-    display: Option<[i32; 4]>,
+    /// The place of the numbers.
+    data: Area,
+    /// The place of the picture.
+    display: Area,
 }
 
 struct Channel<'a> {
@@ -40,6 +38,7 @@ struct Channel<'a> {
 }
 
 /// A rectangle of pixels, whose places may be negative.
+#[derive(Default)]
 struct Area {
     left: i64,
     top: i64,
@@ -51,7 +50,10 @@ struct Area {
 pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError> {
     let file = reader;
     let header = header(&mut reader)?;
-    let (data, display) = (area(&file, header.data, "data")?, area(&file, header.display, "display")?);
+    let Header { data, display, .. } = &header;
+    if [data.width, data.height, display.width, display.height].iter().any(|&side| side <= 0) {
+        return Err(file.without_pixels());
+    }
     let red_green_blue = header.colors(&file)?;
     let rows_per_block = match header.compression {
         0..=2 => 1,
@@ -64,11 +66,11 @@ pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError>
     let size_of = |area: &Area| [area.width as u32, area.height as u32];
     let (length, blocks) = (file.bytes.len() as u64, (data.height as u64).div_ceil(rows_per_block as u64));
     let pixels = (data.width as u64).saturating_mul(data.height as u64);
-    let short = || file.short(size_of(&data));
+    let short = || file.short(size_of(data));
     if pixels > length.saturating_mul(MAX_INFLATION) || blocks > length / 8 {
         return Err(short());
     }
-    let mut picture = file.black(size_of(&display), u64::MAX)?;
+    let mut picture = file.black(size_of(display), u64::MAX)?;
     let row_bytes =
         data.width as u64 * header.channels.iter().map(|channel| channel.bytes() as u64).sum::<u64>();
     if row_bytes > LONGEST_ROW {
@@ -82,7 +84,7 @@ pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError>
     let columns = |area: &Area| (left - area.left) as usize..(right - area.left) as usize;
     let (mut is_read, mut remarks) = (vec![false; blocks as usize], Remarks::default());
     for _ in 0..blocks {
-        let (Some(first), Some(length)) = (reader.take_int(), reader.take_int()) else { return Err(short()) };
+        let [first, length] = reader.take_ints().ok_or_else(short)?;
         let first = i64::from(first) - data.top;
         if !(0..data.height).contains(&first) || first % rows_per_block != 0 {
             return Err(file.bad("a row lies outside its data window"));
@@ -110,20 +112,12 @@ pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError>
             if left < right && (0..display.height).contains(&y) {
                 let colors = header.row(bytes, data.width as usize, red_green_blue);
                 let row = picture.row_mut((display.height - 1 - y) as usize);
-                let row = &mut row.as_chunks_mut::<CHANNELS>().0[columns(&display)];
-                remarks.clamped += fill_row(&colors[columns(&data)], row.as_flattened_mut());
+                let row = &mut row.as_chunks_mut::<CHANNELS>().0[columns(display)];
+                remarks.clamped += fill_row(&colors[columns(data)], row.as_flattened_mut());
             }
         }
     }
     Ok((picture, remarks))
-}
-
-/// Returns an area that has pixels.
-fn area(file: &Reader, corners: Option<[i32; 4]>, name: &str) -> Result<Area, ImageError> {
-    let corners = corners.ok_or_else(|| file.bad(format!("its {name} window is missing")))?;
-    let [left, top, right, bottom] = corners.map(i64::from);
-    let (width, height) = (right - left + 1, bottom - top + 1);
-    if width > 0 && height > 0 { Ok(Area { left, top, width, height }) } else { Err(file.without_pixels()) }
 }
 
 fn header<'a>(reader: &mut Reader<'a>) -> Result<Header<'a>, ImageError> {
@@ -147,18 +141,20 @@ fn header<'a>(reader: &mut Reader<'a>) -> Result<Header<'a>, ImageError> {
 fn attributes<'a>(reader: &mut Reader<'a>) -> Option<Header<'a>> {
     let mut header = Header::default();
     loop {
-        let name = reader.take_text().filter(|name| name.len() <= LONGEST_NAME)?;
+        let name = reader.take_text()?;
         if name.is_empty() {
             return Some(header);
         }
         reader.take_text()?;
-        let length = usize::try_from(reader.take_int()?).ok()?;
+        let length = usize::try_from(reader.take_ints::<1>()?[0]).ok()?;
         let mut value = Reader { bytes: reader.take(length)?, ..*reader };
-        let mut corners =
-            || Some([value.take_int()?, value.take_int()?, value.take_int()?, value.take_int()?]);
+        let mut area = || {
+            let [left, top, right, bottom] = value.take_ints()?.map(i64::from);
+            Some(Area { left, top, width: right - left + 1, height: bottom - top + 1 })
+        };
         match name {
-            b"dataWindow" => header.data = corners(),
-            b"displayWindow" => header.display = corners(),
+            b"dataWindow" => header.data = area()?,
+            b"displayWindow" => header.display = area()?,
             b"compression" => header.compression = value.bytes.first().copied().unwrap_or(u8::MAX),
             b"channels" => header.channels = channels(value)?,
             _ => {}
@@ -174,7 +170,7 @@ fn channels(mut list: Reader) -> Option<Vec<Channel>> {
         if name.is_empty() {
             return Some(channels);
         }
-        let [kind, _, x, y] = [list.take_int()?, list.take_int()?, list.take_int()?, list.take_int()?];
+        let [kind, _, x, y] = list.take_ints()?;
         channels.push(Channel { name, kind, is_full: [x, y] == [1, 1] });
     }
 }

@@ -57,13 +57,15 @@ fn node(path: &Path, _: &Metadata) -> Option<Node> {
     fs::canonicalize(path).ok()
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
+    #[cfg(unix)]
     use super::*;
-    use std::os::unix::fs::symlink;
 
+    #[cfg(unix)]
     #[test]
     fn a_file_is_known_by_any_of_its_names() {
+        use std::os::unix::fs::symlink;
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
         let path = |name: &str| folder.join(name);

@@ -99,7 +99,7 @@ const BYTES: &str = "`>` in cmd.exe leaves the bytes as they are, and an editor 
 /// Returns the format of a file by its first bytes. An error if its name has the ending of another format.
 pub(super) fn identify(path: &Path, bytes: &[u8]) -> Result<Format, ImageError> {
     let start = &bytes[..bytes.len().min(START)];
-    let bad = |reason| Err(ImageError::file("read", path, reason));
+    let bad = |reason| Err(ImageError::new("read", path, reason));
     let foreign = || FOREIGN.iter().find(|(mark, ..)| start.starts_with(mark));
     match (known(start), Format::of_input(path)) {
         (Some((format, _)), Some(named)) if format == named => Ok(format),

@@ -12,9 +12,10 @@ use std::path::PathBuf;
 pub struct Merge {
     /// From the top.
     parts: Vec<PartFile>,
+    /// The place of the result in the whole.
     target: Window,
     /// What the result is a part of, unless it is the whole.
-    part: Option<Part>,
+    pub part: Option<Part>,
 }
 
 impl Merge {
@@ -23,39 +24,37 @@ impl Merge {
     pub fn open(paths: &[PathBuf], region: Option<Window>) -> Result<Self, ImageError> {
         let mut parts = paths.iter().map(|path| PartFile::open(path)).collect::<Result<Vec<_>, _>>()?;
         let failed = |problem| Err(ImageError::Parts(problem));
-        let Some(first) = parts.first().cloned() else { return failed("there are no parts".into()) };
-        for other in &parts {
-            if let Some(difference) = difference(&other.part, &first.part) {
-                let [path, first] = [&other.path, &first.path].map(quoted);
-                let problem =
-                    format!("{path} and {first} do not belong together: the former is {difference}");
-                return failed(problem);
-            }
+        let Some(PartFile { path, part: first, .. }) = parts.first().cloned() else {
+            return failed("there are no parts".into());
+        };
+        for PartFile { path: other, part, .. } in &parts {
+            let ([w, h], [w0, h0]) = (part.whole, first.whole);
+            let difference = match part.fingerprint == first.fingerprint {
+                _ if [w, h] != [w0, h0] => format!("of {w} x {h} pixels instead of {w0} x {h0}"),
+                false => "of another layer, scene, mesh, flag or version of this program".into(),
+                true => continue,
+            };
+            let [other, path] = [other, &path].map(quoted);
+            return failed(format!("{other} and {path} do not belong together: the former is {difference}"));
         }
-        let [width, height] = first.part.whole.map(|side| side as usize);
-        let target @ Window { x, y, .. } = region.unwrap_or(Window { x: 0, y: 0, width, height });
-        if target.right() > width || target.bottom() > height {
+        let [width, height] = first.whole.map(|side| side as usize);
+        let target = region.unwrap_or(Window { x: 0, y: 0, width, height });
+        if !target.fits([width, height]) {
             return failed(format!("`-region`: not within the whole picture of {width} x {height} pixels"));
         }
-        let windows: Vec<Window> = parts.iter().map(|part| part.window).collect();
-        if let Some(Window { x, y, width, height }) = first_gap(&windows, target) {
+        if let Some(Window { x, y, width, height }) = first_gap(&parts, target) {
             return failed(format!("a part is missing: `-region {x} {y} {width} {height}`"));
         }
         parts.retain(|part| part.window.overlaps(&target));
         parts.sort_by_key(|part| part.window.y);
-        let is_whole = [target.width, target.height] == [width, height];
-        let part = (!is_whole).then(|| Part { at: [x, y].map(|n| n as u32), ..first.part });
+        let is_part = [target.width, target.height] != [width, height];
+        let part = is_part.then(|| Part { at: [target.x, target.y].map(|n| n as u32), ..first });
         Ok(Self { parts, target, part })
     }
 
     /// Width and height of the result in pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.target.width, self.target.height]
-    }
-
-    /// What the result is a part of; `None` if it is the whole.
-    pub fn part(&self) -> Option<&Part> {
-        self.part.as_ref()
     }
 
     /// Hands the rows to the writer, and calls `watch` with their number after each. Only files that the current row
@@ -66,16 +65,14 @@ impl Merge {
         let mut open: Vec<OpenPart> = vec![];
         for y in self.target.y..self.target.bottom() {
             while let Some(file) = waiting.next_if(|part| part.window.y <= y) {
-                let mut part = OpenPart { file, rows: file.rows()?, row: vec![] };
+                let mut part = OpenPart { file, rows: Rows::open(&file.path)?, row: vec![] };
                 (file.window.y..y).try_for_each(|_| part.rows.next(&mut part.row))?;
                 open.push(part);
             }
             open.sort_by_key(|part| part.file.window.x);
             self.fill(&mut row, y, &mut open)?;
             writer.row_of_bytes(&row)?;
-            for mut ended in open.extract_if(.., |part| part.file.window.bottom() == y + 1) {
-                ended.rows.finish()?;
-            }
+            open.retain(|part| part.file.window.bottom() > y + 1);
             watch(y + 1 - self.target.y);
         }
         Ok(())
@@ -117,45 +114,23 @@ struct OpenPart<'p> {
     row: Vec<u8>,
 }
 
-/// Returns how a part's picture differs from that of another, if it does.
-fn difference(part: &Part, first: &Part) -> Option<String> {
-    let ([w, h], [w0, h0]) = (part.whole, first.whole);
-    if [w, h] != [w0, h0] {
-        Some(format!("of {w} x {h} pixels instead of {w0} x {h0}"))
-    } else if part.kind != first.kind {
-        Some(format!("of {} instead of {}", quoted(&part.kind), quoted(&first.kind)))
-    } else {
-        let other = "of another scene, of other flags or of another version of this program";
-        (part.fingerprint != first.fingerprint).then(|| other.into())
-    }
-}
-
-/// Returns the first pixels of `target` that none of the tiles covers, by rows from the top and then from the left: the
-/// columns that lack, in as many rows as lack them all.
-fn first_gap(tiles: &[Window], target: Window) -> Option<Window> {
-    let rows = target.y..target.bottom();
-    // A gap begins in the first row or where a tile ends.
-    let mut starts: Vec<usize> = tiles.iter().map(Window::bottom).chain([target.y]).collect();
-    starts.retain(|y| rows.contains(y));
+/// Returns the first pixels of `target` that no part covers, by rows from the top and then from the left: the columns that
+/// lack, in as many rows as lack them all.
+fn first_gap(parts: &[PartFile], target: Window) -> Option<Window> {
+    // A gap begins in the first row or where a part ends.
+    let mut starts: Vec<usize> = parts.iter().map(|part| part.window.bottom()).chain([target.y]).collect();
+    starts.retain(|y| (target.y..target.bottom()).contains(y));
     starts.sort_unstable();
     starts.into_iter().find_map(|y| {
-        let mut row: Vec<&Window> =
-            tiles.iter().filter(|tile| (tile.y..tile.bottom()).contains(&y)).collect();
-        row.sort_unstable_by_key(|tile| tile.x);
-        let mut x = target.x;
-        for tile in &row {
-            if tile.x <= x {
-                x = x.max(tile.right());
-            }
-        }
+        let windows = || parts.iter().map(|part| part.window);
+        let mut row: Vec<Window> = windows().filter(|part| (part.y..part.bottom()).contains(&y)).collect();
+        row.sort_unstable_by_key(|part| part.x);
+        let x = row.iter().fold(target.x, |x, part| if part.x <= x { x.max(part.right()) } else { x });
         let end =
-            row.iter().map(|tile| tile.x).find(|&start| start > x).unwrap_or(usize::MAX).min(target.right());
-        if x >= end {
-            return None;
-        }
-        let below = tiles.iter().filter(|tile| tile.y > y && tile.x < end && x < tile.right());
-        let bottom = below.map(|tile| tile.y).min().unwrap_or(usize::MAX).min(target.bottom());
-        Some(Window { x, y, width: end - x, height: bottom - y })
+            row.iter().map(|part| part.x).find(|&start| start > x).unwrap_or(usize::MAX).min(target.right());
+        let below = windows().filter(|part| part.y > y && part.x < end && x < part.right());
+        let bottom = below.map(|part| part.y).min().unwrap_or(usize::MAX).min(target.bottom());
+        (x < end).then(|| Window { x, y, width: end - x, height: bottom - y })
     })
 }
 
@@ -181,7 +156,9 @@ mod tests {
             (&[[0, 0, 8, 7]], [0, 0, 9, 7], Some([8, 0, 1, 7])),
             (&[[0, 0, 9, 3], [0, 6, 9, 1]], [0, 0, 9, 7], Some([0, 3, 9, 3])),
         ] {
-            let tiles: Vec<Window> = tiles.iter().copied().map(window).collect();
+            let part = Part { whole: [9, 7], at: [0, 0], fingerprint: 0 };
+            let file = |tile| PartFile { path: "a.tga".into(), part: part.clone(), window: window(tile) };
+            let tiles: Vec<PartFile> = tiles.iter().copied().map(file).collect();
             assert_eq!(first_gap(&tiles, window(target)), gap.map(window), "{tiles:?}");
         }
     }

@@ -1,7 +1,6 @@
 //! Picture files: TGA, PNG, BMP, PPM, PFM and OpenEXR. The writer takes rows, and the files of a run appear together when all
 //! are complete. The reader takes any common variant. Parts of a picture say where they lie, and are put together.
 
-pub(crate) mod embedded;
 mod error;
 mod exr;
 mod file_id;
@@ -18,9 +17,9 @@ pub use error::ImageError;
 pub use file_id::FileId;
 pub use format::Format;
 pub use merge::Merge;
-pub use output::{CompleteFile, OutputFile, TextFile, put_in_place};
-pub use part::{NotPart, Part, PartFile};
-pub use reader::{Remarks, read_picture, read_picture_from, read_picture_of_size, read_remarked_picture};
+pub use output::{CompleteFile, OutputFile, put_in_place};
+pub use part::{Part, PartFile};
+pub use reader::{Remarks, read_picture, read_picture_from, read_remarked_picture};
 pub use writer::{Content, Exceptional, PictureWriter, part_beside};
 
 use std::ffi::OsString;

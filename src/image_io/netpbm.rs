@@ -21,30 +21,29 @@ const LARGEST_WHITE: u32 = 65535;
 const OTHER_TEXT: &str = "; messages belong to the standard error, as `std::cerr`";
 
 /// What the header says.
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct Header {
     size: [u32; 2],
-    /// Numbers for each pixel: grey, grey and alpha, RGB, or RGB and alpha.
+    /// Samples for each pixel: grey, grey and alpha, RGB, or RGB and alpha.
     channels: usize,
     /// Bits of a raw sample: 1, 8, 16 or, in single precision, 32.
     bits: usize,
-    /// The byte for each sample. Empty in single precision.
-    levels: Vec<u8>,
+    /// The sample of white.
+    white: u32,
     is_little_endian: bool,
 }
 
 impl Header {
     fn set_white(&mut self, white: u32) {
-        self.levels = (0..=white).map(|sample| level(sample, white)).collect();
-        self.bits = if white > 255 { 16 } else { 8 };
+        (self.white, self.bits) = (white, if white > 255 { 16 } else { 8 });
     }
 
     /// Sets a pixel from its samples. Returns false if one of them is above that of white.
-    fn set(&self, pixel: &mut [u8; 3], sample: impl Fn(usize) -> usize) -> bool {
+    fn set(&self, pixel: &mut [u8; 3], sample: impl Fn(usize) -> u32) -> bool {
         let has_color = usize::from(self.channels > 2);
-        let levels = [0, 1, 2].map(|channel| self.levels.get(sample(channel * has_color)).copied());
-        *pixel = levels.map(Option::unwrap_or_default);
-        levels.iter().all(Option::is_some)
+        let samples = [0, 1, 2].map(|channel| sample(channel * has_color));
+        *pixel = samples.map(|sample| level(sample.min(self.white), self.white));
+        samples.iter().all(|&sample| sample <= self.white)
     }
 }
 
@@ -52,20 +51,20 @@ impl Header {
 pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError> {
     reader.bytes = reader.bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(reader.bytes);
     let mut text = Text { start: reader.bytes, reader, size: None };
-    let (channels, bits, is_plain) = match text.header_word()? {
-        b"P1" => (1, 1, true),
-        b"P2" => (1, 8, true),
-        b"P3" => (3, 8, true),
-        b"P4" => (1, 1, false),
-        b"P5" => (1, 8, false),
-        b"P6" => (3, 8, false),
-        b"PF" => (3, 32, false),
-        b"Pf" => (1, 32, false),
-        _ => (0, 8, false),
+    let kind = text.word()?;
+    let header = match kind {
+        b"P1" | b"P4" => text.header(1, 1)?,
+        b"P2" | b"P5" => text.header(1, 8)?,
+        b"P3" | b"P6" => text.header(3, 8)?,
+        b"PF" => text.header(3, 32)?,
+        b"Pf" => text.header(1, 32)?,
+        _ => text.pam_header()?,
     };
-    let header = if channels > 0 { text.header(channels, bits)? } else { text.pam_header()? };
     text.size = Some(header.size);
-    if is_plain { Ok((text.plain(&header)?, Remarks::default())) } else { text.raw(&header) }
+    match kind {
+        b"P1" | b"P2" | b"P3" => Ok((text.plain(&header)?, Remarks::default())),
+        _ => text.raw(&header),
+    }
 }
 
 /// A file, of which the header or all is text.
@@ -82,16 +81,14 @@ impl<'a> Text<'a> {
     /// Reads the size, and the sample of white or the scale, whose sign is the order of bytes.
     fn header(&mut self, channels: usize, bits: usize) -> Result<Header, ImageError> {
         let size = [self.number(0, u32::MAX)?, self.number(0, u32::MAX)?];
-        let mut header = Header { size, channels, bits, ..Header::default() };
-        match bits {
-            1 => header.levels = vec![255, 0],
-            32 => {
-                let word = self.header_word()?;
-                let scale = parse::<f64>(word).filter(|scale| scale.is_finite() && *scale != 0.0);
-                let scale = scale.ok_or_else(|| self.bad_word(word, "is no scale, a number other than 0"))?;
-                header.is_little_endian = scale < 0.0;
-            }
-            _ => header.set_white(self.number(1, LARGEST_WHITE)?),
+        let mut header = Header { size, channels, bits, white: 1, is_little_endian: false };
+        if bits == 8 {
+            header.set_white(self.number(1, LARGEST_WHITE)?);
+        } else if bits == 32 {
+            let word = self.word()?;
+            let scale = parse::<f64>(word).filter(|scale| scale.is_finite() && *scale != 0.0);
+            let scale = scale.ok_or_else(|| self.bad_word(word, "is no scale, a number other than 0"))?;
+            header.is_little_endian = scale < 0.0;
         }
         Ok(header)
     }
@@ -99,12 +96,12 @@ impl<'a> Text<'a> {
     fn pam_header(&mut self) -> Result<Header, ImageError> {
         let mut header = Header::default();
         loop {
-            match self.header_word()? {
+            match self.word()? {
                 b"WIDTH" => header.size[0] = self.number(0, u32::MAX)?,
                 b"HEIGHT" => header.size[1] = self.number(0, u32::MAX)?,
                 b"DEPTH" => header.channels = self.number(1, 4)? as usize,
                 b"MAXVAL" => header.set_white(self.number(1, LARGEST_WHITE)?),
-                b"TUPLTYPE" => drop(self.header_word()?),
+                b"TUPLTYPE" => drop(self.word()?),
                 b"ENDHDR" if header.channels > 0 && header.bits > 0 => return Ok(header),
                 word => return Err(self.bad_word(word, "is unknown, or comes before DEPTH or MAXVAL")),
             }
@@ -118,59 +115,53 @@ impl<'a> Text<'a> {
         for pixel in picture.pixels_mut().as_chunks_mut().0 {
             let mut samples = [0; 3];
             for sample in &mut samples[..header.channels] {
-                *sample = match header.bits {
-                    1 => self.digit()?,
-                    _ => self.number(0, header.levels.len() as u32 - 1)? as usize,
-                };
+                *sample = if header.bits == 1 { self.bit()? } else { self.number(0, header.white)? };
             }
             header.set(pixel, |channel| samples[channel]);
         }
-        let Some(word) = self.word() else { return Ok(picture) };
+        let Some(word) = self.next_word() else { return Ok(picture) };
         let hint = if parse::<f64>(word).is_some() { "" } else { OTHER_TEXT };
         Err(self.bad_word(word, &format!("follows the last of {width} x {height} pixels{hint}")))
     }
 
     fn raw(mut self, header: &Header) -> Result<(Picture, Remarks), ImageError> {
-        let ([width, height], channels) = (header.size, header.channels);
-        let row_bytes = (u64::from(width) * channels as u64 * header.bits as u64).div_ceil(8);
+        let (Header { channels, bits, white, .. }, [width, height]) = (*header, header.size);
+        let row_bytes = (u64::from(width) * channels as u64 * bits as u64).div_ceil(8);
         let needed = row_bytes.saturating_mul(height.into());
         let is_long_enough = self.reader.bytes.len() as u64 >= needed;
         let mut picture = self.reader.black(header.size, if is_long_enough { u64::MAX } else { 0 })?;
         let (samples, has_line_end) = self.samples(needed as usize)?;
-        let mut remarks = Remarks { clamped: 0, has_line_end };
-        // Without this the most common files would take three times as long.
-        if (channels, header.levels.len()) == (3, 256) {
-            picture.pixels_mut().copy_from_slice(&samples);
-            return Ok((picture, remarks));
-        }
+        let mut clamped = 0;
         for (bytes, y) in samples.chunks_exact(row_bytes as usize).zip(0..height as usize) {
-            if header.bits == 32 {
+            // The rows of single precision are stored from the bottom.
+            let row = picture.row_mut(if bits == 32 { y } else { height as usize - 1 - y });
+            if (channels, bits, white) == (3, 8, 255) {
+                row.copy_from_slice(bytes);
+                continue;
+            }
+            if bits == 32 {
                 let number = |&bytes: &[u8; 4]| match header.is_little_endian {
                     true => f64::from(f32::from_le_bytes(bytes)),
                     false => f64::from(f32::from_be_bytes(bytes)),
                 };
-                let pixel = |pixel: &[[u8; 4]]| {
-                    [0, channels / 2, channels - 1].map(|channel| number(&pixel[channel]))
-                };
                 let pixels = bytes.as_chunks().0.chunks_exact(channels);
-                let colors: Vec<Color> = pixels.map(|numbers| pixel(numbers).into()).collect();
-                // Rows are stored from the bottom.
-                remarks.clamped += fill_row(&colors, picture.row_mut(y));
+                let colors =
+                    pixels.map(|pixel| [0, channels / 2, channels - 1].map(|index| number(&pixel[index])));
+                clamped += fill_row(&colors.map(Color::from).collect::<Vec<_>>(), row);
                 continue;
             }
-            let sample = |at: usize| match header.bits {
-                1 => usize::from(bytes[at / 8] >> (7 - at % 8) & 1),
+            let sample = |at: usize| match bits {
+                // A bit is set for black.
+                1 => u32::from(!bytes[at / 8] >> (7 - at % 8) & 1),
                 8 => bytes[at].into(),
                 _ => u16::from_be_bytes([bytes[2 * at], bytes[2 * at + 1]]).into(),
             };
-            let row = picture.row_mut(height as usize - 1 - y);
             let mut pixels = row.as_chunks_mut().0.iter_mut().enumerate();
             if !pixels.all(|(x, pixel)| header.set(pixel, |channel| sample(x * channels + channel))) {
-                let white = header.levels.len() - 1;
                 return Err(self.reader.bad(format!("row {} has a sample above {white}, its white", y + 1)));
             }
         }
-        Ok((picture, remarks))
+        Ok((picture, Remarks { clamped, has_line_end }))
     }
 
     /// Returns the samples, which take `needed` bytes, and whether a line end follows them.
@@ -206,11 +197,12 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Reads a digit of a bitmap.
-    fn digit(&mut self) -> Result<usize, ImageError> {
+    /// Reads a digit of a bitmap. Returns 1 for white.
+    fn bit(&mut self) -> Result<u32, ImageError> {
         self.skip_space();
         match self.reader.take(1) {
-            Some([digit @ (b'0' | b'1')]) => Ok(usize::from(digit - b'0')),
+            Some(b"0") => Ok(1),
+            Some(b"1") => Ok(0),
             Some(other) => Err(self.bad_word(other, "is neither 0 nor 1")),
             None => Err(self.cut()),
         }
@@ -218,7 +210,7 @@ impl<'a> Text<'a> {
 
     /// Reads a whole number within these bounds.
     fn number(&mut self, least: u32, most: u32) -> Result<u32, ImageError> {
-        let word = self.header_word()?;
+        let word = self.word()?;
         if let Some(number) = parse(word).filter(|number| (least..=most).contains(number)) {
             return Ok(number);
         }
@@ -232,13 +224,13 @@ impl<'a> Text<'a> {
         Err(self.bad_word(word, &format!("is not a whole number from {least} to {most}{hint}")))
     }
 
-    fn header_word(&mut self) -> Result<&'a [u8], ImageError> {
-        self.word().ok_or_else(|| self.cut())
+    fn word(&mut self) -> Result<&'a [u8], ImageError> {
+        self.next_word().ok_or_else(|| self.cut())
     }
 
     /// Reads the next word, outside comments, and the white space or the comment that ends it. `None` at the end of the
     /// file.
-    fn word(&mut self) -> Option<&'a [u8]> {
+    fn next_word(&mut self) -> Option<&'a [u8]> {
         self.skip_space();
         let is_end = |byte: &u8| *byte == b'#' || byte.is_ascii_whitespace();
         let bytes = self.reader.bytes;
@@ -247,7 +239,6 @@ impl<'a> Text<'a> {
         Some(word).filter(|word| !word.is_empty())
     }
 
-    /// Skips white space and comments.
     fn skip_space(&mut self) {
         while self.skip_one() {}
     }
@@ -255,14 +246,13 @@ impl<'a> Text<'a> {
     /// Skips a white space or a comment, with the byte that ends its line. Returns false if there is none.
     fn skip_one(&mut self) -> bool {
         let bytes = self.reader.bytes;
+        let line_end = || bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n'));
         let length = match bytes.first() {
-            Some(b'#') => {
-                bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n')).map_or(bytes.len(), |end| end + 1)
-            }
+            Some(b'#') => line_end().map_or(bytes.len(), |end| end + 1),
             Some(byte) if byte.is_ascii_whitespace() => 1,
-            _ => 0,
+            _ => return false,
         };
-        self.reader.take(length).is_some_and(|skipped| !skipped.is_empty())
+        self.reader.take(length).is_some()
     }
 
     /// Returns the error of a file that ends too early.

@@ -5,8 +5,7 @@
 
 use super::Format;
 use super::error::ImageError;
-use super::part::Part;
-use super::writer::{Content, PictureWriter};
+use super::writer::Content;
 use crate::escape::quoted;
 use crate::memory::with_room;
 use crate::picture::{CHANNELS, Picture};
@@ -22,19 +21,11 @@ const IN_MEMORY: usize = 8 << 20;
 /// Upper bound on the memory that is taken while files have temporary names, in bytes.
 const WORKING_MEMORY: usize = 1 << 20;
 
-/// A picture file that is known to be writable and has not been written yet.
+/// A file that is known to be writable and has not been written yet.
 #[derive(Debug)]
 pub struct OutputFile {
     /// The path as the user gave it, for messages.
     pub(super) path: PathBuf,
-    pub(super) format: Format,
-    pub(super) target: Target,
-}
-
-/// A text file that is known to be writable and has not been written yet.
-#[derive(Debug)]
-pub struct TextFile {
-    path: PathBuf,
     target: Target,
 }
 
@@ -42,14 +33,13 @@ pub struct TextFile {
 #[must_use = "the file gets its name when it is put in its place"]
 #[derive(Debug)]
 pub struct CompleteFile {
-    pub(super) path: PathBuf,
-    pub(super) target: Target,
+    pub(super) output: OutputFile,
     pub(super) content: SpooledTempFile,
 }
 
 /// The destination of a file.
 #[derive(Debug)]
-pub(super) enum Target {
+enum Target {
     /// A regular file, with links resolved. If it exists, `permissions` are its own.
     Replace {
         file: PathBuf,
@@ -61,88 +51,87 @@ pub(super) enum Target {
 }
 
 impl OutputFile {
-    /// Checks that a picture can be written to `path`: its ending, its folder and the permissions.
+    /// Checks that a file can be written to `path`: its folder and the permissions.
     ///
     /// A pipe or a device is opened, which may block until there is a reader.
     pub fn prepare(path: &Path) -> Result<Self, ImageError> {
-        let format = Format::of(path).ok_or_else(|| ImageError::ending("write", path))?;
-        Self::prepare_as(path, format)
+        let failed = |error| ImageError::io("write", path, error);
+        let refused = |reason: String| Err(ImageError::new("write", path, reason));
+        let target = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => return refused("it is a folder".into()),
+            Ok(found) => existing(path, &found).map_err(failed)?,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                Target::Replace { file: follow_links(path).map_err(failed)?, permissions: None }
+            }
+            Err(error) => return Err(failed(error)),
+        };
+        let Target::Replace { file, .. } = &target else { return Ok(Self { path: path.to_owned(), target }) };
+        let folder = folder_of(file);
+        match tempfile::tempfile_in(folder) {
+            Ok(_) => Ok(Self { path: path.to_owned(), target }),
+            Err(error) if error.kind() == io::ErrorKind::NotFound && !folder.is_dir() => {
+                refused(format!("there is no folder {}", quoted(folder)))
+            }
+            Err(error) => Err(failed(error)),
+        }
     }
 
-    /// Checks that a picture can be written to `path`, whatever its ending is.
-    pub fn prepare_as(path: &Path, format: Format) -> Result<Self, ImageError> {
-        Ok(Self { path: path.to_owned(), format, target: Target::prepare(path)? })
+    /// Returns the file that is written to standard output when it is complete.
+    pub fn standard_output() -> Self {
+        Self { path: "standard output".into(), target: Target::StandardOutput }
     }
 
-    /// Returns a picture that is written to standard output when it is complete.
-    pub fn standard_output(format: Format) -> Self {
-        Self { path: "standard output".into(), format, target: Target::StandardOutput }
-    }
-
-    /// Begins a picture of this width and height in pixels. Its file says which part of a larger picture it is, if it is
-    /// one.
-    pub fn begin(self, size: [usize; 2], part: Option<&Part>) -> Result<PictureWriter, ImageError> {
-        self.begin_with(size, Content::Colors, part)
-    }
-
-    /// Begins a picture like [`begin`](Self::begin), of colours or of distances.
-    pub fn begin_with(
-        self,
-        size: [usize; 2],
-        content: Content,
-        part: Option<&Part>,
-    ) -> Result<PictureWriter, ImageError> {
-        PictureWriter::new(self, size, content, part)
-    }
-
-    /// Writes a picture. If this fails and the target is a regular file, nothing is written.
-    pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
-        self.complete(picture)?.put_in_place()
-    }
-
-    /// Encodes a picture.
-    pub fn complete(self, picture: &Picture) -> Result<CompleteFile, ImageError> {
-        let mut writer = self.begin([picture.width() as usize, picture.height() as usize], None)?;
-        let rows = picture.pixels().chunks_exact(picture.width() as usize * CHANNELS);
-        rows.into_iter().try_for_each(|row| writer.row_of_bytes(row))?;
-        writer.complete()
-    }
-}
-
-impl TextFile {
-    /// Checks that a file can be written to `path`: its folder and the permissions.
-    pub fn prepare(path: &Path) -> Result<Self, ImageError> {
-        Ok(Self { path: path.to_owned(), target: Target::prepare(path)? })
-    }
-
-    /// True for a pipe or a device.
+    /// True for a pipe, a device or standard output.
     pub fn is_stream(&self) -> bool {
-        self.target.is_stream()
+        !matches!(self.target, Target::Replace { .. })
+    }
+
+    /// Writes a picture in the format that the file's name tells. If this fails and the target is a regular file, nothing
+    /// is written.
+    pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
+        let format = Format::of(&self.path).ok_or_else(|| ImageError::ending("write", &self.path))?;
+        self.picture(format, picture)?.put_in_place()
+    }
+
+    /// Returns the file with this picture.
+    pub fn picture(self, format: Format, picture: &Picture) -> Result<CompleteFile, ImageError> {
+        let size = [picture.width(), picture.height()].map(|side| side as usize);
+        let mut writer = self.begin(format, size, Content::Colors, None)?;
+        picture.pixels().chunks_exact(size[0] * CHANNELS).try_for_each(|row| writer.row_of_bytes(row))?;
+        writer.complete()
     }
 
     /// Returns the file with this text.
-    pub fn complete(self, text: &str) -> Result<CompleteFile, ImageError> {
-        let mut content = self.target.spool();
+    pub fn text(self, text: &str) -> Result<CompleteFile, ImageError> {
+        let mut content = self.spool();
         content.write_all(text.as_bytes()).map_err(|error| ImageError::io("write", &self.path, error))?;
-        Ok(CompleteFile { path: self.path, target: self.target, content })
+        Ok(CompleteFile { output: self, content })
+    }
+
+    /// Returns an empty content, whose temporary file is on the disk of the target.
+    pub(super) fn spool(&self) -> SpooledTempFile {
+        match &self.target {
+            Target::Replace { file, .. } => tempfile::spooled_tempfile_in(IN_MEMORY, folder_of(file)),
+            Target::Direct(_) | Target::StandardOutput => tempfile::spooled_tempfile(IN_MEMORY),
+        }
     }
 }
 
 impl CompleteFile {
     /// True for a pipe, a device or standard output.
     pub fn is_stream(&self) -> bool {
-        self.target.is_stream()
+        self.output.is_stream()
     }
 
     /// Writes the content of a pipe, a device or standard output, which may wait for a reader. Returns a regular file as
     /// it is.
     pub fn write_stream(self) -> Result<Option<Self>, ImageError> {
-        let written = match self.target {
+        let written = match self.output.target {
             Target::Replace { .. } => return Ok(Some(self)),
             Target::Direct(file) => copy(self.content, file),
             Target::StandardOutput => copy(self.content, io::stdout().lock()),
         };
-        written.map(|()| None).map_err(|error| ImageError::io("write", &self.path, error))
+        written.map(|()| None).map_err(|error| ImageError::io("write", &self.output.path, error))
     }
 
     /// Puts this file alone in its place.
@@ -152,7 +141,7 @@ impl CompleteFile {
 
     /// Copies the content of a regular file to a file with a temporary name beside the target, which is returned too.
     fn name_beside(self) -> io::Result<Option<(NamedTempFile, PathBuf)>> {
-        let Target::Replace { file: target, permissions } = self.target else { return Ok(None) };
+        let Target::Replace { file: target, permissions } = self.output.target else { return Ok(None) };
         let new_file = |path: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(path);
         let named = tempfile::Builder::new().prefix(".raytracer-").make_in(folder_of(&target), new_file)?;
         copy(self.content, named.as_file())?;
@@ -172,11 +161,11 @@ pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), ImageError> {
     }
     let Some(first) = regular.first() else { return Ok(()) };
     // A program that ends for want of memory removes no temporary file.
-    with_room::<u8>(WORKING_MEMORY).map_err(|error| ImageError::io("write", &first.path, error))?;
+    with_room::<u8>(WORKING_MEMORY).map_err(|error| ImageError::io("write", &first.output.path, error))?;
     undisturbed(|| {
         let mut named = Vec::with_capacity(regular.len());
         for file in regular {
-            let path = file.path.clone();
+            let path = file.output.path.clone();
             let beside = file.name_beside().map_err(|error| ImageError::io("write", &path, error))?;
             named.extend(beside.map(|(file, target)| (path, file, target)));
         }
@@ -196,43 +185,6 @@ fn copy(content: SpooledTempFile, mut target: impl Write) -> io::Result<()> {
         }
     }
     target.flush()
-}
-
-impl Target {
-    /// Checks that a file can be written to `path`: its folder and the permissions.
-    fn prepare(path: &Path) -> Result<Self, ImageError> {
-        let failed = |error| ImageError::io("write", path, error);
-        let refused = |reason: String| Err(ImageError::file("write", path, reason));
-        let target = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return refused("it is a folder".into()),
-            Ok(found) => existing(path, &found).map_err(failed)?,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                Self::Replace { file: follow_links(path).map_err(failed)?, permissions: None }
-            }
-            Err(error) => return Err(failed(error)),
-        };
-        let Self::Replace { file, .. } = &target else { return Ok(target) };
-        let folder = folder_of(file);
-        match tempfile::tempfile_in(folder) {
-            Ok(_) => Ok(target),
-            Err(error) if error.kind() == io::ErrorKind::NotFound && !folder.is_dir() => {
-                refused(format!("there is no folder {}", quoted(folder)))
-            }
-            Err(error) => Err(failed(error)),
-        }
-    }
-
-    fn is_stream(&self) -> bool {
-        !matches!(self, Self::Replace { .. })
-    }
-
-    /// Returns an empty content, whose temporary file is on the disk of the target.
-    pub(super) fn spool(&self) -> SpooledTempFile {
-        match self {
-            Self::Replace { file, .. } => tempfile::spooled_tempfile_in(IN_MEMORY, folder_of(file)),
-            Self::Direct(_) | Self::StandardOutput => tempfile::spooled_tempfile(IN_MEMORY),
-        }
-    }
 }
 
 /// Returns the target for an existing file, pipe or device. It is opened for writing, without truncation, because a

@@ -58,18 +58,12 @@ pub fn read_picture(path: &Path) -> Result<Picture, ImageError> {
 
 /// Reads a picture like [`read_picture`], with remarks.
 pub fn read_remarked_picture(path: &Path) -> Result<(Picture, Remarks), ImageError> {
-    read(path, &file(path)?, None)
-}
-
-/// Reads a picture like [`read_picture`], of this width and height in pixels. One of another size is an error, for
-/// which no memory is allocated.
-pub fn read_picture_of_size(path: &Path, size: [u32; 2]) -> Result<Picture, ImageError> {
-    read(path, &file(path)?, Some(size)).map(|(picture, _)| picture)
+    read(path, &file(path)?)
 }
 
 /// Reads a picture like [`read_picture`] from the bytes of a file with this name.
 pub fn read_picture_from(name: &Path, bytes: &[u8]) -> Result<Picture, ImageError> {
-    read(name, bytes, None).map(|(picture, _)| picture)
+    read(name, bytes).map(|(picture, _)| picture)
 }
 
 /// Opens a regular file. A pipe could block the program.
@@ -77,7 +71,7 @@ pub(super) fn open_regular(path: &Path) -> Result<File, ImageError> {
     let failed = |error| ImageError::io("read", path, error);
     match fs::metadata(path).map_err(failed)?.is_file() {
         true => File::open(path).map_err(failed),
-        false => Err(ImageError::file("read", path, "it is not a regular file")),
+        false => Err(ImageError::new("read", path, "it is not a regular file")),
     }
 }
 
@@ -96,9 +90,9 @@ fn file(path: &Path) -> Result<Vec<u8>, ImageError> {
     read().map_err(|error| ImageError::io("read", path, error))
 }
 
-fn read(path: &Path, bytes: &[u8], expected: Option<[u32; 2]>) -> Result<(Picture, Remarks), ImageError> {
+fn read(path: &Path, bytes: &[u8]) -> Result<(Picture, Remarks), ImageError> {
     let format = identify(path, bytes)?;
-    let reader = Reader { path, bytes, expected };
+    let (reader, length) = (Reader { path, bytes }, bytes.len() as u64);
     if has_no_pixels(format, bytes) {
         return Err(reader.without_pixels());
     }
@@ -107,9 +101,10 @@ fn read(path: &Path, bytes: &[u8], expected: Option<[u32; 2]>) -> Result<(Pictur
         Format::Png => {
             let mut limits = Limits::no_limits();
             limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
-            reader.decode(PngDecoder::with_limits(Cursor::new(bytes), limits), MAX_PNG_PIXELS_PER_BYTE)
+            reader
+                .decode(PngDecoder::with_limits(Cursor::new(bytes), limits), length * MAX_PNG_PIXELS_PER_BYTE)
         }
-        Format::Bmp => reader.decode(BmpDecoder::new(Cursor::new(bytes)), MAX_BMP_PIXELS_PER_BYTE),
+        Format::Bmp => reader.decode(BmpDecoder::new(Cursor::new(bytes)), length * MAX_BMP_PIXELS_PER_BYTE),
         Format::Ppm | Format::Pfm => return netpbm::read(reader),
         Format::Exr => return exr::read(reader),
     };
@@ -136,8 +131,6 @@ pub(super) struct Reader<'a> {
     /// For messages.
     pub path: &'a Path,
     pub bytes: &'a [u8],
-    /// The only size that is accepted, if not all are.
-    pub expected: Option<[u32; 2]>,
 }
 
 impl<'a> Reader<'a> {
@@ -154,9 +147,10 @@ impl<'a> Reader<'a> {
         self.take(length + 1).map(|text| &text[..length])
     }
 
-    /// Takes a whole number of four bytes, of which the lowest comes first.
-    pub fn take_int(&mut self) -> Option<i32> {
-        self.take(4)?.first_chunk().copied().map(i32::from_le_bytes)
+    /// Takes whole numbers of four bytes each, of which the lowest comes first.
+    pub fn take_ints<const N: usize>(&mut self) -> Option<[i32; N]> {
+        let bytes = self.take(4 * N)?.as_chunks().0;
+        Some(std::array::from_fn(|index| i32::from_le_bytes(bytes[index])))
     }
 
     fn tga(&self) -> Result<Picture, ImageError> {
@@ -175,20 +169,11 @@ impl<'a> Reader<'a> {
         // one, such as 8 for pixels of 24 bits, which is harmless, because alpha is ignored.
         let mut header = header;
         header[17] = header[17] & 0xf0 | if matches!((kind, bits), (3 | 11, 16)) { 8 } else { 0 };
-        self.decode_within(TgaDecoder::new(Cursor::new(header).chain(rest)), max_pixels)
-    }
-
-    /// Decodes a picture, of which the file has at most this number of pixels per byte.
-    fn decode<D: ImageDecoder>(
-        &self,
-        decoder: image::ImageResult<D>,
-        pixels_per_byte: u64,
-    ) -> Result<Picture, ImageError> {
-        self.decode_within(decoder, (self.bytes.len() as u64).saturating_mul(pixels_per_byte))
+        self.decode(TgaDecoder::new(Cursor::new(header).chain(rest)), max_pixels)
     }
 
     /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows.
-    fn decode_within<D: ImageDecoder>(
+    fn decode<D: ImageDecoder>(
         &self,
         decoder: image::ImageResult<D>,
         max_pixels: u64,
@@ -197,49 +182,45 @@ impl<'a> Reader<'a> {
         let ((width, height), color_type, length) =
             (decoder.dimensions(), decoder.color_type(), decoder.total_bytes());
         let size = [width, height];
-        self.check_size(size, max_pixels)?;
-        self.check_bytes(size, length)?;
+        self.check_size(size, max_pixels, length)?;
         let mut samples = with_room(length as usize).map_err(|error| self.io(error))?;
         samples.resize(length as usize, 0);
-        let short = too_short(size);
-        decoder.read_image(&mut samples).map_err(|error| self.undecoded(error, &short))?;
+        decoder.read_image(&mut samples).map_err(|error| self.undecoded(error, &too_short(size)))?;
         if color_type == ColorType::Rgb8 {
             return Ok(Picture::from_rgb(width, height, samples));
         }
         let mut picture = self.black(size, max_pixels)?;
-        to_rgb(color_type, &samples, &mut picture);
+        to_rgb(color_type, &samples, picture.pixels_mut());
         Ok(picture)
     }
 
-    /// Checks a picture's size: no pixels, more than the file is long enough for, or another size than expected.
-    fn check_size(&self, size: [u32; 2], max_pixels: u64) -> Result<(), ImageError> {
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        match self.expected {
-            _ if pixels == 0 => Err(self.without_pixels()),
-            _ if pixels > max_pixels => Err(self.short(size)),
-            Some([width, height]) if [width, height] != size => Err(self
-                .bad(format!("its size is {} x {} pixels instead of {width} x {height}", size[0], size[1]))),
+    /// Checks the size of a picture that takes this number of bytes when it is decoded.
+    fn check_size(
+        &self,
+        size @ [width, height]: [u32; 2],
+        max_pixels: u64,
+        bytes: u64,
+    ) -> Result<(), ImageError> {
+        let [shown, limit] = [bytes, MAX_BYTES].map(Bytes);
+        match u64::from(width) * u64::from(height) {
+            0 => Err(self.without_pixels()),
+            pixels if pixels > max_pixels => Err(self.short(size)),
+            _ if bytes > MAX_BYTES => {
+                Err(self
+                    .bad(format!("its {width} x {height} pixels take {shown}, above the limit of {limit}")))
+            }
             _ => Ok(()),
         }
     }
 
-    fn check_bytes(&self, [width, height]: [u32; 2], bytes: u64) -> Result<(), ImageError> {
-        if bytes <= MAX_BYTES {
-            return Ok(());
-        }
-        let [bytes, limit] = [bytes, MAX_BYTES].map(Bytes);
-        Err(self.bad(format!("its {width} x {height} pixels take {bytes}, above the limit of {limit}")))
-    }
-
     /// Returns a black picture, to be filled from the file, which has at most `max_pixels` pixels.
     pub fn black(&self, size @ [width, height]: [u32; 2], max_pixels: u64) -> Result<Picture, ImageError> {
-        self.check_size(size, max_pixels)?;
-        self.check_bytes(size, u64::from(width) * u64::from(height) * CHANNELS as u64)?;
+        self.check_size(size, max_pixels, u64::from(width) * u64::from(height) * CHANNELS as u64)?;
         Picture::new(width, height).map_err(|size| self.io(io::Error::new(io::ErrorKind::OutOfMemory, size)))
     }
 
     pub fn bad(&self, reason: impl Into<String>) -> ImageError {
-        ImageError::file("read", self.path, reason)
+        ImageError::new("read", self.path, reason)
     }
 
     pub fn without_pixels(&self) -> ImageError {
@@ -266,18 +247,16 @@ impl<'a> Reader<'a> {
     }
 }
 
-fn too_short([width, height]: [u32; 2]) -> String {
+pub(super) fn too_short([width, height]: [u32; 2]) -> String {
     format!("it is too short for {width} x {height} pixels")
 }
 
 /// Converts decoded samples to bytes of red, green and blue.
-fn to_rgb(color_type: ColorType, samples: &[u8], picture: &mut Picture) {
+fn to_rgb(color_type: ColorType, samples: &[u8], rgb: &mut [u8]) {
     let [green, blue] = if color_type.has_color() { [1, 2] } else { [0, 0] };
     let pixel_bytes = usize::from(color_type.bytes_per_pixel());
     let is_wide = pixel_bytes == 2 * usize::from(color_type.channel_count());
-    for (pixel, samples) in
-        picture.pixels_mut().as_chunks_mut().0.iter_mut().zip(samples.chunks_exact(pixel_bytes))
-    {
+    for (pixel, samples) in rgb.as_chunks_mut().0.iter_mut().zip(samples.chunks_exact(pixel_bytes)) {
         *pixel = [0, green, blue].map(|channel| match is_wide {
             true => level(u16::from_ne_bytes([samples[2 * channel], samples[2 * channel + 1]]).into(), 65535),
             false => samples[channel],

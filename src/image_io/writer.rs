@@ -1,20 +1,18 @@
 //! A picture file that is written row by row.
 
 use super::header;
-use super::output::{CompleteFile, OutputFile, Target};
+use super::output::{CompleteFile, OutputFile};
 use super::part::{PNG_COMMENT, Part, Rows};
 use super::{Format, ImageError, beside};
 use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::scene::Color;
-use std::io::{self, BufWriter, IntoInnerError, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tempfile::SpooledTempFile;
 
 /// The length of a PNG file's chunks of compressed rows, in bytes.
 const PNG_CHUNK: usize = 1 << 16;
-/// The bytes that are written to the temporary file at once.
-const BUFFER: usize = 1 << 18;
 
 /// What the colours of a picture mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,28 +46,30 @@ impl std::ops::AddAssign for Exceptional {
 /// A picture file under construction, which takes the rows from the top.
 pub struct PictureWriter {
     output: OutputFile,
+    format: Format,
     /// Width and height in pixels.
     size: [usize; 2],
     content: Content,
     /// The row of the whole picture that comes first.
     top: usize,
     spool: Shared,
-    /// The length of what precedes the rows, unless they are compressed.
+    /// The length of what precedes the rows, but for PNG.
     header: usize,
     png: Option<Box<png::StreamWriter<'static, Shared>>>,
     /// The number of rows so far.
     rows: usize,
     /// The current row's bytes.
     bytes: Vec<u8>,
-    exceptional: Exceptional,
+    /// Counts the colours so far that are not shown as they are.
+    pub exceptional: Exceptional,
 }
 
 /// The file's content. It is shared, because the PNG encoder owns what it writes to.
 #[derive(Clone)]
-struct Shared(Arc<Mutex<BufWriter<SpooledTempFile>>>);
+struct Shared(Arc<Mutex<SpooledTempFile>>);
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, BufWriter<SpooledTempFile>> {
+    fn lock(&self) -> MutexGuard<'_, SpooledTempFile> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -84,41 +84,39 @@ impl Write for Shared {
     }
 }
 
-impl PictureWriter {
-    /// Begins a picture. A size that the format does not support is an error.
-    pub(super) fn new(
-        output: OutputFile,
+impl OutputFile {
+    /// Begins a picture of this width and height in pixels, of colours or of distances. Its file says which part of a larger
+    /// picture it is, if it is one. A size that the format does not support is an error.
+    pub fn begin(
+        self,
+        format: Format,
         size: [usize; 2],
         content: Content,
         part: Option<&Part>,
-    ) -> Result<Self, ImageError> {
-        let header = header_of(output.format, size, content, part);
-        let header = header.map_err(|reason| ImageError::file("write", &output.path, reason))?;
-        let spool = BufWriter::with_capacity(BUFFER, output.target.spool());
-        let mut spool = Shared(Arc::new(Mutex::new(spool)));
+    ) -> Result<PictureWriter, ImageError> {
+        let header = header_of(format, size, content, part);
+        let header = header.map_err(|reason| ImageError::new("write", &self.path, reason))?;
+        let mut spool = Shared(Arc::new(Mutex::new(self.spool())));
         let mut begin = || {
             spool.write_all(&header)?;
-            let encoder = (output.format == Format::Png).then(|| png_encoder(spool.clone(), size, part));
+            let encoder = (format == Format::Png).then(|| png_encoder(spool.clone(), size, part));
             io::Result::Ok(encoder.transpose()?.map(Box::new))
         };
-        let png = begin().map_err(|error| ImageError::io("write", &output.path, error))?;
+        let png = begin().map_err(|error| ImageError::io("write", &self.path, error))?;
         let (header, top) = (header.len(), part.map_or(0, |part| part.at[1] as usize));
-        let (bytes, exceptional) = (Vec::new(), Exceptional::default());
-        Ok(Self { output, size, content, top, spool, header, png, rows: 0, bytes, exceptional })
+        let (output, rows, bytes, exceptional) = (self, 0, vec![], Exceptional::default());
+        Ok(PictureWriter { output, format, size, content, top, spool, header, png, rows, bytes, exceptional })
     }
+}
 
-    /// Returns how many of the colours so far are not shown as they are.
-    pub fn exceptional(&self) -> Exceptional {
-        self.exceptional
-    }
-
+impl PictureWriter {
     /// Adds the next row from the top.
     pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
-        if self.output.format.is_float() {
+        if self.format.is_float() {
             self.encode_numbers(colors);
         } else {
             self.bytes.resize(colors.len() * CHANNELS, 0);
-            self.exceptional.black += match self.output.format.is_blue_first() {
+            self.exceptional.black += match self.format.is_blue_first() {
                 true => truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
                 false => truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
             };
@@ -129,13 +127,13 @@ impl PictureWriter {
     /// Adds the next row from the top, given as bytes of red, green and blue. This is an error in a file of
     /// floating-point numbers.
     pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
-        if self.output.format.is_float() {
+        if self.format.is_float() {
             let reason = "a picture of bytes has no floating-point numbers";
-            return Err(ImageError::file("write", &self.output.path, reason));
+            return Err(ImageError::new("write", &self.output.path, reason));
         }
         self.bytes.clear();
         self.bytes.extend_from_slice(bytes);
-        if self.output.format.is_blue_first() {
+        if self.format.is_blue_first() {
             self.bytes.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
         }
         self.write_bytes()
@@ -156,12 +154,12 @@ impl PictureWriter {
             self.exceptional.out_of_range += u64::from(!is_in_range && !color.is_nan());
         }
         self.bytes.clear();
-        if self.output.format == Format::Exr {
+        if self.format == Format::Exr {
             let channels = if self.content == Content::Colors { 3 } else { 1 };
             self.bytes.extend(header::exr_row(self.top + self.rows, colors.len() * channels));
         }
         let mut push = |number: f64| self.bytes.extend((number as f32).to_le_bytes());
-        match (self.content, self.output.format) {
+        match (self.content, self.format) {
             (Content::Distances, _) => colors.iter().for_each(|color| push(color.x)),
             (Content::Colors, Format::Exr) => {
                 [2, 1, 0].iter().for_each(|&channel| colors.iter().for_each(|color| push(color[channel])));
@@ -172,15 +170,14 @@ impl PictureWriter {
 
     /// Writes the bytes of a row, with BMP's padding.
     fn write_bytes(&mut self) -> Result<(), ImageError> {
-        let format = self.output.format;
-        if format == Format::Bmp {
+        if self.format == Format::Bmp {
             self.bytes.resize(header::bmp_row(self.size[0]), 0);
         }
         let mut write = || match &mut self.png {
             Some(encoder) => encoder.write_all(&self.bytes),
             None => {
                 let mut spool = self.spool.lock();
-                if matches!(format, Format::Bmp | Format::Pfm) {
+                if matches!(self.format, Format::Bmp | Format::Pfm) {
                     // Their rows are stored from the bottom.
                     let below = self.size[1].saturating_sub(1 + self.rows);
                     spool.seek(SeekFrom::Start((self.header + below * self.bytes.len()) as u64))?;
@@ -197,21 +194,20 @@ impl PictureWriter {
     /// file, or `None` if there are no rows, if the picture does not go to a regular file whose name tells its format,
     /// or if its format has no parts.
     pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
-        let OutputFile { path, format, target } = &self.output;
-        let is_regular = matches!(target, Target::Replace { .. });
-        let Some(path_of_part) = part_beside(path, *format).filter(|_| self.rows > 0 && is_regular) else {
+        let path_of_part = part_beside(&self.output.path, self.format);
+        let Some(path_of_part) = path_of_part.filter(|_| self.rows > 0 && !self.output.is_stream()) else {
             return Ok(None);
         };
-        let ([width, height], rows, path, format) = (self.size, self.rows, path.clone(), *format);
+        let Self { size: [width, height], rows, format, content, .. } = self;
         if self.png.is_some() {
             // The encoder ends only with all rows.
             let black = vec![0; width * CHANNELS];
             (rows..height).try_for_each(|_| self.row_of_bytes(&black))?;
         }
-        let file =
-            self.complete()?.content.into_file().map_err(|error| ImageError::io("write", &path, error))?;
-        let (mut from, _) = Rows::new(&path, format, file)?;
-        let mut to = OutputFile::prepare(&path_of_part)?.begin([width, rows], Some(part))?;
+        let CompleteFile { output: OutputFile { path, .. }, content: spool } = self.complete()?;
+        let file = spool.into_file().map_err(|error| ImageError::io("write", &path, error))?;
+        let mut from = Rows::new(&path, format, file)?;
+        let mut to = OutputFile::prepare(&path_of_part)?.begin(format, [width, rows], content, Some(part))?;
         let mut row = Vec::new();
         for _ in 0..rows {
             from.next(&mut row)?;
@@ -227,15 +223,12 @@ impl PictureWriter {
 
     /// Returns the file of the picture, which has all of its rows.
     pub fn complete(self) -> Result<CompleteFile, ImageError> {
-        let OutputFile { path, target, .. } = self.output;
         let end = || {
             self.png.map_or(Ok(()), |encoder| encoder.finish())?;
-            let empty = BufWriter::new(tempfile::spooled_tempfile(0));
-            let spool = std::mem::replace(&mut *self.spool.lock(), empty);
-            spool.into_inner().map_err(IntoInnerError::into_error)
+            io::Result::Ok(std::mem::replace(&mut *self.spool.lock(), tempfile::spooled_tempfile(0)))
         };
-        let content = end().map_err(|error| ImageError::io("write", &path, error))?;
-        Ok(CompleteFile { path, target, content })
+        let content = end().map_err(|error| ImageError::io("write", &self.output.path, error))?;
+        Ok(CompleteFile { output: self.output, content })
     }
 }
 

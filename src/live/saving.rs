@@ -54,19 +54,19 @@ fn complete(subject: &Subject, output: &Output, paint: &mut Paint) -> Result<Com
     if fs::metadata(&output.file).is_ok_and(|found| !found.is_file()) {
         return Err(format!("{} is no file", quoted(&output.file)));
     }
-    let file = OutputFile::prepare_as(&output.file, output.format).map_err(|error| error.to_string())?;
+    let file = OutputFile::prepare(&output.file).map_err(|error| error.to_string())?;
     let failed = |error: ImageError| error.to_string();
     if let Layer::Cost(cost) = output.layer {
         let subject = Subject { cost: Some(cost), sketch: None, ..subject.clone() };
         let painted = paint(&subject).map_err(|error| error.to_string())?;
-        return file.complete(&painted.picture).map_err(failed);
+        return file.picture(output.format, &painted.picture).map_err(failed);
     }
     let request = Request { camera: subject.camera, layers: vec![output.layer], ..subject.options.request() };
     let prepared = prepare(&subject.scene.renderer, subject, &request)?;
     let pictures = prepared.render(&request).map_err(|error| error.to_string())?;
     let picture = pictures.first().ok_or("nothing was rendered")?;
     let content = if output.layer.is_distance() { Content::Distances } else { Content::Colors };
-    let mut writer = file.begin_with(picture.size, content, None).map_err(failed)?;
+    let mut writer = file.begin(output.format, picture.size, content, None).map_err(failed)?;
     picture.colors.chunks_exact(picture.size[0]).try_for_each(|row| writer.row(row)).map_err(failed)?;
     writer.complete().map_err(failed)
 }

@@ -6,7 +6,7 @@
 use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use raytracer::caster::choose::{Resolution, Structure};
-use raytracer::image_io::{OutputFile, read_picture};
+use raytracer::image_io::{Content, Format, OutputFile, read_picture};
 use raytracer::memory;
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
@@ -242,7 +242,7 @@ fn render(folder: &Path, structure: Structure, request: &Request, files: &[PathB
         renderer.prepare_for(structure, request, Tracing::Fast).map_err(|error| error.to_string())?;
     let begin = |(file, layer): (&PathBuf, &Layer)| {
         let file = OutputFile::prepare(file)?;
-        file.begin(layer.size(request.window_size()), None)
+        file.begin(Format::Tga, layer.size(request.window_size()), Content::Colors, None)
     };
     let writers = files.iter().zip(&request.layers).map(begin).collect::<Result<Vec<_>, _>>();
     let mut writers = writers.map_err(|error| error.to_string())?;

@@ -13,7 +13,7 @@ pub fn run(options: &Converting, signals: &Signals, tell: &dyn Fn(&str)) -> Resu
     let file = prepare_file(&options.output).map_err(failed)?;
     let picture = read_picture(&options.picture, "converted", tell)?;
     let files = CompleteFiles::default();
-    files.add(file.complete(&picture).map_err(failed)?)?;
+    files.add(file.picture(options.output.format, &picture).map_err(failed)?)?;
     files.finish(signals)?;
     let written = told_files(options.progress, [options.output.file.clone()]);
     Ok(Outcome { text: String::new(), written, passes: true })

@@ -7,7 +7,7 @@ use crate::app::signals::Signals;
 use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::Merging;
 use raytracer::distinct_files::WrittenFiles;
-use raytracer::image_io::Merge;
+use raytracer::image_io::{Content, Merge};
 use raytracer::render::Progress;
 
 /// Reads the parts and writes the picture. An error is the message that ends the program.
@@ -15,7 +15,9 @@ pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
     WrittenFiles::of_merging(options)?;
     let file = prepare_file(&options.output).map_err(failed)?;
     let merge = Merge::open(&options.parts, options.region).map_err(failed)?;
-    let mut writer = file.begin(merge.size(), merge.part()).map_err(failed)?;
+    let mut writer = file
+        .begin(options.output.format, merge.size(), Content::Colors, merge.part.as_ref())
+        .map_err(failed)?;
     let progress = ProgressLine::new(options.progress);
     let watch = |done| {
         let rows = Progress { done, rows: merge.size()[1], rays: 0 };

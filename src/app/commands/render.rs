@@ -11,7 +11,7 @@ use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::{self, Options};
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
-use raytracer::image_io::{OutputFile, TextFile};
+use raytracer::image_io::{Format, OutputFile};
 use raytracer::memory;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
@@ -47,11 +47,11 @@ pub fn run(
     // A picture that cannot be read, or a file that cannot be written, is no reason to wait for the rendering.
     let compared = options.comparison.as_ref().map(|wanted| Compared::open(wanted, options, &tell));
     let compared = compared.transpose()?.flatten();
-    let file = options.json_file().map(TextFile::prepare).transpose().map_err(failed)?;
+    let file = options.json_file().map(OutputFile::prepare).transpose().map_err(failed)?;
     let mut from = |input: &PathBuf| render(options, argv, input, &written, &crew, signals, &tell);
     let mut rendered = options.input.as_ref().map(&mut from).transpose()?;
     let files = rendered.as_mut().map(|rendered| std::mem::take(&mut rendered.files)).unwrap_or_default();
-    if compared.is_some() || file.as_ref().is_some_and(TextFile::is_stream) {
+    if compared.is_some() || file.as_ref().is_some_and(OutputFile::is_stream) {
         files.before_waiting(signals)?;
     }
     let settled = rendered.as_ref().map_or_else(|| options.clone(), |rendered| rendered.options.clone());
@@ -66,7 +66,7 @@ pub fn run(
         document.to_json().map_err(failed)
     };
     if let Some(file) = file {
-        files.add(file.complete(&json()?).map_err(failed)?)?;
+        files.add(file.text(&json()?).map_err(failed)?)?;
     }
     let text = match options.prints_json() {
         true => json()?,
@@ -91,7 +91,7 @@ struct Compared<'o> {
     picture: Option<Picture>,
     /// The picture to compare with, unless it is the rendered one.
     reference: Option<Picture>,
-    difference: Option<OutputFile>,
+    difference: Option<(OutputFile, Format)>,
 }
 
 impl<'o> Compared<'o> {
@@ -105,8 +105,10 @@ impl<'o> Compared<'o> {
         let read =
             |path: &Option<_>| path.as_deref().map(|path| read_picture(path, "compared", tell)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
-        let difference: Option<&Path> = wanted.difference.as_deref();
-        let difference = difference.map(OutputFile::prepare).transpose().map_err(failed)?;
+        let difference = wanted.difference.as_deref().and_then(|path| Some((path, Format::of(path)?)));
+        let difference =
+            difference.map(|(path, format)| OutputFile::prepare(path).map(|file| (file, format)));
+        let difference = difference.transpose().map_err(failed)?;
         let rendered = rendered_size(options);
         let size = |picture: &Option<Picture>| {
             picture.as_ref().map_or(rendered, |picture| Some([picture.width(), picture.height()]))
@@ -142,9 +144,9 @@ impl<'o> Compared<'o> {
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
         let cause = cause.or_else(|| if differs { cause_of_pictures(a, b) } else { None });
-        if let Some(file) = self.difference {
+        if let Some((file, format)) = self.difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
-            files.add(file.complete(&shown.picture).map_err(failed)?)?;
+            files.add(file.picture(format, &shown.picture).map_err(failed)?)?;
         }
         let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
         Ok(Some(ComparisonResult { comparison, cause, passes }))

@@ -110,7 +110,7 @@ impl References {
         match &self.all[index].1 {
             Origin::File(path) => match read_picture(path) {
                 Ok(picture) => work(Ok(Reference { picture, source: Source::File })),
-                Err(error) if error.is_out_of_memory() => Err(failed(error)),
+                Err(error) if error.kind() == std::io::ErrorKind::OutOfMemory => Err(failed(error)),
                 Err(error) => work(Err(error.to_string())),
             },
             Origin::Rendered(options, layer) => match self.renderer(options) {
