@@ -6,8 +6,8 @@ use raytracer::renderer::Prepared;
 use siphasher::sip128::{Hasher128, SipHasher13};
 use std::hash::Hasher;
 
-/// Returns the part in this window of a layer's picture. `None` if the layer has no parts, because it shows the filter, is
-/// reduced or scaled by the most expensive pixel.
+/// Returns the part in this window of a layer's picture. `None` if the layer has no parts, because it shows the
+/// filter, is reduced or scaled by the most expensive pixel.
 pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
     let is_reduced = layer == Layer::Color && request.is_reduced;
     if is_reduced || matches!(layer, Layer::Filter { .. } | Layer::Cost(_)) {
@@ -18,8 +18,8 @@ pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer
     Some(Part { whole: pixels(request.size), at: pixels([window.x, window.y]), fingerprint })
 }
 
-/// Returns a hash of all that the bytes of a layer's whole picture depend on: the version of the program, the text of the
-/// scene and what it means, its meshes and pictures, and those of the flags that change the layer.
+/// Returns a hash of all that the bytes of a layer's whole picture depend on: the version of the program, the text of
+/// the scene and what it means, its meshes and pictures, and those of the flags that change the layer.
 ///
 /// It is SipHash-1-3 with 128 bits and a key of zeros, which is the same on every machine and in every version of its
 /// crate. It tells apart what was mixed up by mistake, not by malice.

@@ -162,7 +162,8 @@ fn attributes<'a>(reader: &mut Reader<'a>) -> Option<Header<'a>> {
     }
 }
 
-/// Returns the channels of a list of them: for each a name, the type, and how many pixels share a number along both axes.
+/// Returns the channels of a list of them: for each a name, the type, and how many pixels share a number along both
+/// axes.
 fn channels(mut list: Reader) -> Option<Vec<Channel>> {
     let mut channels = vec![];
     loop {

@@ -30,9 +30,10 @@ impl FileId {
             Err(_) => {
                 let path = follow_links(path).ok()?;
                 let mut name = path.file_name()?.to_owned();
-                // Their disks do not tell capitals from small letters.
+                // Their disks do not tell capitals from small letters, and Windows leaves out dots and blanks at the
+                // end.
                 if cfg!(any(windows, target_vendor = "apple")) {
-                    name.make_ascii_lowercase();
+                    name = name.to_string_lossy().trim_end_matches(['.', ' ']).to_lowercase().into();
                 }
                 let folder = folder_of(&path);
                 Some(Self::New(node(folder, &fs::metadata(folder).ok()?)?, name))

@@ -7,15 +7,15 @@ pub(super) const TGA_HEADER: usize = 18;
 /// The length of the headers of a BMP file, the file's own and BITMAPINFOHEADER, in bytes.
 const BMP_HEADER: usize = 14 + BMP_INFO_HEADER;
 const BMP_INFO_HEADER: usize = 40;
-/// The first bytes of an OpenEXR file: the second version of the format, without any of the flags for tiles, long names,
-/// deep data and several parts.
+/// The first bytes of an OpenEXR file: the second version of the format, without any of the flags for tiles, long
+/// names, deep data and several parts.
 pub(super) const EXR_START: [u8; 8] = [0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
 /// OpenEXR's number for the type of single precision.
 pub(super) const EXR_FLOAT: i32 = 2;
 
-/// Returns the header of a TGA file as the course's program writes it: uncompressed true colour of 24 bits, with rows from
-/// the top. No side may be above 65535 pixels, of the whole either if the picture is a part. The header of a part has an
-/// origin, which is its lower left corner from that of the whole, and an image ID.
+/// Returns the header of a TGA file as the course's program writes it: uncompressed true colour of 24 bits, with rows
+/// from the top. No side may be above 65535 pixels, of the whole either if the picture is a part. The header of a part
+/// has an origin, which is its lower left corner from that of the whole, and an image ID.
 pub(super) fn tga([width, height]: [usize; 2], part: Option<&Part>) -> Vec<u8> {
     let origin = part.map_or([0; 2], |part| {
         let below = part.whole[1].saturating_sub(part.at[1]).saturating_sub(height as u32);
@@ -33,8 +33,8 @@ pub(super) fn bmp_row(width: usize) -> usize {
     (width * 3).next_multiple_of(4)
 }
 
-/// Returns the header of an uncompressed BMP file of 24 bits per pixel, whose rows follow from the bottom. `None` if its
-/// fields cannot hold the size of the picture or of the file.
+/// Returns the header of an uncompressed BMP file of 24 bits per pixel, whose rows follow from the bottom. `None` if
+/// its fields cannot hold the size of the picture or of the file.
 pub(super) fn bmp([width, height]: [usize; 2]) -> Option<Vec<u8>> {
     let rows = bmp_row(width).checked_mul(height)?;
     let file = u32::try_from(rows.checked_add(BMP_HEADER)?).ok()?;
@@ -45,9 +45,9 @@ pub(super) fn bmp([width, height]: [usize; 2]) -> Option<Vec<u8>> {
     Some([b"BM".as_slice(), words.map(u32::to_le_bytes).as_flattened()].concat())
 }
 
-/// Returns what precedes the rows of an OpenEXR file of single precision without compression: the attributes, and where
-/// each row lies. `whole` has the width and height of the display window, in which the picture's first pixel is `at`. The
-/// channels have to be in alphabetical order.
+/// Returns what precedes the rows of an OpenEXR file of single precision without compression: the attributes, and
+/// where each row lies. `whole` has the width and height of the display window, in which the picture's first pixel is
+/// `at`. The channels have to be in alphabetical order.
 ///
 /// The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 pub(super) fn exr(size: [usize; 2], whole: [usize; 2], at: [usize; 2], channels: &[&str]) -> Vec<u8> {

@@ -114,8 +114,8 @@ struct OpenPart<'p> {
     row: Vec<u8>,
 }
 
-/// Returns the first pixels of `target` that no part covers, by rows from the top and then from the left: the columns that
-/// lack, in as many rows as lack them all.
+/// Returns the first pixels of `target` that no part covers, by rows from the top and then from the left: the columns
+/// that lack, in as many rows as lack them all.
 fn first_gap(parts: &[PartFile], target: Window) -> Option<Window> {
     // A gap begins in the first row or where a part ends.
     let mut starts: Vec<usize> = parts.iter().map(|part| part.window.bottom()).chain([target.y]).collect();

@@ -1,5 +1,6 @@
-//! Picture files: TGA, PNG, BMP, PPM, PFM and OpenEXR. The writer takes rows, and the files of a run appear together when all
-//! are complete. The reader takes any common variant. Parts of a picture say where they lie, and are put together.
+//! Picture files: TGA, PNG, BMP, PPM, PFM and OpenEXR. The writer takes rows, and the files of a run appear together
+//! when all are complete. The reader takes any common variant. Parts of a picture say where they lie, and are put
+//! together.
 
 mod error;
 mod exr;

@@ -86,8 +86,8 @@ impl OutputFile {
         !matches!(self.target, Target::Replace { .. })
     }
 
-    /// Writes a picture in the format that the file's name tells. If this fails and the target is a regular file, nothing
-    /// is written.
+    /// Writes a picture in the format that the file's name tells. If this fails and the target is a regular file,
+    /// nothing is written.
     pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
         let format = Format::of(&self.path).ok_or_else(|| ImageError::ending("write", &self.path))?;
         self.picture(format, picture)?.put_in_place()
@@ -123,8 +123,8 @@ impl CompleteFile {
         self.output.is_stream()
     }
 
-    /// Writes the content of a pipe, a device or standard output, which may wait for a reader. Returns a regular file as
-    /// it is.
+    /// Writes the content of a pipe, a device or standard output, which may wait for a reader. Returns a regular file
+    /// as it is.
     pub fn write_stream(self) -> Result<Option<Self>, ImageError> {
         let written = match self.output.target {
             Target::Replace { .. } => return Ok(Some(self)),

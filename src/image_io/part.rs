@@ -1,8 +1,8 @@
 //! Parts of pictures: files that say where in a whole picture they lie, and reading their rows one by one.
 //!
-//! A TGA file says it in its image ID, which follows the header and which viewers show as a comment; a PNG file in a text
-//! chunk called `Comment`. The place stands there too, beside TGA's fields for the origin and PNG's chunk `oFFs`, which
-//! other programs read.
+//! A TGA file says it in its image ID, which follows the header and which viewers show as a comment; a PNG file in a
+//! text chunk called `Comment`. The place stands there too, beside TGA's fields for the origin and PNG's chunk `oFFs`,
+//! which other programs read.
 
 use super::error::ImageError;
 use super::format::{Format, START, identify};

@@ -215,7 +215,8 @@ impl<'a> Reader<'a> {
 
     /// Returns a black picture, to be filled from the file, which has at most `max_pixels` pixels.
     pub fn black(&self, size @ [width, height]: [u32; 2], max_pixels: u64) -> Result<Picture, ImageError> {
-        self.check_size(size, max_pixels, u64::from(width) * u64::from(height) * CHANNELS as u64)?;
+        let pixels = u64::from(width) * u64::from(height);
+        self.check_size(size, max_pixels, pixels.saturating_mul(CHANNELS as u64))?;
         Picture::new(width, height).map_err(|size| self.io(io::Error::new(io::ErrorKind::OutOfMemory, size)))
     }
 

@@ -85,8 +85,8 @@ impl Write for Shared {
 }
 
 impl OutputFile {
-    /// Begins a picture of this width and height in pixels, of colours or of distances. Its file says which part of a larger
-    /// picture it is, if it is one. A size that the format does not support is an error.
+    /// Begins a picture of this width and height in pixels, of colours or of distances. Its file says which part of a
+    /// larger picture it is, if it is one. A size that the format does not support is an error.
     pub fn begin(
         self,
         format: Format,
@@ -232,8 +232,8 @@ impl PictureWriter {
     }
 }
 
-/// Returns the file of the rows that are complete when a run is stopped: `o.partial.tga` beside `o.tga`. `None` if the name
-/// does not tell the format, or if that has no parts.
+/// Returns the file of the rows that are complete when a run is stopped: `o.partial.tga` beside `o.tga`. `None` if the
+/// name does not tell the format, or if that has no parts.
 pub fn part_beside(path: &Path, format: Format) -> Option<PathBuf> {
     let has_parts = format.has_parts() && Format::of(path) == Some(format);
     has_parts.then(|| beside(path, "partial"))
