@@ -59,7 +59,6 @@ pub mod fast;
 pub mod picture;
 pub mod render;
 pub mod image_io;
-pub mod fingerprint;
 pub mod tools;
 #[doc(hidden)]
 pub mod cli;

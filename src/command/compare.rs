@@ -8,7 +8,7 @@ use super::{End, Outcome, failed, live, threads};
 use raytracer::cli::{self, Options};
 use raytracer::distinct_files::{ReadFile, Written, check_distinct};
 use raytracer::escape::quoted;
-use raytracer::image_io::{OutputFile, Remarks, TextFile, read_remarked_picture};
+use raytracer::image_io::{Format, OutputFile, Remarks, read_remarked_picture};
 use raytracer::memory;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};
@@ -25,7 +25,7 @@ pub fn run(options: &Options, signals: &Signals, log: &Log) -> Result<Outcome, E
     check_distinct(written(options), read(options))?;
     let pair = Pair::open(options, log)?;
     let difference = open_difference(options)?;
-    let document = options.json_file().map(TextFile::prepare).transpose().map_err(failed)?;
+    let document = options.json_file().map(OutputFile::prepare).transpose().map_err(failed)?;
     let files = CompleteFiles::default();
     files.before_waiting(signals)?;
     let compared = pair.map(|pair| pair.compare(options, (None, None), difference, &files)).transpose()?;
@@ -62,9 +62,10 @@ pub fn read(options: &Options) -> impl Iterator<Item = ReadFile> {
 }
 
 /// Checks that the picture of the difference can be written, if one is asked for.
-pub fn open_difference(options: &Options) -> Result<Option<OutputFile>, String> {
-    let difference = options.comparison.as_ref().and_then(|wanted| wanted.difference.as_deref());
-    difference.map(OutputFile::prepare).transpose().map_err(failed)
+pub fn open_difference(options: &Options) -> Result<Option<(OutputFile, Format)>, String> {
+    let path = options.comparison.as_ref().and_then(|wanted| wanted.difference.as_deref());
+    let Some((path, format)) = path.and_then(|path| Some((path, Format::of(path)?))) else { return Ok(None) };
+    Ok(Some((OutputFile::prepare(path).map_err(failed)?, format)))
 }
 
 /// The pictures of a comparison.
@@ -107,7 +108,7 @@ impl<'o> Pair<'o> {
         &self,
         options: &Options,
         (scene, own): (Option<&Renderer>, Option<&Picture>),
-        difference: Option<OutputFile>,
+        difference: Option<(OutputFile, Format)>,
         files: &CompleteFiles,
     ) -> Result<ComparisonResult, String> {
         let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
@@ -118,9 +119,9 @@ impl<'o> Pair<'o> {
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let of_scene = || scene.and_then(|renderer| cause(options, renderer, a, b));
         let cause = if differs { of_scene().or_else(|| cause_of_pictures(a, b)) } else { None };
-        if let Some(file) = difference {
+        if let Some((file, format)) = difference {
             let shown = DifferencePicture::new(a, b).map_err(failed)?;
-            files.add(file.complete(&shown.picture).map_err(failed)?)?;
+            files.add(file.picture(format, &shown.picture).map_err(failed)?)?;
         }
         let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
         Ok(ComparisonResult { comparison, cause, passes })

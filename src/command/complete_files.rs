@@ -5,6 +5,7 @@ use super::signals::Signals;
 use super::{End, failed};
 use raytracer::cli::Output;
 use raytracer::image_io::{CompleteFile, ImageError, OutputFile, put_in_place};
+use std::io::ErrorKind;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Regular files that are complete and have no names yet.
@@ -16,7 +17,7 @@ impl CompleteFiles {
     /// gone away has seen enough.
     pub fn add(&self, file: CompleteFile) -> Result<(), String> {
         match file.write_stream() {
-            Err(error) if error.is_reader_gone() => {}
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
             written => self.files().extend(written.map_err(failed)?),
         }
         Ok(())
@@ -55,7 +56,7 @@ impl CompleteFiles {
 /// Checks that a picture can be written.
 pub fn prepare(output: &Output) -> Result<OutputFile, String> {
     match output.is_standard_output() {
-        true => Ok(OutputFile::standard_output(output.format)),
-        false => OutputFile::prepare_as(&output.file, output.format).map_err(failed),
+        true => Ok(OutputFile::standard_output()),
+        false => OutputFile::prepare(&output.file).map_err(failed),
     }
 }

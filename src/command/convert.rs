@@ -15,7 +15,7 @@ pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome
     let file = prepare(output)?;
     let picture = read_picture(&options.picture, "converted", log)?;
     let files = CompleteFiles::default();
-    files.add(file.complete(&picture).map_err(failed)?)?;
+    files.add(file.picture(output.format, &picture).map_err(failed)?)?;
     files.finish(signals)?;
     Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], options.progress))
 }

@@ -9,7 +9,7 @@ use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::distinct_files::{Written, check_distinct};
 use raytracer::escape::quoted;
-use raytracer::image_io::{TextFile, put_in_place};
+use raytracer::image_io::{OutputFile, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::scene_io;
@@ -55,8 +55,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let command = |setting: &Setting| [command(setting), vec!["-output picture.png".into()]].concat();
     let answers: Vec<Answer> =
         targets.iter().filter_map(|&target| Answer::new(&report, target, command)).collect();
-    let page_file = page_file.complete(&page(&report, &asked_for, &answers)).map_err(failed)?;
-    let csv_file = csv_file.complete(&csv(&report)).map_err(failed)?;
+    let page_file = page_file.text(&page(&report, &asked_for, &answers)).map_err(failed)?;
+    let csv_file = csv_file.text(&csv(&report)).map_err(failed)?;
     if page_file.is_stream() || csv_file.is_stream() {
         // The signal that has ended the measurements does not end this.
         let _ = signals.end_at_once();
@@ -71,11 +71,11 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
 }
 
 /// The page and the table in a folder, which is made if there is none.
-fn prepare(reporting: &ErrorReporting) -> Result<[TextFile; 2], String> {
+fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], String> {
     let folder = &reporting.folder;
     let unwritable = |error| failed(format!("cannot make the folder {}: {error}", quoted(folder)));
     fs::create_dir_all(folder).map_err(unwritable)?;
-    let [page, table] = reporting.report_files().map(|file| TextFile::prepare(&file));
+    let [page, table] = reporting.report_files().map(|file| OutputFile::prepare(&file));
     Ok([page.map_err(failed)?, table.map_err(failed)?])
 }
 

@@ -13,7 +13,7 @@ use raytracer::cli;
 use raytracer::cli::Grading;
 use raytracer::distinct_files::{Written, check_distinct};
 use raytracer::escape::escape;
-use raytracer::image_io::TextFile;
+use raytracer::image_io::OutputFile;
 use raytracer::tools::compare::Tolerance;
 use raytracer::tools::grade::{Column, Page, Table, csv, summary};
 use references::{Reference, References};
@@ -68,8 +68,8 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     }
     if let (Some([page, values]), Some(shown)) = (files, grader.page) {
         let complete = CompleteFiles::default();
-        complete.add(page.complete(&shown.finish(&table)).map_err(failed)?)?;
-        complete.add(values.complete(&csv(&table)).map_err(failed)?)?;
+        complete.add(page.text(&shown.finish(&table)).map_err(failed)?)?;
+        complete.add(values.text(&csv(&table)).map_err(failed)?)?;
         complete.finish(signals)?;
     }
     let written = options.report_files().into_iter().flatten();
@@ -95,8 +95,8 @@ fn tell_other_names(table: &Table, log: &Log) {
 }
 
 /// The files of the page and of the table beside it.
-fn prepare(files: [PathBuf; 2]) -> Result<[TextFile; 2], String> {
-    let [page, values] = files.map(|file| TextFile::prepare(&file));
+fn prepare(files: [PathBuf; 2]) -> Result<[OutputFile; 2], String> {
+    let [page, values] = files.map(|file| OutputFile::prepare(&file));
     Ok([page.map_err(failed)?, values.map_err(failed)?])
 }
 

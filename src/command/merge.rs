@@ -6,8 +6,8 @@ use super::signals::Signals;
 use super::{End, Outcome, failed};
 use raytracer::cli::Merging;
 use raytracer::distinct_files::{Written, check_distinct};
-use raytracer::image_io::Merge;
-use std::ops::ControlFlow;
+use raytracer::image_io::{Content, Merge};
+use raytracer::render::Progress;
 
 /// Reads the parts and writes the picture.
 pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
@@ -18,11 +18,12 @@ pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
     )?;
     let file = prepare(output)?;
     let merge = Merge::open(&options.parts, options.region).map_err(failed)?;
-    let mut writer = file.begin(merge.size(), merge.part().as_ref()).map_err(failed)?;
+    let mut writer =
+        file.begin(output.format, merge.size(), Content::Colors, merge.part.as_ref()).map_err(failed)?;
     let progress = ProgressLine::new(options.progress);
-    let watch = |rows| {
+    let watch = |done| {
+        let rows = Progress { done, rows: merge.size()[1], rays: 0 };
         progress.show(|passed| rows_text("merging", rows, passed));
-        ControlFlow::Continue(())
     };
     let merged = merge.write(&mut writer, &watch);
     progress.end();

@@ -7,6 +7,7 @@ mod progress;
 mod threads;
 mod complete_files;
 mod warnings;
+mod fingerprint;
 mod products;
 mod stopped;
 mod json;

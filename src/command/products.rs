@@ -1,7 +1,9 @@
 //! What becomes of the rows of each layer: a file, a picture that is kept, or a map of costs.
 
 use super::failed;
-use raytracer::image_io::{CompleteFile, Content, Exceptional, ImageError, OutputFile, Part, PictureWriter};
+use raytracer::image_io::{
+    CompleteFile, Content, Exceptional, Format, ImageError, OutputFile, Part, PictureWriter,
+};
 use raytracer::memory::with_room;
 use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
@@ -29,7 +31,7 @@ enum Product {
     /// Width and height in pixels, and the bytes of a picture.
     Kept([usize; 2], Vec<u8>),
     /// What each pixel costs; the file gets the finished map.
-    Costs(OutputFile, Cost, Vec<u64>),
+    Costs(OutputFile, Format, Cost, Vec<u64>),
 }
 
 /// The file with the complete rows of a picture, if there is one.
@@ -46,19 +48,19 @@ pub struct FinishedLayers {
 impl Products {
     /// The files of the first layers of a request. `part` tells of each layer's picture which part of the whole it is.
     pub fn begin(
-        files: Vec<OutputFile>,
+        files: Vec<(OutputFile, Format)>,
         request: &Request,
         part: &dyn Fn(Layer) -> Option<Part>,
     ) -> Result<Self, String> {
-        let begin = |(file, layer): (OutputFile, &Layer)| match *layer {
+        let begin = |((file, format), layer): ((OutputFile, Format), &Layer)| match *layer {
             Layer::Cost(cost) => {
                 let [width, height] = request.window_size();
-                Ok(Product::Costs(file, cost, with_room(width * height).map_err(failed)?))
+                Ok(Product::Costs(file, format, cost, with_room(width * height).map_err(failed)?))
             }
             layer => {
                 let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
                 let part = part(layer);
-                let writer = file.begin_with(request.layer_size(&layer), content, part.as_ref());
+                let writer = file.begin(format, request.layer_size(&layer), content, part.as_ref());
                 Ok(Product::File(Box::new(writer.map_err(failed)?)))
             }
         };
@@ -96,7 +98,7 @@ impl Products {
                 bytes.resize(before + row.len() * CHANNELS, 0);
                 truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
             }
-            Product::Costs(_, _, counts) => counts.extend(row.iter().map(|cost| cost.x as u64)),
+            Product::Costs(_, _, _, counts) => counts.extend(row.iter().map(|cost| cost.x as u64)),
         }
         self.encoding += start.elapsed();
         Ok(())
@@ -134,7 +136,7 @@ impl Products {
         let mut all = Exceptional::default();
         for product in &self.layers {
             if let Product::File(writer) = product {
-                all += writer.exceptional();
+                all += writer.exceptional;
             }
         }
         all
@@ -150,10 +152,10 @@ impl Products {
                     let [width, height] = size.map(|n| n as u32);
                     finished.kept = Some(Picture::from_rgb(width, height, bytes));
                 }
-                Product::Costs(file, cost, counts) => {
+                Product::Costs(file, format, cost, counts) => {
                     let map = CostMap { cost, size, counts };
                     let picture = map.draw().map_err(failed)?;
-                    finished.files.push(file.complete(&picture).map_err(failed)?);
+                    finished.files.push(file.picture(format, &picture).map_err(failed)?);
                     finished.costs = Some(map);
                 }
             }

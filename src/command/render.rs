@@ -2,6 +2,7 @@
 
 use super::compare::{self, Pair};
 use super::complete_files::{self, CompleteFiles};
+use super::fingerprint;
 use super::log::Log;
 use super::products::{FinishedLayers, Products};
 use super::progress::{ProgressLine, rows_text};
@@ -12,8 +13,7 @@ use super::{End, Outcome, failed, threads, warnings};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
 use raytracer::distinct_files::{ReadFile, Written, check_distinct};
-use raytracer::fingerprint;
-use raytracer::image_io::{CompleteFile, Exceptional, OutputFile, TextFile, part_beside};
+use raytracer::image_io::{CompleteFile, Exceptional, Format, OutputFile, part_beside};
 use raytracer::memory::Bytes;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
@@ -79,9 +79,10 @@ pub fn run(
     let building = clock.lap();
 
     // Open the outputs.
-    let pictures = options.outputs.iter().map(complete_files::prepare).collect::<Result<_, _>>()?;
+    let open = |output: &Output| Ok((complete_files::prepare(output)?, output.format));
+    let pictures = options.outputs.iter().map(open).collect::<Result<_, String>>()?;
     let difference = compare::open_difference(options)?;
-    let document = options.json_file().map(TextFile::prepare).transpose().map_err(failed)?;
+    let document = options.json_file().map(OutputFile::prepare).transpose().map_err(failed)?;
     let mut products = begin(pictures, kept, &prepared, &request)?;
 
     // Render rows.
@@ -167,7 +168,7 @@ fn read(input: &Path, options: &Options, loaded: &LoadedScene) -> impl Iterator<
 
 /// Starts the pictures of a request. The one that is `kept` has no file.
 fn begin(
-    files: Vec<OutputFile>,
+    files: Vec<(OutputFile, Format)>,
     kept: Option<Layer>,
     prepared: &Prepared,
     request: &Request,

@@ -8,7 +8,7 @@ use super::render::Rendered;
 use super::signals::Signals;
 use super::{End, Outcome, failed};
 use raytracer::cli::Options;
-use raytracer::image_io::TextFile;
+use raytracer::image_io::OutputFile;
 use std::io::{Write, stderr};
 use std::path::Path;
 
@@ -24,7 +24,7 @@ impl Report<'_> {
     pub fn finish(
         &self,
         options: &Options,
-        document: Option<TextFile>,
+        document: Option<OutputFile>,
         files: CompleteFiles,
         signals: &Signals,
         log: &Log,
@@ -36,7 +36,7 @@ impl Report<'_> {
                 .map_err(failed)
         };
         if let Some(file) = document {
-            files.add(file.complete(&json()?).map_err(failed)?)?;
+            files.add(file.text(&json()?).map_err(failed)?)?;
         }
         let mut text = if options.prints_json() { json()? } else { self.text(options) };
         files.finish(signals)?;

@@ -59,16 +59,16 @@ fn complete(
     if fs::metadata(&output.file).is_ok_and(|found| !found.is_file()) {
         return Err(Answer::impossible(format!("{} is no file", quoted(&output.file))));
     }
-    let file = OutputFile::prepare_as(&output.file, output.format)?;
+    let file = OutputFile::prepare(&output.file)?;
     if let Layer::Cost(cost) = output.layer {
         let painted = painter.paint(&Subject { cost: Some(cost), ..subject.clone() }, stop)?;
-        return Ok(file.complete(&painted.picture)?);
+        return Ok(file.picture(output.format, &painted.picture)?);
     }
     let request = subject.request(output.layer);
     let ready = painter.ready(subject, Purpose::Picture)?;
     let content = if output.layer.is_distance() { Content::Distances } else { Content::Colors };
     let size = request.layer_size(&output.layer);
-    let mut writer = file.begin_with(size, content, None)?;
+    let mut writer = file.begin(output.format, size, content, None)?;
     let mut written = Ok(());
     let mut take_row = |_: usize, row: &[Color]| {
         written = writer.row(row);

@@ -13,8 +13,10 @@ mod tracing;
 mod unseen;
 
 pub use layer::{Cost, Layer};
-pub use request::{Request, View, Window};
+pub use request::{Request, View};
 pub use tracing::Tracing;
+
+pub use crate::picture::Window;
 
 use crate::camera::Camera;
 use crate::caster::Caster;

@@ -252,11 +252,11 @@ impl Prepared<'_> {
     }
 
     /// The cells of the grid along each axis, if they are drawn in place of the scene.
-    pub(crate) fn drawn_cells(&self) -> Option<[usize; 3]> {
+    pub fn drawn_cells(&self) -> Option<[usize; 3]> {
         self.occupancy.as_ref().and(self.cells)
     }
 
-    /// The scene.
+    /// Returns the renderer that it was prepared by.
     pub fn renderer(&self) -> &Renderer {
         self.renderer
     }

@@ -3,10 +3,11 @@
 use super::references::References;
 use crate::command::failed;
 use raytracer::escape::quoted;
-use raytracer::image_io::{Format, ImageError, read_picture_of_size};
+use raytracer::image_io::{Format, read_picture};
 use raytracer::tools::grade::{Column, Submission};
 use std::ffi::{OsStr, OsString};
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// How many files without a reference are named for each name.
@@ -158,13 +159,18 @@ pub fn entries(path: &Path) -> Result<Vec<OsString>, String> {
 /// error, since it says nothing of the picture.
 fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, String> {
     match fs::symlink_metadata(path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Submission::Missing),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Submission::Missing),
         Ok(found) if found.is_symlink() => return Ok(Submission::Unusable("it is a link".into())),
         _ => {}
     }
-    match read_picture_of_size(path, size) {
-        Ok(picture) => Ok(Submission::Picture(picture)),
-        Err(error @ ImageError::Memory { .. }) => Err(failed(error)),
+    match read_picture(path) {
+        Ok(picture) if [picture.width(), picture.height()] == size => Ok(Submission::Picture(picture)),
+        Ok(picture) => {
+            let ([width, height], [right_width, right_height]) = ([picture.width(), picture.height()], size);
+            let sizes = format!("{width} x {height} pixels instead of {right_width} x {right_height}");
+            Ok(Submission::Unusable(format!("its size is {sizes}")))
+        }
+        Err(error) if error.kind() == ErrorKind::OutOfMemory => Err(failed(error)),
         Err(error) => {
             let message = error.to_string();
             let start = format!("cannot read {}: ", quoted(path));

@@ -6,7 +6,7 @@ use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Options, parse_commands};
 use raytracer::distinct_files::ReadFile;
 use raytracer::escape::quoted;
-use raytracer::image_io::{Format, ImageError, read_picture};
+use raytracer::image_io::{Format, read_picture};
 use raytracer::picture::{FloatPicture, Picture};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
@@ -107,7 +107,7 @@ impl References {
         match &self.all[index].1 {
             Origin::File(path) => match read_picture(path) {
                 Ok(picture) => work(Ok(Reference { picture, source: Source::File })),
-                Err(error @ ImageError::Memory { .. }) => Err(failed(error)),
+                Err(error) if error.kind() == std::io::ErrorKind::OutOfMemory => Err(failed(error)),
                 Err(error) => work(Err(error.to_string())),
             },
             Origin::Rendered(options, layer) => match renderer(options) {

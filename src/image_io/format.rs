@@ -1,21 +1,82 @@
-//! The format of a picture file by its first bytes, against which its name is checked.
+//! The formats of picture files. The end of a name decides what is written, the first bytes decide what is read.
 
-use super::Format;
 use super::error::ImageError;
-use super::part_file::RowSource;
-use super::writer::TGA_HEADER;
+use super::header::TGA_HEADER;
 use crate::escape::quoted;
-use std::io::Read;
+use serde::Serialize;
 use std::path::Path;
+
+/// The format of a picture file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Format {
+    /// `.tga`, byte for byte as the course's program writes it.
+    Tga,
+    /// `.png`, 8 bits per channel, without alpha.
+    Png,
+    /// `.bmp`, 24 bits per pixel, with rows from the bottom.
+    Bmp,
+    /// `.ppm`, 8 bits per channel.
+    Ppm,
+    /// `.pfm`, single precision, without clamping.
+    Pfm,
+    /// `.exr`, OpenEXR in single precision, without clamping.
+    Exr,
+}
+
+impl Format {
+    const ALL: [(&'static [u8; 4], Self); 6] = [
+        (b".tga", Self::Tga),
+        (b".png", Self::Png),
+        (b".bmp", Self::Bmp),
+        (b".ppm", Self::Ppm),
+        (b".pfm", Self::Pfm),
+        (b".exr", Self::Exr),
+    ];
+
+    /// Returns the format of a file to write, by the last four bytes of its name, in upper or lower case.
+    pub fn of(path: &Path) -> Option<Self> {
+        let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
+        Self::ALL.into_iter().find(|(ending, _)| ending.eq_ignore_ascii_case(end)).map(|(_, format)| format)
+    }
+
+    /// Returns the format of a file to read. It may also have the ending of a relative of PPM.
+    pub fn of_input(path: &Path) -> Option<Self> {
+        let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
+        let is_relative =
+            [b".pbm", b".pgm", b".pnm", b".pam"].iter().any(|ending| ending.eq_ignore_ascii_case(end));
+        if is_relative { Some(Self::Ppm) } else { Self::of(path) }
+    }
+
+    /// Returns the format with this name, which is an ending without the dot.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::of(Path::new(&format!(".{name}"))).filter(|_| name.len() == 3)
+    }
+
+    /// True if its files can say which part of a larger picture they are.
+    pub fn has_parts(self) -> bool {
+        matches!(self, Self::Tga | Self::Png)
+    }
+
+    /// True if it holds numbers as they were rendered, and not bytes.
+    pub fn is_float(self) -> bool {
+        matches!(self, Self::Pfm | Self::Exr)
+    }
+
+    /// True if the first byte of a pixel is that of blue.
+    pub(super) fn is_blue_first(self) -> bool {
+        matches!(self, Self::Tga | Self::Bmp)
+    }
+}
 
 /// The mark at the start of a text in UTF-8.
 pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-/// Lines of other text before a picture are looked for in this number of bytes.
-const LONGEST_START: u64 = 4096;
+/// The number of bytes at the start of a file by which its format is known.
+pub(super) const START: usize = 4096;
 /// How many bytes of an unknown file are shown.
 const SHOWN: usize = 24;
 
-/// Starts of files that are not read, and what to do with them.
+/// The starts of files that are not read, and what to do with them.
 const FOREIGN: [(&[u8], &str, &str); 13] = [
     (b"\xff\xd8\xff", "a JPEG file", CONVERT),
     (b"GIF8", "a GIF file", CONVERT),
@@ -35,29 +96,28 @@ const CONVERT: &str = "convert it to PNG";
 const WIDE: &str = "text in UTF-16, as `>` in PowerShell writes it";
 const BYTES: &str = "`>` in cmd.exe leaves the bytes as they are, and an editor can save it as UTF-8";
 
-/// Returns the format of a file and its first bytes, if its name fits. The source stands at the start before and after.
-pub(super) fn identify(path: &Path, source: &mut dyn RowSource) -> Result<(Format, Vec<u8>), ImageError> {
-    let mut start = vec![];
-    let read = source.take(LONGEST_START).read_to_end(&mut start).and_then(|_| source.rewind());
-    read.map_err(|error| ImageError::io("read", path, error))?;
-    let bad = |reason| Err(ImageError::unreadable(path, reason));
-    match (known(&start), Format::of_input(path)) {
-        (Some((format, _)), Some(named)) if format == named => Ok((format, start)),
+/// Returns the format of a file by its first bytes. An error if its name has the ending of another format.
+pub(super) fn identify(path: &Path, bytes: &[u8]) -> Result<Format, ImageError> {
+    let start = &bytes[..bytes.len().min(START)];
+    let bad = |reason| Err(ImageError::new("read", path, reason));
+    let foreign = || FOREIGN.iter().find(|(mark, ..)| start.starts_with(mark));
+    match (known(start), Format::of_input(path)) {
+        (Some((format, _)), Some(named)) if format == named => Ok(format),
         (Some((_, ending)), _) => {
             let right = path.with_extension(ending);
             let right = quoted(right.file_name().unwrap_or_default());
             bad(format!("it is {}; name it {right}", named_file(ending)))
         }
-        (None, named) => match (FOREIGN.iter().find(|(mark, ..)| start.starts_with(mark)), named) {
+        (None, named) => match (foreign(), named) {
             (Some((_, name, advice)), _) => bad(format!("it is {name}; {advice}")),
-            (None, None) => Err(ImageError::Ending { path: path.to_owned() }),
-            (None, Some(Format::Tga)) => Ok((Format::Tga, start)),
-            (None, Some(named)) => bad(unknown(&start, named)),
+            (None, None) => Err(ImageError::ending("read", path)),
+            (None, Some(Format::Tga)) => Ok(Format::Tga),
+            (None, Some(named)) => bad(unknown(start, named)),
         },
     }
 }
 
-/// A format, and the ending of its files' names.
+/// Returns a format, and the ending of its files' names.
 fn known(start: &[u8]) -> Option<(Format, &'static str)> {
     match start {
         [0x89, b'P', b'N', b'G', ..] => Some((Format::Png, "png")),
@@ -94,29 +154,13 @@ fn is_tga(start: &[u8]) -> bool {
         && header[17] & 0xc0 == 0
 }
 
-/// Returns true if a header of a format that the image crate reads has a width or height of 0. The crate would refuse
-/// it in its own words.
-pub(super) fn has_no_pixels(format: Format, start: &[u8]) -> bool {
-    let is_zero = |from: usize, length: usize| {
-        start.get(from..from + length).is_some_and(|bytes| bytes.iter().all(|&byte| byte == 0))
-    };
-    match format {
-        Format::Tga => is_zero(12, 2) || is_zero(14, 2),
-        Format::Png => is_zero(16, 4) || is_zero(20, 4),
-        // The oldest headers have 12 bytes.
-        Format::Bmp if start.get(14) == Some(&12) => is_zero(18, 2) || is_zero(20, 2),
-        Format::Bmp => is_zero(18, 4) || is_zero(22, 4),
-        Format::Ppm | Format::Pfm | Format::Exr => false,
-    }
-}
-
-/// Such as "a PNG file".
+/// Returns a name such as "a PNG file".
 fn named_file(ending: &str) -> String {
     let article = if ending.eq_ignore_ascii_case("exr") { "an" } else { "a" };
     format!("{article} {} file", ending.to_uppercase())
 }
 
-/// Why a file that is in no known format cannot be read.
+/// Returns why a file that is in no known format cannot be read.
 fn unknown(start: &[u8], named: Format) -> String {
     let line = start.split(|&byte| byte == b'\n').next().unwrap_or_default().trim_ascii();
     if start.len() < 2 {
