@@ -15,7 +15,6 @@ mod list;
 pub mod material;
 pub mod mesh;
 mod object;
-mod mesh_error;
 pub mod model;
 mod obj_lines;
 mod obj_reader;
