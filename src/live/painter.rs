@@ -109,7 +109,9 @@ impl<'r> Easel<'r> {
         match ready.render_rows(&request, &watch, &mut take_row) {
             Ok(_) => {}
             Err(Stopped::Cancelled { .. } | Stopped::Output) => return Err(Unpainted::Stopped),
-            Err(Stopped::Memory(refused)) => return Err(Unpainted::Failed(refused.to_string())),
+            Err(reason @ (Stopped::Memory(_) | Stopped::Rays)) => {
+                return Err(Unpainted::Failed(reason.to_string()));
+            }
         }
         let costs = subject.cost.map(|cost| CostReport {
             map: CostMap { cost, size: request.size, counts: std::mem::take(&mut colors.counts) },

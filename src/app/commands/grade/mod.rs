@@ -23,7 +23,9 @@ use std::sync::Arc;
 
 /// Compares everything with its reference. Warnings go to `tell`.
 pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
-    let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, PoolPlace::Here)?);
+    // The rows of the pictures are not known yet.
+    let wanted = threads::useful(options.threads, 0);
+    let threads: Arc<ThreadPool> = Arc::new(threads::pool(wanted, PoolPlace::Here)?);
     let written = WrittenFiles::of_grading(options)?;
     let folder = Folder::open(&options.folder)?;
     let references = References::open(&options.references, &threads)?;
