@@ -3,12 +3,12 @@
 //! Files of positions and triangles only take a faster path, in `plain_obj`. All others are read by `obj_reader`.
 
 use super::excerpt::with_caret;
-use super::foreign_format::{foreign, foreign_without_faces};
-pub use super::mesh_error::{MeshDoubt, MeshError};
+use super::foreign_format::foreign;
 pub use super::plain_obj::memory_for;
 use super::{Position, obj_reader, plain_obj};
 use crate::base::shortcut::Shortcut;
 use glam::{DVec2, DVec3};
+use std::fmt;
 
 /// A triangle mesh, with its triangles in the order of the file's faces.
 ///
@@ -42,18 +42,36 @@ pub struct ObjFile {
     /// empty if the file has none.
     pub texture_coordinates: Vec<Option<Corners>>,
     /// What is doubtful in the file, in its order: one of each kind.
-    pub doubts: Vec<MeshDoubt>,
+    pub doubts: Vec<MeshError>,
 }
 
-/// Reads a mesh from the bytes of an OBJ file.
+/// What is wrong in a mesh file, or doubtful.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshError {
+    /// The position; none if it is the whole file.
+    pub at: Option<Position>,
+    /// What is wrong, in one line.
+    pub message: String,
+    /// Advice in one line.
+    pub hint: Option<String>,
+}
+
+impl std::error::Error for MeshError {}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.at {
+            Some(at) => write!(f, "line {}: {}", at.line, self.message),
+            None => f.write_str(&self.message),
+        }
+    }
+}
+
+/// Reads a mesh from the bytes of an OBJ file, and all else in it that a scene may need, with texture coordinates if they
+/// matter.
 ///
 /// Polygons become triangles. Points, lines, curves and everything else except positions and faces are left out. A
 /// backslash at the end of a line continues it on the next one. Errors: the first error found.
-pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
-    read_obj(bytes, false).map(|file| file.mesh)
-}
-
-/// Reads all of an OBJ file that a scene may need, with texture coordinates if they matter.
 pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, MeshError> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
@@ -61,17 +79,12 @@ pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, MeshError> {
     {
         return Ok(ObjFile { mesh, vertices, ..ObjFile::default() });
     }
-    let found =
-        foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), |format| Err(refused(format)));
-    found.map_err(|error| match foreign_without_faces(text) {
-        Some(format) if error.message.starts_with(obj_reader::NO_FACES) => refused(format),
-        _ => error,
-    })
+    foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), Err)
 }
 
-/// The error of a file in another format.
-fn refused((name, hint): (&str, &str)) -> MeshError {
-    MeshError { at: None, message: format!("the file is {name}, not OBJ"), hint: Some(hint.to_owned()) }
+/// Reads a mesh alone.
+pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
+    read_obj(bytes, false).map(|file| file.mesh)
 }
 
 /// The line of a mesh's file at this position, with a caret under it.
@@ -172,8 +185,8 @@ mod tests {
             ("# nothing", ""),
             (SQUARE, ""),
             ("v 0 0 0\nv 1 0 0\nl 1 2\n", ", only points, lines or curves"),
-            ("surf 0 1 0 1 1 2 3 4", ", only curved surfaces, which are not read"),
-            ("nothing", ", and `nothing` is no keyword of OBJ"),
+            ("surf 0 1 0 1 1 2 3 4", ": a curved surface is left out"),
+            ("nothing", ": `nothing` is no keyword of OBJ, and its line is left out"),
         ] {
             assert_eq!(refuse(text).message, format!("the mesh has no faces{why}"), "{text}");
         }
@@ -213,9 +226,9 @@ mod tests {
         let missing = || "a face names a vertex that does not exist; the mesh has 4".to_owned();
         let negative = "a negative index counts back";
         vec![
-            ("v@", few(), ""),
-            ("v 1 2@", few(), ""),
-            ("v 1 2@ # 3", few(), ""),
+            ("@v", few(), ""),
+            ("v 1 @2", few(), ""),
+            ("v 1 @2 # 3", few(), ""),
             ("v 1 2 @x", word("x"), ""),
             ("v 1 @x", word("x"), ""),
             ("v @1,5 2,5 3,5", word("1,5"), "a decimal point"),
@@ -232,9 +245,9 @@ mod tests {
             ("f 1 2 @1/2/3/4", corner("1/2/3/4"), "a corner has at most three indices"),
             ("f @/ / /", corner("/"), "the index of the position comes first"),
             ("f 1 2/@x 3", corner("2/x"), ""),
-            ("f@", few_corners(), "a line between two vertices is written"),
-            ("f 1 2@", few_corners(), "a line between"),
-            ("f 1 2@ # two", few_corners(), "a line between"),
+            ("@f", few_corners(), "a line between two vertices is written"),
+            ("f 1 @2", few_corners(), "a line between"),
+            ("f 1 @2 # two", few_corners(), "a line between"),
             ("  f 1 @0 2", missing(), "indices start with 1"),
             ("fo 1 @9 2", missing(), ""),
             ("f 1 2 @-5", missing(), negative),
@@ -266,9 +279,9 @@ mod tests {
 
     #[test]
     fn vertices_that_faces_use_must_be_finite() {
-        let hint = Some("leave out the fourth number, or make it 1".to_owned());
+        let hint = Some("leave it out, or make it 1".to_owned());
         let not_finite = "a vertex has a coordinate that is not finite";
-        let zero_weight = "a vertex has the weight 0, which puts it infinitely far away";
+        let zero_weight = "a vertex has the weight 0: it is at infinity";
         for (marked, message) in [
             ("@nan 0 0", not_finite),
             ("0 @inf 0", not_finite),
@@ -335,10 +348,10 @@ mod tests {
         assert_eq!(
             said,
             [
-                "line 5: `F` is no keyword of OBJ, and its line is left out; so is another",
+                "line 5: `F` is no keyword of OBJ, and its line is left out (and 1 more)",
                 "line 8: a curved surface is left out",
-                "line 9: the outline of the polygon crosses itself; so does that of another",
-                "line 11: the outline of the polygon encloses nothing; so do those of 2 more",
+                "line 9: the outline of the polygon crosses itself (and 1 more)",
+                "line 11: the outline of the polygon encloses nothing (and 2 more)",
             ]
         );
         let hints: Vec<_> = doubts.iter().map(|doubt| doubt.hint.clone().unwrap_or_default()).collect();
@@ -350,7 +363,10 @@ mod tests {
         let text = b"v 0 0 0\nv 0 \xff 0\n";
         let at = Position { line: 2, column: 5 };
         let error = parse_obj(text).unwrap_err();
-        assert_eq!((error.at, error.message.as_str()), (Some(at), "not UTF-8 text"));
+        assert_eq!(
+            (error.at, error.message),
+            (Some(at), "a vertex needs three numbers, and `\u{fffd}` is none".to_owned())
+        );
         assert_eq!(excerpt(text, at), "    2 | v 0 \u{fffd} 0\n      |     ^");
     }
 

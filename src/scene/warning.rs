@@ -1,7 +1,7 @@
 //! What a scene says without an error, but hardly on purpose.
 
 use super::excerpt;
-use super::mesh::{self, MeshDoubt};
+use super::mesh::{self, MeshError};
 use super::{Color, Position};
 use crate::escape::quoted;
 use std::fmt;
@@ -39,7 +39,7 @@ pub enum Doubt {
         /// The file.
         file: String,
         /// What it is.
-        doubt: MeshDoubt,
+        doubt: MeshError,
         /// The line of the file with a caret.
         excerpt: String,
     },
@@ -51,8 +51,8 @@ impl SceneWarning {
     }
 
     /// The warning about a mesh file with these contents, which the scene names at this position.
-    pub(crate) fn in_mesh(at: Position, file: String, doubt: &MeshDoubt, bytes: &[u8]) -> Self {
-        let excerpt = mesh::excerpt(bytes, doubt.at);
+    pub(crate) fn in_mesh(at: Position, file: String, doubt: &MeshError, bytes: &[u8]) -> Self {
+        let excerpt = doubt.at.map(|at| mesh::excerpt(bytes, at)).unwrap_or_default();
         Self { at, doubt: Doubt::InMesh { file, doubt: doubt.clone(), excerpt } }
     }
 
@@ -60,7 +60,9 @@ impl SceneWarning {
     /// the scene's own text.
     pub fn excerpt_of_mesh(&self) -> String {
         match &self.doubt {
-            Doubt::InMesh { file, doubt, excerpt } => excerpt::of_file(file, doubt.at, excerpt),
+            Doubt::InMesh { file, doubt, excerpt } => {
+                doubt.at.map(|at| excerpt::of_file(file, at, excerpt)).unwrap_or_default()
+            }
             Doubt::AboveOne { .. } | Doubt::Replaces { .. } => String::new(),
         }
     }

@@ -46,6 +46,8 @@ pub enum SweepError {
     Grid(GridTooLarge),
     /// The picture does not.
     Size(BadSize),
+    /// The rays of a pixel split without end.
+    Rays(Stopped),
 }
 
 impl fmt::Display for SweepError {
@@ -53,6 +55,7 @@ impl fmt::Display for SweepError {
         match self {
             Self::Grid(error) => error.fmt(f),
             Self::Size(error) => error.fmt(f),
+            Self::Rays(stopped) => stopped.fmt(f),
         }
     }
 }
@@ -281,6 +284,7 @@ impl<'a> Sweep<'a> {
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
             Ok(counts) => Ok(Some((picture, counts.rays()))),
             Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
+            Err(Stopped::Rays) => Err(SweepError::Rays(Stopped::Rays)),
             Err(Stopped::Memory(_)) => {
                 let [width, height] = request.window_size();
                 Err(BadSize { width, height }.into())
