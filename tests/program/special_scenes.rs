@@ -88,8 +88,12 @@ fn a_hall_of_perfect_mirrors_ends_by_bounces() {
 /// Rays that split at each of a million bounces are refused while those that wait still fit into memory.
 #[test]
 fn rays_that_split_without_end_are_an_error() {
-    let colors = "1 1 1 transparentColor 1 1 1 indexOfRefraction 1";
-    let folder = Folder::with_scene(&hall_of_mirrors(colors));
+    let folder = Folder::with_scene(
+        "PerspectiveCamera { center .1 .2 .3 direction 3 2 1 up 0 1 0 angle 40 }
+         Lights { numLights 0 } Materials { numMaterials 1
+         Material { reflectiveColor 1 1 1 transparentColor 1 1 1 } }
+         Group { numObjects 2 MaterialIndex 0 Box { min -1 -1 -1 max 1 1 1 } Box { min -2 -2 -2 max 2 2 2 } }",
+    );
     folder.write("o.tga", "old");
     for flags in ["", "-stats", "-random_samples 4 -shadows"] {
         let line = format!("-input s.txt -size 2 2 -shade_back -bounces 1000000 -output o.tga {flags}");
