@@ -46,6 +46,7 @@ pub mod shell;
 pub mod memory;
 #[doc(hidden)]
 pub mod undisturbed;
+pub mod diagnostic;
 mod near_names;
 #[doc(hidden)]
 pub mod math;

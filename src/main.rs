@@ -3,7 +3,7 @@
 mod app;
 
 use app::commands::{self, convert, grade, merge, report_errors};
-use app::{End, Interrupted, Outcome, Signals, failed, tell};
+use app::{End, Interrupted, Outcome, Signals, failed, say, tell};
 use raytracer::cli::{self, Command, Options};
 use std::ffi::OsString;
 use std::io::Write;
@@ -54,10 +54,10 @@ fn render(start: Instant, options: &Options, argv: &[OsString], signals: &mut Si
             false => outcome,
         },
     );
-    match if is_done { app::show_page(options, signals, &tell) } else { Ok(()) } {
+    match if is_done { app::show_page(options, signals, &say) } else { Ok(()) } {
         Ok(()) => status,
         Err(message) => {
-            tell(&message);
+            say(&message);
             ExitCode::FAILURE
         }
     }
@@ -73,12 +73,12 @@ fn report(start: Instant, outcome: Result<Outcome, End>) -> ExitCode {
     match outcome.and_then(say) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(DIFFERENT),
-        Err(End::Failed(message)) => {
-            tell(&message);
+        Err(End::Failed(errors)) => {
+            errors.iter().for_each(tell);
             ExitCode::FAILURE
         }
-        Err(End::Refused(message)) => {
-            tell(&message);
+        Err(End::Refused(error)) => {
+            tell(&error);
             ExitCode::from(2)
         }
         Err(End::Interrupted(Interrupted(status))) => ExitCode::from(status),

@@ -1,5 +1,6 @@
 //! Pictures in memory, and the conversion of their colours to bytes.
 
+use crate::diagnostic::Diagnostic;
 use crate::memory::{Bytes, with_room};
 use crate::scene::Color;
 use std::fmt;
@@ -32,6 +33,12 @@ impl fmt::Display for BadSize {
 }
 
 impl std::error::Error for BadSize {}
+
+impl From<BadSize> for Diagnostic {
+    fn from(error: BadSize) -> Self {
+        Self::error(error.to_string())
+    }
+}
 
 /// A picture of 8-bit RGB pixels, which are stored in rows from the top. The accessors count rows from the
 /// bottom, as the camera does.

@@ -2,6 +2,7 @@
 
 use crate::app::signals::{Interrupted, Signals};
 use crate::app::{End, failed, tell};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{CompleteFile, ImageError, put_in_place};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -12,7 +13,7 @@ pub struct CompleteFiles(Arc<Mutex<Vec<CompleteFile>>>);
 impl CompleteFiles {
     /// Adds a file. A pipe, a device or standard output is written at once, which may wait for a reader; one that has
     /// gone away has seen enough.
-    pub fn add(&self, file: CompleteFile) -> Result<(), String> {
+    pub fn add(&self, file: CompleteFile) -> Result<(), Diagnostic> {
         match file.write_stream() {
             Err(error) if error.is_reader_gone() => {}
             written => self.files().extend(written.map_err(failed)?),

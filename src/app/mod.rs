@@ -23,6 +23,7 @@ pub use signals::{Interrupted, Signals};
 pub use streams::print;
 
 use raytracer::cli::ShowProgress;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::SameFile;
 use std::fmt::Display;
 use std::io::Write;
@@ -31,17 +32,17 @@ use std::time::Duration;
 
 /// Why a run ends before it is complete.
 pub enum End {
-    /// The message that tells what has failed.
-    Failed(String),
-    /// The message that tells what the command line asks for and is not done.
-    Refused(String),
+    /// Something has failed. Of several errors all are shown.
+    Failed(Vec<Diagnostic>),
+    /// The command line asks for something that is not done.
+    Refused(Diagnostic),
     /// A signal has come.
     Interrupted(Interrupted),
 }
 
-impl From<String> for End {
-    fn from(message: String) -> Self {
-        Self::Failed(message)
+impl From<Diagnostic> for End {
+    fn from(error: Diagnostic) -> Self {
+        Self::Failed(vec![error])
     }
 }
 
@@ -67,15 +68,20 @@ pub struct Outcome {
     pub passes: bool,
 }
 
+/// Prints an error, a warning or a note to standard error.
+pub fn tell(found: &Diagnostic) {
+    say(&terminal::shown(found));
+}
+
 /// Prints a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
-pub fn tell(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", terminal::in_color(line));
+pub fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Tells a person at a terminal what a run wrote in this time, if it wrote anything.
 pub fn tell_written(written: &[PathBuf], took: Duration) {
     if terminal::has_reader() && !written.is_empty() {
-        tell(&terminal::finished(written, took));
+        say(&terminal::finished(written, took));
     }
 }
 
@@ -85,7 +91,7 @@ pub fn told_files(wish: ShowProgress, files: impl IntoIterator<Item = PathBuf>) 
     if wish == ShowProgress::Never { vec![] } else { files.collect() }
 }
 
-/// The message of an error.
-pub fn failed(error: impl Display) -> String {
-    format!("error: {error}")
+/// Makes an error without a place.
+pub fn failed(error: impl Display) -> Diagnostic {
+    Diagnostic::error(error.to_string())
 }

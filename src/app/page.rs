@@ -11,14 +11,10 @@ use std::process::ExitCode;
 pub fn note(options: &Options) -> Option<&'static str> {
     match &options.page {
         Some(_) if is_shown(options) => None,
-        Some(_) if cfg!(not(feature = "gui")) => {
-            Some("note: this build has no live page, so `-gui` shows nothing")
-        }
-        Some(_) if scene_file(options).is_none() => {
-            Some("note: `-gui` shows a scene in a file, and there is none")
-        }
-        Some(_) => Some("note: `-gui` opens its page on a terminal; elsewhere it needs `-port n`"),
-        None if options.preview => Some("note: `-tessellation` and `-gouraud` change nothing"),
+        Some(_) if cfg!(not(feature = "gui")) => Some("this build has no live page, so `-gui` shows nothing"),
+        Some(_) if scene_file(options).is_none() => Some("`-gui` shows a scene in a file, and there is none"),
+        Some(_) => Some("`-gui` opens its page on a terminal; elsewhere it needs `-port n`"),
+        None if options.preview => Some("`-tessellation` and `-gouraud` change nothing"),
         None => None,
     }
 }
@@ -90,7 +86,7 @@ mod server {
     }
 
     /// Serves the page, if there is one, until it is ended there.
-    pub fn show(options: &Options, signals: &mut Signals, tell: &dyn Fn(&str)) -> Result<(), String> {
+    pub fn show(options: &Options, signals: &mut Signals, say: &dyn Fn(&str)) -> Result<(), String> {
         let Some(page) = &options.page else { return Ok(()) };
         if !is_shown(options) {
             return Ok(());
@@ -105,7 +101,7 @@ mod server {
         let port = page.port.unwrap_or(0);
         let server = Server::open(port, worker_command)?;
         let url = server.url();
-        tell(&format!("open {url}  (Ctrl-C ends)"));
+        say(&format!("open {url}  (Ctrl-C ends)"));
         if page.browser {
             open_browser(&url, opened);
         }

@@ -7,9 +7,10 @@ use crate::app::signals::Signals;
 use crate::app::stopping::{self, upper};
 use crate::app::threads::Crew;
 use crate::app::warned;
-use crate::app::{End, failed};
+use crate::app::{self, End, failed};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::fingerprint;
@@ -26,7 +27,7 @@ use raytracer::scene_io;
 use raytracer::stats::{Repeats, Report, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
-use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
+use raytracer::tools::warnings::{lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
 use std::ops::ControlFlow;
@@ -74,7 +75,7 @@ pub fn render(
     written: &WrittenFiles,
     crew: &Crew,
     signals: &mut Signals,
-    tell: &dyn Fn(&str),
+    tell: &dyn Fn(&Diagnostic),
 ) -> Result<Rendered, End> {
     let files = options.outputs.iter().map(prepare_file);
     let files: Vec<OutputFile> = files.collect::<Result<_, _>>().map_err(failed)?;
@@ -85,25 +86,24 @@ pub fn render(
             crew.start_all()
         }
     };
-    let loaded = scene_io::load_announcing(input, &options.hints(), &announce);
-    let mut loaded = loaded.map_err(|error| error.to_string())?;
+    let mut loaded = scene_io::load_announcing(input, &options.hints(), &announce)?;
     written.check_loaded(&loaded)?;
     let settled = options.in_edition(loaded.choice.edition);
     let options = &settled;
     if let Some(note) = loaded.choice.note() {
-        tell(&format!("note: {note}"));
+        tell(&Diagnostic::note(note));
     }
     let reading = clock.lap();
     let mut warnings = warned::about_scene(&mut loaded, options);
     let places = std::mem::take(&mut loaded.places);
-    let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
+    let renderer = Renderer::new(loaded, meshes(options))?;
     let renderer = renderer.on_threads(crew.pool.clone());
     let (scene, effects) = (&renderer.scene, &options.effects);
     if !options.visualize_grid {
         warnings.extend(lights_without_effect(scene, renderer.world(), &places, effects));
     }
-    let say = |warnings: &[Warning]| warned::say(warnings, options, &renderer.source, tell);
-    say(&warnings)?;
+    let say = |warnings: Vec<Diagnostic>| warned::say(warnings, options, &renderer.source, tell);
+    say(warnings)?;
     let mut request = options.request();
     let compared = options.comparison.as_ref().filter(|wanted| wanted.needs_scene());
     let compared = compared.and_then(|_| options.compared_layer());
@@ -153,7 +153,7 @@ pub fn render(
         Err(Stopped::Cancelled { rows }) => {
             let kept = products
                 .keep_parts(&request, &|layer| part_in(upper(&request, rows), layer).filter(|_| has_parts))?;
-            stopping::lines(argv, options, rows, &kept).iter().for_each(|line| tell(line));
+            stopping::lines(argv, options, rows, &kept).iter().for_each(|line| app::say(line));
             return signals
                 .received()
                 .map_or(Err(failed("the rendering was stopped").into()), |end| Err(end.into()));
@@ -169,8 +169,8 @@ pub fn render(
         None => ControlFlow::Continue(()),
     };
     let nothing = if shows_nothing { nothing_visible(&prepared, &request, &places, &goes_on) } else { None };
-    say(nothing.as_slice())?;
-    say(&not_shown(&products.exceptional()))?;
+    say(nothing.into_iter().collect())?;
+    say(not_shown(&products.exceptional()))?;
     let finished = products.finish(options.picture_size())?;
     let files = CompleteFiles::default();
     let (streams, regular): (Vec<_>, Vec<_>) = finished.files.into_iter().partition(CompleteFile::is_stream);
@@ -233,7 +233,7 @@ fn repeated(
     request: &Request,
     options: &Options,
     signals: &Signals,
-) -> Result<Vec<Duration>, String> {
+) -> Result<Vec<Duration>, Diagnostic> {
     let progress = ProgressLine::new(options.progress);
     let mut times = vec![first];
     for number in 2..=count {
@@ -263,27 +263,32 @@ pub fn prepare_file(output: &Output) -> Result<OutputFile, ImageError> {
 
 /// Reads a picture. Notes say how many of its pixels are `done`, which is what is done with them, clamped, and whether
 /// a line end follows the last one.
-pub fn read_picture(path: &Path, done: &str, tell: &dyn Fn(&str)) -> Result<Picture, String> {
+pub fn read_picture(path: &Path, done: &str, tell: &dyn Fn(&Diagnostic)) -> Result<Picture, Diagnostic> {
     let (picture, Remarks { clamped, has_line_end }) = read_remarked_picture(path).map_err(failed)?;
     let shown = quoted(path);
     if clamped > 0 {
-        tell(&format!("note: {clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped"));
+        let message = format!("{clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped");
+        tell(&Diagnostic::note(message));
     }
     if has_line_end {
-        tell(&format!("note: a line end follows the last pixel of {shown}; it is left out"));
+        let message = format!("a line end follows the last pixel of {shown}; it is left out");
+        tell(&Diagnostic::note(message));
     }
     Ok(picture)
 }
 
-/// What is to be said of pixels that the files do not show as they are.
-fn not_shown(exceptional: &Exceptional) -> Vec<Warning> {
+/// Warns about pixels that the files do not show as they are.
+fn not_shown(exceptional: &Exceptional) -> Vec<Diagnostic> {
     let Exceptional { black, nan, out_of_range } = *exceptional;
-    let all = [
-        (black, Warning::NotNumbers { pixels: black }),
-        (nan, Warning::NanInFile { pixels: nan }),
-        (out_of_range, Warning::BeyondSingle { pixels: out_of_range }),
-    ];
-    all.into_iter().filter(|&(pixels, _)| pixels > 0).map(|(_, warning)| warning).collect()
+    let black = match black {
+        0 => None,
+        1 => Some("the colour of 1 pixel is not a number; it is black".into()),
+        _ => Some(format!("the colours of {black} pixels are not numbers; they are black")),
+    };
+    let nan = (nan > 0).then(|| format!("pixels that are not numbers, also in the file: {nan}"));
+    let beyond = (out_of_range > 0)
+        .then(|| format!("pixels beyond single precision, infinite or 0 in the file: {out_of_range}"));
+    [black, nan, beyond].into_iter().flatten().map(Diagnostic::warning).collect()
 }
 
 /// The meshes are kept for the view of the grid's cells, for naming the objects behind a pixel, and for finding the
@@ -300,7 +305,7 @@ fn explanation(
     renderer: &Renderer,
     prepared: Prepared,
     pixel: [usize; 2],
-) -> Result<Option<PixelTree>, String> {
+) -> Result<Option<PixelTree>, Diagnostic> {
     let request = options.request();
     let prepared = match prepared.tracing() {
         Tracing::Counted => prepared,
@@ -322,7 +327,7 @@ fn prepare<'r>(
     renderer: &'r Renderer,
     request: &Request,
     tracing: Tracing,
-) -> Result<Prepared<'r>, String> {
+) -> Result<Prepared<'r>, Diagnostic> {
     let prepared = match options.structure {
         Structure::Grid(grid) if options.visualize_grid => {
             renderer.prepare_cells(grid, request.camera_rays(), tracing)

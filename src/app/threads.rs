@@ -1,6 +1,8 @@
 //! The threads of a run: as many as are asked for, or as the machine has cores.
 
+use crate::app::failed;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::memory::{self, NoMemory};
 use raytracer::undisturbed::without_signals;
 use std::io;
@@ -31,7 +33,7 @@ pub struct Crew {
 impl Crew {
     /// A pool of as many threads as in [`pool`]. If their number is given, or memory is limited, they all start at
     /// once, so that it is an error if one does not.
-    pub fn new(wanted: Option<usize>) -> Result<Self, String> {
+    pub fn new(wanted: Option<usize>) -> Result<Self, Diagnostic> {
         let mut reserve = vec![];
         let pool = match wanted.is_some() || memory_is_limited() {
             true => pool(wanted, PoolPlace::Here)?,
@@ -87,7 +89,7 @@ pub enum PoolPlace {
 
 /// A pool of the number of threads that `-threads` asks for; without it, of as many as the machine has cores, or as the
 /// system starts. The pool decides nothing by itself: it would read variables of the environment.
-pub fn pool(wanted: Option<usize>, place: PoolPlace) -> Result<ThreadPool, String> {
+pub fn pool(wanted: Option<usize>, place: PoolPlace) -> Result<ThreadPool, Diagnostic> {
     let here = usize::from(place == PoolPlace::Here);
     let count = wanted.unwrap_or_else(cores);
     let waiting = match (start(count - here), wanted) {
@@ -132,8 +134,8 @@ fn most_cores() -> usize {
 }
 
 /// The message that a pool does not get its threads.
-fn refused(reason: &dyn std::fmt::Display) -> String {
-    format!("error: `-threads`: {reason}")
+fn refused(reason: &dyn std::fmt::Display) -> Diagnostic {
+    failed(format!("`-threads`: {reason}"))
 }
 
 /// A thread that waits for the pool that it is to work for. It ends when this is dropped.

@@ -11,9 +11,10 @@ use super::rays::Rays;
 use super::reference::{cause, compare, decode};
 use super::saving::save;
 use super::settings::{Most, command_line};
-use super::stage::{OpenScene, SceneMessage, Stage};
+use super::stage::{OpenScene, Stage};
 use super::wire::Question;
 use crate::cli::{Options, Output};
+use crate::diagnostic::Diagnostic;
 use crate::image_io::read_picture;
 use crate::memory;
 use crate::picture::{CHANNELS, Picture};
@@ -77,7 +78,7 @@ pub struct Task {
 type Found = Result<Vec<u8>, Refusal>;
 
 /// A text that was opened, or the error in it.
-type Typed = Result<Arc<OpenScene>, SceneMessage>;
+type Typed = Result<Arc<OpenScene>, Diagnostic>;
 
 impl App {
     /// Opens the command line's scene, from this text where it is known already; an error is a message.
@@ -126,10 +127,12 @@ impl App {
             match self.type_in(revision, &parts.next().unwrap_or_default()) {
                 Ok(Ok(opened)) => scene = opened,
                 Ok(Err(error)) if question.path == "/scene" => {
-                    refused = Some(Ok(framed(json!({ "errors": [error] }), &[])));
+                    let at = error.position().map(|at| [at.line, at.column]);
+                    let shown = json!({ "at": at, "problem": error.message, "hint": error.hint });
+                    refused = Some(Ok(framed(json!({ "errors": [shown] }), &[])));
                 }
                 // It was a scene before: a mesh is gone, or there is too little memory.
-                Ok(Err(error)) => refused = Some(Err(impossible(error.problem))),
+                Ok(Err(error)) => refused = Some(Err(impossible(error.message))),
                 Err(reason) => refused = Some(Err(reason)),
             }
         } else if let Some(open) =
@@ -354,7 +357,7 @@ fn outputs(line: &Options) -> Vec<Output> {
 }
 
 fn read_camera(block: &str) -> Result<Camera, Refusal> {
-    parse_camera(block).map_err(|error| impossible(format!("the camera: {error}")))
+    parse_camera(block).map_err(|error| impossible(format!("the camera: {}", error.message)))
 }
 
 fn impossible(reason: String) -> Refusal {

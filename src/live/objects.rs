@@ -73,9 +73,9 @@ impl ObjectMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnostic::Diagnostic;
     use crate::renderer::Meshes;
     use crate::scene::MeshFile;
-    use crate::scene::error::{Problem, SceneError};
     use crate::scene::texels::ImageFile;
     use crate::scene_io::{Hints, Readers, Source, load_text};
 
@@ -86,8 +86,8 @@ mod tests {
             Sphere { center -1 1 0 radius .9 }
             Box { min 0 -2 -1 max 2 0 1 } }";
         let source = Source { path: "s.txt".into(), text: text.into() };
-        let no_mesh = |file: &MeshFile, _, _| Err(SceneError::new(file.at, Problem::NoNormal));
-        let no_image = |image: &ImageFile, _| Err(SceneError::new(image.at, Problem::NoNormal));
+        let no_mesh = |_: &MeshFile, _, _| Err(Diagnostic::error("no mesh"));
+        let no_image = |_: &ImageFile, _| Err(Diagnostic::error("no picture"));
         let readers = Readers { mesh: &no_mesh, image: &no_image };
         let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();

@@ -1,16 +1,17 @@
 //! The scenes that are open: the one of the command line, and the one that was typed in last.
 
 use super::limits::{BYTES_PER_PRIMITIVE, MAX_MESH_FILE, MAX_MESHES, MAX_PRIMITIVES};
+use crate::diagnostic::Diagnostic;
 use crate::memory;
 use crate::renderer::{Meshes, Renderer};
 use crate::scene::edition::{Choice, Edition};
-use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{Mesh, ObjFile, memory_for, read_obj};
 use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
-use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Readers, Source};
+use crate::scene_io::{
+    self, FoundMesh, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
+};
 use rayon::ThreadPool;
-use serde::Serialize;
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::fs;
@@ -40,16 +41,6 @@ pub struct Stage {
     threads: Arc<ThreadPool>,
 }
 
-/// Why a text is no scene.
-#[derive(Debug, Serialize)]
-pub struct SceneMessage {
-    /// Where, if it is at a place: line and column, from 1.
-    pub at: Option<[u32; 2]>,
-    /// In one line.
-    pub problem: String,
-    pub hint: Option<String>,
-}
-
 impl Stage {
     /// Opens the scene of the command line, from this text where it is known already.
     pub fn open(
@@ -57,7 +48,7 @@ impl Stage {
         text: Option<String>,
         hints: &Hints,
         threads: Arc<ThreadPool>,
-    ) -> Result<Self, LoadError> {
+    ) -> Result<Self, Diagnostic> {
         let loaded = match text {
             Some(text) => scene_io::load_source(Source { path: path.to_owned(), text }, hints, &|_| ())?,
             None => scene_io::load_announcing(path, hints, &|_| ())?,
@@ -86,7 +77,7 @@ impl Stage {
         revision: u64,
         text: String,
         named: Option<Edition>,
-    ) -> Result<Arc<OpenScene>, SceneMessage> {
+    ) -> Result<Arc<OpenScene>, Diagnostic> {
         let source = Source { path: self.path.clone(), text };
         let (choice, renderer) = self.renderer(source, named)?;
         let renderer = renderer.on_threads(self.threads.clone());
@@ -95,13 +86,14 @@ impl Stage {
         Ok(scene)
     }
 
-    fn renderer(&self, source: Source, named: Option<Edition>) -> Result<(Choice, Renderer), SceneMessage> {
+    fn renderer(&self, source: Source, named: Option<Edition>) -> Result<(Choice, Renderer), Diagnostic> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let files = Cell::new(0);
         let first = &self.first.renderer.scene;
-        let find = |name: &str, is_textured| match self.meshes.get(name) {
+        let find = |named: &MeshFile, is_textured| match self.meshes.get(&named.name) {
             Some(mesh) => {
-                let known = first.meshes.iter().find(|file| file.name == name).cloned().unwrap_or_default();
+                let known =
+                    first.meshes.iter().find(|file| file.name == named.name).cloned().unwrap_or_default();
                 let texture_coordinates = known.texture_coordinates.to_vec();
                 Ok(ObjFile {
                     mesh: mesh.clone(),
@@ -111,46 +103,33 @@ impl Stage {
                 })
             }
             None if files.replace(files.get() + 1) >= MAX_MESHES => {
-                Err(refused(name, format!("a page opens at most {MAX_MESHES} meshes")))
+                Err(refused(named, &format!("a page opens at most {MAX_MESHES} meshes")))
             }
-            None => mesh_beside(name, folder, is_textured),
+            None => mesh_beside(named, folder, is_textured),
         };
-        let read = |file: &MeshFile, _, is_textured| match find(&file.name, is_textured) {
-            Ok(content) => Ok(FoundMesh { content, file: PathBuf::from(&file.name), warnings: vec![] }),
-            Err(problem) => Err(SceneError { at: file.at, hint: problem.mesh_hint(), problem }),
+        let read = |file: &MeshFile, _, is_textured| {
+            let content = find(file, is_textured)?;
+            Ok(FoundMesh { content, file: PathBuf::from(&file.name), warnings: vec![] })
         };
         // Pictures are those of the command line's scene, which may stand anywhere.
         let read_image = |image: &ImageFile, _| {
             let known = first.images.iter().find(|known| known.name == image.name);
             let reason = "a page opens the pictures of the command line's scene only";
-            known.map(|known| (known.texels.clone(), PathBuf::from(&image.name))).ok_or_else(|| {
-                let (name, reason) = (image.name.clone(), reason.to_owned());
-                SceneError::new(image.at, Problem::ImageUnreadable { name, reason })
-            })
+            known
+                .map(|known| (known.texels.clone(), PathBuf::from(&image.name)))
+                .ok_or_else(|| image_unreadable(&image.name, image.at, reason))
         };
         let readers = Readers { mesh: &read, image: &read_image };
         let hints = Hints { edition: named, ..self.hints.clone() };
-        let loaded = scene_io::load_text(source, &hints, readers).map_err(SceneMessage::of)?;
-        let refused = |problem| SceneMessage { at: None, problem, hint: None };
+        let loaded = scene_io::load_text(source, &hints, readers)?;
         let count = primitives(&loaded);
         if count > MAX_PRIMITIVES {
-            return Err(refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives")));
+            let message = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
+            return Err(Diagnostic::error(message));
         }
-        memory::ask(count as u64 * BYTES_PER_PRIMITIVE).map_err(|error| refused(error.to_string()))?;
+        memory::ask(count as u64 * BYTES_PER_PRIMITIVE)?;
         let choice = loaded.choice.clone();
-        Ok((choice, Renderer::new(loaded, Meshes::Kept).map_err(SceneMessage::of)?))
-    }
-}
-
-impl SceneMessage {
-    fn of(error: LoadError) -> Self {
-        match error {
-            LoadError::Scene { error, .. } => {
-                let SceneError { at, problem, hint } = *error;
-                Self { at: Some([at.line, at.column]), problem: problem.to_string(), hint }
-            }
-            other => Self { at: None, problem: other.to_string(), hint: None },
-        }
+        Ok((choice, Renderer::new(loaded, Meshes::Kept)?))
     }
 }
 
@@ -167,26 +146,27 @@ fn primitives(LoadedScene { scene, meshes, .. }: &LoadedScene) -> usize {
 }
 
 /// Reads a mesh that lies in the scene's folder or below it; no way leads out of there, nor does a link.
-fn mesh_beside(name: &str, folder: &Path, is_textured: bool) -> Result<ObjFile, Problem> {
+fn mesh_beside(named: &MeshFile, folder: &Path, is_textured: bool) -> Result<ObjFile, Diagnostic> {
+    let name = &named.name;
     let is_inside = Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
     if !is_inside {
-        return Err(refused(name, "a page opens meshes beside the scene only".into()));
+        return Err(refused(named, "a page opens meshes beside the scene only"));
     }
-    let failed = |error: std::io::Error| refused(name, error.to_string());
+    let failed = |error: std::io::Error| refused(named, &error.to_string());
     let folder = if folder == Path::new("") { Path::new(".") } else { folder };
     let file = fs::canonicalize(folder.join(name)).map_err(failed)?;
     if !file.starts_with(fs::canonicalize(folder).map_err(failed)?) {
-        return Err(refused(name, "it is a link that leads out of the scene's folder".into()));
+        return Err(refused(named, "it is a link that leads out of the scene's folder"));
     }
     let found = fs::metadata(&file).map_err(failed)?;
     if !found.is_file() || found.len() > MAX_MESH_FILE {
-        return Err(refused(name, "it is no file, or too large".into()));
+        return Err(refused(named, "it is no file, or too large"));
     }
-    memory::ask(memory_for(found.len())).map_err(Problem::Memory)?;
+    memory::ask(memory_for(found.len()))?;
     let bytes = fs::read(&file).map_err(failed)?;
-    read_obj(&bytes, is_textured).map_err(|error| Problem::of_mesh(name.to_owned(), error, &bytes))
+    read_obj(&bytes, is_textured).map_err(|error| in_mesh(error.into(), named.at, name, &bytes))
 }
 
-fn refused(name: &str, reason: String) -> Problem {
-    Problem::MeshUnreadable { name: name.to_owned(), tried: vec![(name.to_owned(), reason)] }
+fn refused(MeshFile { name, at, .. }: &MeshFile, reason: &str) -> Diagnostic {
+    mesh_unreadable(name, *at, &[(name.clone(), reason.to_owned())])
 }

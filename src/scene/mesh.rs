@@ -2,11 +2,11 @@
 //!
 //! Files of positions and triangles only take a faster path, in `plain_obj`. All others are read by `obj_reader`.
 
-use super::excerpt::with_caret;
 use super::foreign_format::{foreign, foreign_without_faces};
 pub use super::mesh_error::{MeshDoubt, MeshError};
 pub use super::plain_obj::memory_for;
 use super::{Position, obj_reader, plain_obj};
+use crate::diagnostic::with_caret;
 use crate::shortcut::Shortcut;
 use glam::{DVec2, DVec3};
 

@@ -1,6 +1,7 @@
 //! What is wrong in a mesh file, or doubtful.
 
 use super::Position;
+use crate::diagnostic::Diagnostic;
 use std::fmt;
 
 /// An error in a mesh file.
@@ -39,6 +40,18 @@ pub struct MeshDoubt {
 impl fmt::Display for MeshDoubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "line {}: {}", self.at.line, self.message)
+    }
+}
+
+impl From<MeshError> for Diagnostic {
+    fn from(MeshError { at, message, hint }: MeshError) -> Self {
+        Self { hint, ..Self::error(message) }.at(at.unwrap_or_default())
+    }
+}
+
+impl From<MeshDoubt> for Diagnostic {
+    fn from(MeshDoubt { at, message, hint }: MeshDoubt) -> Self {
+        Self { hint, ..Self::warning(message) }.at(at)
     }
 }
 

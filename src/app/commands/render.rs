@@ -9,6 +9,7 @@ use crate::app::streams;
 use crate::app::threads::{Crew, useful};
 use crate::app::{End, Outcome, failed, told_files};
 use raytracer::cli::{self, Options};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, TextFile};
@@ -28,16 +29,16 @@ pub fn run(
     options: &Options,
     argv: &[OsString],
     signals: &mut Signals,
-    tell: &dyn Fn(&str),
+    tell: &dyn Fn(&Diagnostic),
 ) -> Result<Outcome, End> {
     let crew = Crew::new(useful(options.threads, options.size[1]))?;
     let told = RefCell::new(vec![]);
-    let tell = |line: &str| {
-        told.borrow_mut().push(line.to_owned());
-        tell(line);
+    let tell = |found: &Diagnostic| {
+        told.borrow_mut().push(found.to_string());
+        tell(found);
     };
     if let Some(note) = page::note(options) {
-        tell(note);
+        tell(&Diagnostic::note(note));
     }
     if options.needs_standard_output() {
         streams::check_output()?;
@@ -100,8 +101,8 @@ impl<'o> Compared<'o> {
     fn open(
         wanted: &'o cli::Comparison,
         options: &Options,
-        tell: &dyn Fn(&str),
-    ) -> Result<Option<Self>, String> {
+        tell: &dyn Fn(&Diagnostic),
+    ) -> Result<Option<Self>, Diagnostic> {
         let read =
             |path: &Option<_>| path.as_deref().map(|path| read_picture(path, "compared", tell)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
@@ -117,7 +118,8 @@ impl<'o> Compared<'o> {
                 if !(wanted.needs_scene() && only_shows && page::is_shown(options)) {
                     return Err(cannot_compare(wanted, options, CompareError::Sizes { a, b }));
                 }
-                tell("note: the picture to compare with has another size, which only the page takes");
+                let note = "the picture to compare with has another size, which only the page takes";
+                tell(&Diagnostic::note(note));
                 Ok(None)
             }
             _ => Ok(Some(Self { wanted, picture, reference, difference })),
@@ -187,7 +189,7 @@ fn rendered_size(options: &Options) -> Option<[u32; 2]> {
     Some(options.request().layer_size(&layer).map(|n| n as u32))
 }
 
-fn cannot_compare(wanted: &cli::Comparison, options: &Options, error: CompareError) -> String {
+fn cannot_compare(wanted: &cli::Comparison, options: &Options, error: CompareError) -> Diagnostic {
     let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
     let hint = match (&error, &wanted.picture, &wanted.reference) {
         _ if rendered_size(options) != Some(options.size.map(|n| n as u32)) => String::new(),

@@ -4,10 +4,12 @@ use crate::app::progress::ProgressLine;
 use crate::app::signals::Signals;
 use crate::app::streams;
 use crate::app::threads::{self, PoolPlace};
+use crate::app::warned::open_edition;
 use crate::app::{End, Outcome, failed, told_files};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::WrittenFiles;
 use raytracer::escape::quoted;
 use raytracer::image_io::{TextFile, put_in_place};
@@ -18,14 +20,18 @@ use raytracer::shell::Shell;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
-use raytracer::tools::warnings::{Severity, Warning};
+use raytracer::tools::warnings;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Measures and writes. Warnings go to `tell`.
-pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+pub fn run(
+    reporting: &ErrorReporting,
+    signals: &Signals,
+    tell: &dyn Fn(&Diagnostic),
+) -> Result<Outcome, End> {
     let ErrorReporting { options, target, .. } = reporting;
     let written = WrittenFiles::of_error_reporting(reporting)?;
     let many = threads::pool(threads::useful(options.threads, options.size[1]), PoolPlace::Apart)?;
@@ -50,7 +56,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     let own = Setting::of(&request, options.structure, options.edition.unwrap_or_default());
     let report = Sweep::new(&renderer, &request, own, bench).run();
     line.end();
-    let mut report = report.map_err(failed)?;
+    let mut report = report?;
     report.stages.insert(0, ("reading the scene", reading));
 
     let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
@@ -67,7 +73,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
     }
     put_in_place(vec![page_file, csv_file]).map_err(failed)?;
     if report.measured() < report.planned {
-        tell("note: the run was ended; the report has what was measured until then");
+        let message = "the run was ended; the report has what was measured until then";
+        tell(&Diagnostic::note(message));
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let written = told_files(options.progress, reporting.report_files());
@@ -75,7 +82,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, tell: &dyn Fn(&str)) -
 }
 
 /// The page and the table in a folder, which is made if there is none.
-fn prepare(reporting: &ErrorReporting) -> Result<[TextFile; 2], String> {
+fn prepare(reporting: &ErrorReporting) -> Result<[TextFile; 2], Diagnostic> {
     let folder = &reporting.folder;
     let unwritable = |error| failed(format!("cannot make the folder {}: {error}", quoted(folder)));
     fs::create_dir_all(folder).map_err(unwritable)?;
@@ -87,26 +94,18 @@ fn open(
     options: &Options,
     written: &WrittenFiles,
     threads: &ThreadPool,
-    tell: &dyn Fn(&str),
+    tell: &dyn Fn(&Diagnostic),
 ) -> Result<(Renderer, Options), End> {
     let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads
-        .install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))
-        .map_err(|error| error.to_string())?;
+    let loaded = threads.install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))?;
     written.check_loaded(&loaded)?;
-    if loaded.scene.lights.is_empty() {
-        tell("WARNING:  No lights specified");
-    }
-    if let Some(note) = loaded.choice.note() {
-        tell(&format!("note: {note}"));
-    }
-    if let Some(doubt) = loaded.choice.doubt() {
-        tell(&Warning::OpenEdition(doubt).render(&loaded.source, Severity::Warning));
-    }
+    let note = loaded.choice.note().map(Diagnostic::note);
+    let said = [warnings::no_lights(&loaded.scene), note, open_edition(&loaded.choice)];
+    said.iter().flatten().for_each(tell);
     let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.
     let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
-    Ok((renderer.map_err(|error| error.to_string())?, options))
+    Ok((renderer?, options))
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

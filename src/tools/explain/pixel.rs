@@ -5,6 +5,7 @@ use super::objects::{MaterialPart, Objects};
 use super::ray_tree::{LeftOut, LightBlocker, RayNode, Recorder, Shadow, Surface};
 use super::stoppable::{Stop, Stoppable};
 use crate::caster::Caster;
+use crate::diagnostic::Diagnostic;
 use crate::escape::escape;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -13,7 +14,6 @@ use crate::render::Request;
 use crate::renderer::Prepared;
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
-use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Paint};
 use crate::scene::model::{Highlight, Model};
 use crate::scene::texels::{FACES, face};
@@ -40,7 +40,7 @@ pub enum ExplainError {
     /// The renderer has not kept its meshes.
     NoMeshes,
     /// The objects do not fit into a world.
-    Scene(Box<SceneError>),
+    Scene(Box<Diagnostic>),
     /// The picture has no such pixel.
     Outside,
     /// It takes too long, or was cancelled.
@@ -350,7 +350,7 @@ impl fmt::Display for ExplainError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoMeshes => f.write_str("the meshes were not kept"),
-            Self::Scene(error) => error.fmt(f),
+            Self::Scene(error) => f.write_str(&error.message),
             Self::Outside => f.write_str("outside the picture"),
             Self::Stopped => f.write_str("the rays behind the pixel take too long"),
         }

@@ -2,6 +2,7 @@
 
 use super::references::References;
 use crate::app::failed;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::escape::quoted;
 use raytracer::image_io::{Format, ImageError, read_picture_of_size};
 use raytracer::tools::grade::{Column, Submission};
@@ -30,7 +31,7 @@ const MOST: usize = 10_000;
 
 impl Folder {
     /// Lists the folder.
-    pub fn open(path: &Path) -> Result<Self, String> {
+    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         let (folders, others) = entries(path)?.into_iter().partition(|name| path.join(name).is_dir());
         let folders: Vec<OsString> = folders;
         let pictures = folders.iter().map(|name| pictures(&path.join(name))).collect();
@@ -76,7 +77,7 @@ impl Folder {
         &'f self,
         taken: &'f [PathBuf],
         size: [u32; 2],
-    ) -> impl Iterator<Item = Result<Submission, String>> + 'f {
+    ) -> impl Iterator<Item = Result<Submission, Diagnostic>> + 'f {
         let files = self.names.iter().zip(taken).map(|(name, taken)| self.path.join(name).join(taken));
         files.map(move |file| submission(&file, size))
     }
@@ -145,7 +146,7 @@ fn likeness(file: &Path, picture: &OsStr, references: &References) -> Option<(us
 }
 
 /// The sorted names of what is in a folder, without those that start with a dot.
-pub fn entries(path: &Path) -> Result<Vec<OsString>, String> {
+pub fn entries(path: &Path) -> Result<Vec<OsString>, Diagnostic> {
     let unreadable = |error| failed(format!("cannot read the folder {}: {error}", quoted(path)));
     let all = fs::read_dir(path).map_err(unreadable)?.map(|entry| entry.map(|entry| entry.file_name()));
     let mut names = all.collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
@@ -156,7 +157,7 @@ pub fn entries(path: &Path) -> Result<Vec<OsString>, String> {
 
 /// Reads a picture. One that is a link is not read, because it may lead to another name's picture. Too little memory is an
 /// error, since it says nothing of the picture.
-fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, String> {
+fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, Diagnostic> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Submission::Missing),
         Ok(found) if found.is_symlink() => return Ok(Submission::Unusable("it is a link".into())),

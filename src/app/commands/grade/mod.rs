@@ -11,6 +11,7 @@ use crate::app::{End, Outcome, failed, told_files};
 use folder::Folder;
 use rayon::ThreadPool;
 use raytracer::cli::Grading;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::{ReadAs, WrittenFiles};
 use raytracer::escape::escape;
 use raytracer::image_io::TextFile;
@@ -22,7 +23,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Compares everything with its reference. Warnings go to `tell`.
-pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<Outcome, End> {
+pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&Diagnostic)) -> Result<Outcome, End> {
     let threads: Arc<ThreadPool> = Arc::new(threads::pool(options.threads, PoolPlace::Here)?);
     let written = WrittenFiles::of_grading(options)?;
     let folder = Folder::open(&options.folder)?;
@@ -55,7 +56,8 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
 
     let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
     problems
-        .for_each(|(name, problem)| tell(&format!("warning: no reference for {}: {problem}", escape(name))));
+        .map(|(name, problem)| Diagnostic::warning(format!("no reference for {}: {problem}", escape(name))))
+        .for_each(|warning| tell(&warning));
     if columns.iter().all(|column| column.problem.is_some()) {
         return Err(failed("there is no reference to grade by").into());
     }
@@ -63,7 +65,7 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
     let table = Table { tolerance: grader.tolerance, names: folder.shown_names(), columns, notes };
     tell_other_names(&table, tell);
     if let (None, Some(hint)) = (options.tolerance, table.tolerance_hint()) {
-        tell(&format!("note: {hint}"));
+        tell(&Diagnostic::note(hint));
     }
     if let (Some([page, values]), Some(shown)) = (files, grader.page) {
         let complete = CompleteFiles::default();
@@ -76,7 +78,7 @@ pub fn run(options: &Grading, signals: &Signals, tell: &dyn Fn(&str)) -> Result<
 }
 
 /// Says whose pictures were found under other names, in a line for each name.
-fn tell_other_names(table: &Table, tell: &dyn Fn(&str)) {
+fn tell_other_names(table: &Table, tell: &dyn Fn(&Diagnostic)) {
     for (row, name) in table.names.iter().enumerate() {
         let others: Vec<(&str, &str)> = table
             .columns
@@ -87,13 +89,13 @@ fn tell_other_names(table: &Table, tell: &dyn Fn(&str)) {
             let (name, file, picture) = (escape(name), escape(file), escape(picture));
             let more =
                 if others.len() > 1 { format!(", and {} more", others.len() - 1) } else { String::new() };
-            tell(&format!("note: {name}: {file} is taken for {picture}{more}"));
+            tell(&Diagnostic::note(format!("{name}: {file} is taken for {picture}{more}")));
         }
     }
 }
 
 /// The files of the page and of the table beside it.
-fn prepare(files: [PathBuf; 2]) -> Result<[TextFile; 2], String> {
+fn prepare(files: [PathBuf; 2]) -> Result<[TextFile; 2], Diagnostic> {
     let [page, values] = files.map(|file| TextFile::prepare(&file));
     Ok([page.map_err(failed)?, values.map_err(failed)?])
 }
@@ -108,7 +110,7 @@ struct Grader<'f> {
 }
 
 impl Grader<'_> {
-    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Result<Column, String> {
+    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Result<Column, Diagnostic> {
         let shown = name.to_string_lossy().into_owned();
         match reference {
             Ok(reference) => self.graded(name, shown, reference),
@@ -119,7 +121,7 @@ impl Grader<'_> {
         }
     }
 
-    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Result<Column, String> {
+    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Result<Column, Diagnostic> {
         let Reference { picture, mut source } = reference;
         let taken = self.folder.taken(name, self.references);
         let submissions = self.folder.submissions(&taken, [picture.width(), picture.height()]);
