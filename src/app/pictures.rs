@@ -311,7 +311,7 @@ fn explanation(
         Tracing::Counted => prepared,
         Tracing::Fast => prepare(options, renderer, &request, Tracing::Counted)?,
     };
-    let explainer = Explainer::new(&prepared).map_err(failed)?;
+    let explainer = Explainer::new(&prepared)?;
     let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
     match explainer.pixel(&request, pixel, &stop) {
         Err(ExplainError::Outside) => Ok(None),

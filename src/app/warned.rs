@@ -33,10 +33,10 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     let effects = &Effects { bounces: options.given_bounces.unwrap_or(0), ..options.effects };
     let mut found = std::mem::take(&mut loaded.warnings);
     found.extend(open_edition(&loaded.choice));
+    let no_lights = warnings::no_lights(scene);
     found.extend(match options.strict {
-        true if scene.lights.is_empty() => Some(Diagnostic::error("the scene has no lights")),
-        true => None,
-        false => warnings::no_lights(scene),
+        true => no_lights.map(|_| Diagnostic::error("the scene has no lights")),
+        false => no_lights,
     });
     if asks_for_nothing(options) {
         found.push(Diagnostic::warning("no picture is asked for: add `-output file.tga`"));

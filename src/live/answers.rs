@@ -268,7 +268,7 @@ impl App {
         };
         let prepared = renderer.prepare_for(options.structure, &request, Tracing::Counted);
         let prepared = prepared.map_err(|error| impossible(error.to_string()))?;
-        let explainer = Explainer::new(&prepared).map_err(|error| impossible(error.to_string()))?;
+        let explainer = Explainer::new(&prepared).map_err(|error| impossible(error.message))?;
         let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
         let tree = explainer.pixel(&request, pixel, &stop).map_err(|error| impossible(error.to_string()))?;
         let rays = Rays::of(&tree, renderer.bounds(), prepared.cells());

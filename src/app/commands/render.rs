@@ -19,7 +19,7 @@ use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
 use raytracer::scene::model::Shows;
 use raytracer::tools::causes::{Finding, FinishedPicture, Original};
-use raytracer::tools::compare::{CompareError, Comparison, DifferencePicture};
+use raytracer::tools::compare::{Comparison, DifferencePicture, sizes_differ};
 use std::cell::RefCell;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -116,7 +116,7 @@ impl<'o> Compared<'o> {
             (Some(a), Some(b)) if a != b => {
                 let only_shows = wanted.tolerance.is_none() && wanted.difference.is_none();
                 if !(wanted.needs_scene() && only_shows && page::is_shown(options)) {
-                    return Err(cannot_compare(wanted, options, CompareError::Sizes { a, b }));
+                    return Err(cannot_compare(wanted, options, [a, b]));
                 }
                 let note = "the picture to compare with has another size, which only the page takes";
                 tell(&Diagnostic::note(note));
@@ -140,12 +140,15 @@ impl<'o> Compared<'o> {
         };
         crew.start_all();
         let comparison = crew.pool.install(|| Comparison::new(a, b));
-        let comparison = comparison.map_err(|error| cannot_compare(self.wanted, options, error))?;
+        let comparison = comparison.map_err(|_| {
+            let sizes = [a, b].map(|picture| [picture.width(), picture.height()]);
+            cannot_compare(self.wanted, options, sizes)
+        })?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let cause = rendered.filter(|_| differs).and_then(|from| cause(options, &from.renderer, a, b));
         let cause = cause.or_else(|| if differs { cause_of_pictures(a, b) } else { None });
         if let Some(file) = self.difference {
-            let shown = DifferencePicture::new(a, b).map_err(failed)?;
+            let shown = DifferencePicture::new(a, b)?;
             files.add(file.complete(&shown.picture).map_err(failed)?)?;
         }
         let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
@@ -189,16 +192,15 @@ fn rendered_size(options: &Options) -> Option<[u32; 2]> {
     Some(options.request().layer_size(&layer).map(|n| n as u32))
 }
 
-fn cannot_compare(wanted: &cli::Comparison, options: &Options, error: CompareError) -> Diagnostic {
+/// The error of a comparison of pictures with these widths and heights.
+fn cannot_compare(wanted: &cli::Comparison, options: &Options, [a, b]: [[u32; 2]; 2]) -> Diagnostic {
     let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
-    let hint = match (&error, &wanted.picture, &wanted.reference) {
-        _ if rendered_size(options) != Some(options.size.map(|n| n as u32)) => String::new(),
-        (CompareError::Sizes { a: [width, height], .. }, Some(_), None)
-        | (CompareError::Sizes { b: [width, height], .. }, None, Some(_)) => {
-            format!("; -size {width} {height} renders that size")
-        }
+    let [one, other] = [&wanted.picture, &wanted.reference].map(name);
+    let is_of_pixels = rendered_size(options) == Some(options.size.map(|n| n as u32));
+    let hint = match (&wanted.picture, &wanted.reference) {
+        (Some(_), None) if is_of_pixels => format!("; -size {} {} renders that size", a[0], a[1]),
+        (None, Some(_)) if is_of_pixels => format!("; -size {} {} renders that size", b[0], b[1]),
         _ => String::new(),
     };
-    let (one, other) = (name(&wanted.picture), name(&wanted.reference));
-    failed(format!("cannot compare {one} with {other}: {error}{hint}"))
+    failed(format!("cannot compare {one} with {other}: {}{hint}", sizes_differ(a, b).message))
 }

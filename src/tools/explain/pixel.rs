@@ -37,10 +37,6 @@ pub struct Explainer<'p, 'r> {
 /// Why no pixel can be explained.
 #[derive(Clone, Debug)]
 pub enum ExplainError {
-    /// The renderer has not kept its meshes.
-    NoMeshes,
-    /// The objects do not fit into a world.
-    Scene(Box<Diagnostic>),
     /// The picture has no such pixel.
     Outside,
     /// It takes too long, or was cancelled.
@@ -115,17 +111,16 @@ const MAX_SAMPLES: usize = 1 << 12;
 
 impl<'p, 'r> Explainer<'p, 'r> {
     /// For a scene whose renderer has kept its meshes.
-    pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, ExplainError> {
+    pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, Diagnostic> {
         let renderer = prepared.renderer();
         let uses_mesh = |object: &Object| match *object {
             Object::Mesh { mesh, .. } => mesh >= renderer.meshes().len(),
             _ => false,
         };
         if renderer.scene.objects.iter().any(uses_mesh) {
-            return Err(ExplainError::NoMeshes);
+            return Err(Diagnostic::error("the meshes were not kept"));
         }
-        let objects = Objects::new(renderer).map_err(|error| ExplainError::Scene(Box::new(error)))?;
-        Ok(Self { prepared, objects })
+        Ok(Self { prepared, objects: Objects::new(renderer)? })
     }
 
     /// Explains a pixel, by column and row from the top left, of the colours that a request shows. An error where the
@@ -349,8 +344,6 @@ fn is_about_to_change(channel: f64) -> bool {
 impl fmt::Display for ExplainError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoMeshes => f.write_str("the meshes were not kept"),
-            Self::Scene(error) => f.write_str(&error.message),
             Self::Outside => f.write_str("outside the picture"),
             Self::Stopped => f.write_str("the rays behind the pixel take too long"),
         }

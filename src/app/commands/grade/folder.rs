@@ -166,10 +166,9 @@ fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, Diagnostic> {
     match read_picture_of_size(path, size) {
         Ok(picture) => Ok(Submission::Picture(picture)),
         Err(error @ ImageError::Memory { .. }) => Err(failed(error)),
-        Err(error) => {
-            let message = error.to_string();
-            let start = format!("cannot read {}: ", quoted(path));
-            Ok(Submission::Unusable(message.strip_prefix(&start).unwrap_or(&message).to_owned()))
-        }
+        // The path is known.
+        Err(ImageError::Unreadable { reason, .. }) => Ok(Submission::Unusable(reason)),
+        Err(ImageError::Io { error, .. }) => Ok(Submission::Unusable(error.to_string())),
+        Err(error) => Ok(Submission::Unusable(error.to_string())),
     }
 }
