@@ -6,9 +6,9 @@
 mod excerpt;
 
 use crate::escape::truncated;
-use crate::memory::NoMemory;
 pub use excerpt::with_caret;
 use serde::Serialize;
+use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -154,11 +154,16 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-impl std::error::Error for Diagnostic {}
+/// Makes an error without a place. A diagnostic is no `Error` itself, so that this holds for all that are.
+impl<E: Error> From<E> for Diagnostic {
+    fn from(error: E) -> Self {
+        Self::error(error.to_string())
+    }
+}
 
-impl From<NoMemory> for Diagnostic {
-    fn from(refused: NoMemory) -> Self {
-        Self::error(refused.to_string())
+impl From<Diagnostic> for Box<dyn Error> {
+    fn from(found: Diagnostic) -> Self {
+        found.to_string().into()
     }
 }
 

@@ -1,13 +1,13 @@
 //! A ray tracer that mirrors the one of MIT's 6.837 graphics course: it reads the course's scenes, and renders and
 //! counts as the course's program does, but exactly and in milliseconds.
 //!
-//! A [`Renderer`](renderer::Renderer) opens a scene once. It is prepared once for each grid, and then renders as often
+//! A [`Renderer`](render::renderer::Renderer) opens a scene once. It is prepared once for each grid, and then renders as often
 //! as one likes: other layers, other effects, a moved camera, or a window of the picture.
 //!
 //! ```
 //! use raytracer::caster::choose::Structure;
 //! use raytracer::render::{Layer, Request, Tracing, Window};
-//! use raytracer::renderer::Renderer;
+//! use raytracer::render::renderer::Renderer;
 //! use raytracer::trace::{Effects, Shadows};
 //! use std::path::Path;
 //!
@@ -28,7 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Prepared::render_rows`](renderer::Prepared::render_rows) hands out the rows as they are finished, so that no
+//! [`Prepared::render_rows`](render::renderer::Prepared::render_rows) hands out the rows as they are finished, so that no
 //! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA,
 //! PNG, PFM and OpenEXR files and reads pictures. Of the [`tools`], [`compare`](tools::compare) measures how two pictures
 //! differ, [`causes`](tools::causes) finds out why, [`grade`](tools::grade) does both for many pictures of many people,
@@ -37,17 +37,8 @@
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
 
-#[doc(hidden)]
-pub mod shortcut;
-#[doc(hidden)]
-pub mod escape;
-#[doc(hidden)]
-pub mod shell;
-pub mod memory;
-#[doc(hidden)]
-pub mod undisturbed;
+pub mod base;
 pub mod diagnostic;
-mod near_names;
 #[doc(hidden)]
 pub mod math;
 pub mod scene;
@@ -69,13 +60,15 @@ pub mod fast;
 pub mod picture;
 pub mod render;
 pub mod image_io;
-pub mod scene_io;
-pub mod renderer;
-pub mod fingerprint;
 pub mod tools;
 #[doc(hidden)]
 pub mod cli;
-#[doc(hidden)]
-pub mod distinct_files;
 #[cfg(feature = "gui")]
 pub mod live;
+
+#[doc(hidden)]
+pub use base::{distinct_files, escape, memory, shell, shortcut, undisturbed};
+#[doc(hidden)]
+pub use render::renderer;
+#[doc(hidden)]
+pub use scene::load as scene_io;

@@ -1,8 +1,8 @@
 //! Pictures in memory, and the conversion of their colours to bytes.
 
-use crate::diagnostic::Diagnostic;
 use crate::memory::{Bytes, with_room};
 use crate::scene::Color;
+use serde::Serialize;
 use std::fmt;
 
 /// Bytes per pixel: red, green, blue.
@@ -34,12 +34,6 @@ impl fmt::Display for BadSize {
 
 impl std::error::Error for BadSize {}
 
-impl From<BadSize> for Diagnostic {
-    fn from(error: BadSize) -> Self {
-        Self::error(error.to_string())
-    }
-}
-
 /// A picture of 8-bit RGB pixels, which are stored in rows from the top. The accessors count rows from the
 /// bottom, as the camera does.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,6 +41,42 @@ pub struct Picture {
     width: u32,
     height: u32,
     pixels: Vec<u8>,
+}
+
+/// A rectangle of pixels. The pixel in the top left corner of the picture is (0, 0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Window {
+    /// The leftmost column.
+    pub x: usize,
+    /// The topmost row, counted from the top.
+    pub y: usize,
+    /// The width in pixels.
+    pub width: usize,
+    /// The height in pixels.
+    pub height: usize,
+}
+
+impl Window {
+    /// Returns the column that follows the rightmost one.
+    pub fn right(&self) -> usize {
+        self.x + self.width
+    }
+
+    /// Returns the row that follows the lowest one.
+    pub fn bottom(&self) -> usize {
+        self.y + self.height
+    }
+
+    /// True if it has pixels, all of them within a picture of this width and height.
+    pub fn fits(&self, [width, height]: [usize; 2]) -> bool {
+        let is_within = |at: usize, side: usize, whole: usize| side > 0 && at < whole && side <= whole - at;
+        is_within(self.x, self.width, width) && is_within(self.y, self.height, height)
+    }
+
+    /// True if both have a pixel in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.x < other.right() && other.x < self.right() && self.y < other.bottom() && other.y < self.bottom()
+    }
 }
 
 /// A picture of colours as they were rendered: neither clamped nor truncated to bytes.
@@ -131,6 +161,11 @@ impl Picture {
     /// The bytes of the pixels: red, green and blue each, in rows from the top.
     pub fn pixels(&self) -> &[u8] {
         &self.pixels
+    }
+
+    /// The bytes of the pixels, to be changed.
+    pub fn pixels_mut(&mut self) -> &mut [u8] {
+        &mut self.pixels
     }
 
     /// The pixel in column `i` and row `j`, counted from the bottom left; none if it is outside the picture.

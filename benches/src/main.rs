@@ -8,8 +8,8 @@ mod measure;
 mod mesh;
 mod ours;
 /// The program's allocator, for all contestants.
-#[path = "../../src/app/allocator/mod.rs"]
-mod pages;
+#[path = "../../src/command/allocator.rs"]
+mod allocator;
 mod peers;
 mod report;
 mod stage;

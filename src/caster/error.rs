@@ -1,6 +1,5 @@
 //! The error of building a grid.
 
-use crate::diagnostic::Diagnostic;
 use std::fmt;
 
 /// The error of building a grid: its cells or their contents do not fit into memory, or exceed a budget.
@@ -14,9 +13,3 @@ impl fmt::Display for GridTooLarge {
 }
 
 impl std::error::Error for GridTooLarge {}
-
-impl From<GridTooLarge> for Diagnostic {
-    fn from(error: GridTooLarge) -> Self {
-        Self::error(error.to_string())
-    }
-}

@@ -1,7 +1,7 @@
 //! Files of command lines, such as the course's.
 
 use super::options::Options;
-use super::{Command, parse};
+use super::{Command, Output, parse};
 use crate::render::Layer;
 use std::ffi::OsString;
 use std::path::Path;
@@ -23,14 +23,17 @@ fn rendering(line: &str) -> Result<Options, String> {
         Command::Render(options) if options.input.is_some() => *options,
         _ => return Err("the command does not render a scene".into()),
     };
-    let is_stream = options.has_standard_output() || options.input.as_deref() == Some(Path::new("-"));
-    if options.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_))) {
+    let is_cost = |output: &Output| matches!(output.layer, Layer::Cost(_));
+    if options.outputs.iter().any(is_cost) {
         return Err("a cost map is nothing to grade by".into());
     }
     if options.region.is_some() {
         return Err("a part of a picture is nothing to grade by".into());
     }
-    if is_stream { Err("`-` is no file to grade by".into()) } else { Ok(options) }
+    if options.has_standard_output() || options.input.as_deref() == Some(Path::new("-")) {
+        return Err("`-` is no file to grade by".into());
+    }
+    Ok(options)
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Errors of the command line: clap's message in one line, and what may have been meant.
 
-use super::dashes::single;
 use super::flags::{find, meant};
 use super::values::has_ending;
+use super::words::single;
 use crate::escape::escape;
 use crate::image_io::Format;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -32,8 +32,10 @@ impl CliError {
     }
 
     /// The error for a word that is no value of a flag.
-    pub(super) fn unexpected(word: &str) -> Self {
-        let hint = hint_for_word(word, &[]).map(|meant| did_you_mean(&meant)).unwrap_or_default();
+    pub(super) fn unexpected(word: &OsStr) -> Self {
+        let word = &word.to_string_lossy();
+        let hint =
+            hint_for_word(word, &[]).map_or(String::new(), |meant| format!("; did you mean '{meant}'?"));
         Self::new(single(&format!("unexpected argument '{word}' found{hint}")))
     }
 
@@ -53,6 +55,11 @@ impl CliError {
     }
 }
 
+/// An error with this message.
+pub(super) fn fail<T>(message: impl Into<String>) -> Result<T, CliError> {
+    Err(CliError::new(message))
+}
+
 /// What follows clap's message.
 fn hint(error: &clap::Error, words: &[OsString]) -> String {
     let text = |kind| match error.get(kind) {
@@ -62,28 +69,23 @@ fn hint(error: &clap::Error, words: &[OsString]) -> String {
     };
     let flag = text(ContextKind::InvalidArg).unwrap_or_default();
     let similar = text(ContextKind::SuggestedArg).or(text(ContextKind::SuggestedValue));
-    let is_flag = flag.starts_with("--");
-    let meant = match error.kind() {
-        ErrorKind::UnknownArgument if is_flag => {
-            let name = flag.trim_start_matches('-').split('=').next().unwrap_or_default();
-            meant(name).and_then(find).map(|flag| flag.to_string()).or(similar)
+    let name = flag.strip_prefix("--");
+    let meant = match (error.kind(), name) {
+        (ErrorKind::UnknownArgument, Some(name)) => {
+            meant(name.split('=').next().unwrap_or(name)).and_then(find).map(|flag| flag.to_string())
         }
-        ErrorKind::UnknownArgument => hint_for_word(&flag, words),
-        _ => similar,
+        (ErrorKind::UnknownArgument, None) => hint_for_word(&flag, words),
+        _ => None,
     };
-    match (error.kind(), meant) {
-        (_, Some(meant)) => did_you_mean(&meant),
-        (ErrorKind::UnknownArgument, None) if is_flag => " (-help lists all flags)".into(),
+    match (error.kind(), meant.or(similar)) {
+        (_, Some(meant)) => format!("; did you mean '{meant}'?"),
+        (ErrorKind::UnknownArgument, None) if name.is_some() => " (-help lists all flags)".into(),
         (ErrorKind::MissingRequiredArgument, None) if flag.starts_with("--input") => {
             let compares = is_given("--compare", words);
             if compares { ", or --reference <picture>" } else { " (-h lists the usual flags)" }.into()
         }
         _ => String::new(),
     }
-}
-
-fn did_you_mean(flag: &str) -> String {
-    format!("; did you mean '{flag}'?")
 }
 
 /// The flag that may be missing before a word, or its dash.

@@ -1,89 +1,69 @@
 //! The flags. Each field is a flag: its documentation is its help, and its attributes say what clap reads and checks.
 //!
 //! The first paragraph is in every help, the others in the help about the flag alone. Flags are in the order of the
-//! help, and each struct is a group by which other flags exclude it. The name of a value tells what completions offer
-//! for it (`completions.rs`). The command line has one dash where clap has two (`dashes.rs`).
+//! help. The name of a value tells what completions offer for it (`completions.rs`). The command line has one dash where
+//! clap has two (`words.rs`).
 
 use super::values::{
-    Sides, byte_picture, edition, filter_size, json, not_negative, page, part, picture, sides,
+    FILTER_SIZE, NOT_NEGATIVE, Sides, byte_picture, edition, has_ending, number, part, path, picture, sides,
 };
 use crate::scene::edition::Edition;
-use clap::{Arg, ArgAction, ArgGroup, Args, CommandFactory, Parser, value_parser};
+use clap::builder::RangedU64ValueParser;
+use clap::{Arg, ArgAction, ArgGroup, CommandFactory, Parser, value_parser};
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// The range of a picture's sides, in pixels.
-pub(super) const SIDES: RangeInclusive<i64> = 1..=65535;
-/// The range of columns and rows.
-const PLACES: RangeInclusive<i64> = 0..=65534;
 /// The largest value of the course's `int`.
 pub(super) const MAX_INT: i64 = i32::MAX as i64;
 /// Far above the cores of any machine, and far below the number of threads that cannot be started.
-const MAX_THREADS: i64 = 4096;
+const MAX_THREADS: u64 = 4096;
 const SAMPLES: RangeInclusive<i64> = 1..=65536;
 
-/// The flags that shape the colour picture.
-pub(super) const SHAPING: [&str; 4] = ["View", "Shading", "Sampling", "Grid"];
-/// The flags that only a run that renders a scene understands.
-const RENDERING: [&str; 9] = [
-    "depth",
-    "normals",
-    "render_samples",
-    "render_filter",
-    "compare",
-    "difference",
-    "Statistics",
-    "Preview",
-    "strict",
+/// The headings in the help, and the first flag below each. A heading is also the group of its flags.
+const HEADINGS: [(&str, &str); 10] = [
+    ("input", "Scene and pictures"),
+    ("shade_back", "Shading"),
+    ("random_samples", "Sampling"),
+    ("grid", "Grid"),
+    ("compare", "Comparison"),
+    ("grade", "Grading"),
+    ("error_report", "Speed against error"),
+    ("stats", "Statistics"),
+    ("gui", "Live page"),
+    ("threads", "Other"),
 ];
+/// The flags and groups that shape the colour picture.
+const SHAPING: [&str; 6] = ["size", "edition", "uv", "Shading", "Sampling", "Grid"];
+/// Those that only a run that renders a scene understands, beside these.
+const RENDERING: [&str; 6] = ["layers", "compare", "difference", "Statistics", "Live page", "strict"];
+/// The flags that have no meaning for a part of a picture.
+pub(super) const NOT_OF_PARTS: [&str; 8] =
+    ["render_filter", "cost_map", "compare", "reference", "difference", "tolerance", "jitter", "filter"];
 
 /// Renders the scenes of MIT's 6.837 ray tracing assignments.
 #[derive(Debug, Parser)]
 #[command(name = "raytracer", version, rename_all = "snake_case", no_binary_name = true)]
 #[command(disable_help_flag = true, disable_version_flag = true)]
 #[command(override_usage = "raytracer -input scene.txt [flags, in any order]")]
+#[command(group = ArgGroup::new("usual").multiple(true))]
+#[command(group = ArgGroup::new("layers").multiple(true))]
 #[command(group = ArgGroup::new("compared").multiple(true))]
+#[command(group = ArgGroup::new("without_scene").conflicts_with_all(RENDERING)
+    .conflicts_with_all(SHAPING).conflicts_with_all(["input", "error_report"]))]
 pub(super) struct Flags {
-    #[command(flatten)]
-    pub pictures: Pictures,
-    #[command(flatten)]
-    pub view: View,
-    #[command(flatten)]
-    pub shading: Shading,
-    #[command(flatten)]
-    pub sampling: Sampling,
-    #[command(flatten)]
-    pub grid: Grid,
-    #[command(flatten)]
-    pub comparing: Comparing,
-    #[command(flatten)]
-    pub grading: Grading,
-    #[command(flatten)]
-    pub error_reporting: ErrorReporting,
-    #[command(flatten)]
-    pub statistics: Statistics,
-    #[command(flatten)]
-    pub preview: Preview,
-    #[command(flatten)]
-    pub other: Other,
-}
-
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Scene and pictures", rename_all = "snake_case")]
-pub(super) struct Pictures {
     /// The scene; - reads it from standard input. Required, unless two pictures are compared.
     ///
     /// Mesh files named in the scene are searched in the working directory, then beside the scene.
-    #[arg(long, value_name = "scene", required_unless_present_all = ["compare", "reference"])]
-    #[arg(required_unless_present_any = ["merge", "convert", "grade"])]
+    #[arg(long, group = "usual", value_name = "scene", required_unless_present_all = ["compare", "reference"])]
+    #[arg(required_unless_present = "without_scene")]
     pub input: Option<PathBuf>,
 
     /// Writes the picture as .tga, .png, .bmp, .ppm, .pfm or .exr. The last two are in floating point. -output - png
     /// writes it to standard output.
     ///
     /// The file appears under its name when it is complete.
-    #[arg(long, num_args = 1..=2, value_names = ["picture", "format"])]
+    #[arg(long, group = "usual", num_args = 1..=2, value_names = ["picture", "format"])]
     pub output: Option<Vec<OsString>>,
 
     /// Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1. As .pfm or .exr, the
@@ -92,40 +72,39 @@ pub(super) struct Pictures {
     /// In the edition 2019 it is the other way round: black at t0, white at t1.
     ///
     /// Example: raytracer -input scene.txt -depth 8 20 depth.png
-    #[arg(long, num_args = 3..=4, value_names = ["t0", "t1", "picture", "format"])]
+    #[arg(long, group = "layers", num_args = 3..=4, value_names = ["t0", "t1", "picture", "format"])]
     pub depth: Option<Vec<OsString>>,
 
     /// Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves.
     ///
     /// In the edition 2019 the bytes are (x + 1) / 2 and so on, and grey where nothing is hit.
-    #[arg(long, visible_alias = "normal", num_args = 1..=2, value_names = ["picture", "format"])]
+    #[arg(long, group = "layers", visible_alias = "normal", num_args = 1..=2, value_names = ["picture", "format"])]
     pub normals: Option<Vec<OsString>>,
 
     /// Writes a picture of the sample positions, with each pixel enlarged.
     ///
     /// Example: raytracer -input scene.txt -size 9 9 -jittered_samples 9 -render_samples samples.png 10
-    #[arg(long, num_args = 2..=3, value_names = ["picture", "zoom"])]
+    #[arg(long, group = "layers", num_args = 2..=3, value_names = ["picture", "zoom"])]
     pub render_samples: Option<Vec<OsString>>,
 
     /// Writes a picture of the filter's weights, with each pixel enlarged.
     ///
     /// Example: raytracer -input scene.txt -size 9 9 -tent_filter 2 -render_filter filter.png 10
-    #[arg(long, num_args = 2..=3, value_names = ["picture", "zoom"])]
+    #[arg(long, group = "layers", num_args = 2..=3, value_names = ["picture", "zoom"])]
     pub render_filter: Option<Vec<OsString>>,
 
     /// Renders only this part of every picture; its bytes are those of the whole. The top left pixel is 0 0.
     ///
     /// Example: raytracer -input scene.txt -output top.png -region 0 0 100 50
-    #[arg(long, num_args = 4, value_names = ["x", "y", "w", "h"], value_parser = value_parser!(u32).range(0..=65535))]
-    #[arg(conflicts_with_all = ["render_filter", "cost_map", "compare", "reference", "jitter", "filter"])]
-    pub region: Option<Vec<u32>>,
+    #[arg(long, num_args = 4, value_names = ["x", "y", "w", "h"], value_parser = value_parser!(u16))]
+    #[arg(conflicts_with_all = NOT_OF_PARTS)]
+    pub region: Option<Vec<u16>>,
 
     /// Joins these parts of a picture, which come from -region, into -output. Their order is free.
     ///
     /// Example: raytracer -merge top.png bottom.png -output whole.png
-    #[arg(long, num_args = 1.., value_names = ["parts"], value_parser = part(), group = "run", requires = "output")]
-    #[arg(conflicts_with_all = RENDERING, conflicts_with_all = SHAPING)]
-    #[arg(conflicts_with_all = ["input", "reference", "tolerance", "threads"])]
+    #[arg(long, num_args = 1.., value_names = ["parts"], value_parser = part(), group = "without_scene", requires = "output")]
+    #[arg(conflicts_with_all = ["reference", "tolerance", "threads"])]
     pub merge: Option<Vec<PathBuf>>,
 
     /// Converts the picture to the 8-bit format given by -output. Needs no scene.
@@ -134,21 +113,17 @@ pub(super) struct Pictures {
     /// clamped.
     ///
     /// Example: raytracer -convert mine.tga -output mine.png
-    #[arg(long, value_name = "picture", value_parser = picture(), group = "run", requires = "output")]
-    #[arg(conflicts_with_all = RENDERING, conflicts_with_all = SHAPING)]
-    #[arg(conflicts_with_all = ["input", "reference", "tolerance", "threads", "region", "progress"])]
+    #[arg(long, value_name = "picture", value_parser = picture(), group = "without_scene", requires = "output")]
+    #[arg(conflicts_with_all = ["reference", "tolerance", "threads", "region", "progress"])]
     pub convert: Option<PathBuf>,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Scene and pictures", rename_all = "snake_case")]
-pub(super) struct View {
     /// Width and height of every picture in pixels, 1 to 65535.
     ///
     /// The longer side spans the camera's view; the shorter side crops it around the middle. 200x200 is accepted too.
     ///
     /// Example: raytracer -input scene.txt -output picture.png -size 200 200
-    #[arg(long, num_args = 1..=2, value_names = ["w", "h"], value_parser = sides, default_values = ["100", "100"])]
+    #[arg(long, group = "usual", num_args = 1..=2, value_names = ["w", "h"])]
+    #[arg(value_parser = sides, default_values = ["100", "100"])]
     pub size: Vec<Sides>,
 
     /// Interprets scene and flags as this edition of the course does. Default: the one that the scene's words tell, else
@@ -163,22 +138,18 @@ pub(super) struct View {
     /// without a group does so too.
     #[arg(long, conflicts_with_all = ["pixel", "visualize_grid"])]
     pub uv: bool,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Shading", rename_all = "snake_case")]
-pub(super) struct Shading {
     /// Lights surfaces seen from behind; without it they are black.
     ///
     /// Scenes with glass need it, because a ray inside the glass sees its surface from behind. In the editions of 2012
     /// and 2019 surfaces look the same from both sides anyway.
-    #[arg(long)]
+    #[arg(long, group = "usual")]
     pub shade_back: bool,
 
     /// Casts shadows.
     ///
     /// Transparent objects cast them too.
-    #[arg(long)]
+    #[arg(long, group = "usual")]
     pub shadows: bool,
 
     /// Casts no shadows. This is the default; the flag is accepted for the command lines of 2003.
@@ -195,19 +166,15 @@ pub(super) struct Shading {
     ///
     /// Where a material both reflects and transmits, each bounce can double the number of rays; -weight ends those that
     /// contribute little.
-    #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(0..=MAX_INT))]
+    #[arg(long, group = "usual", value_name = "n", value_parser = value_parser!(u32).range(0..=MAX_INT))]
     pub bounces: Option<u32>,
 
     /// Traces no ray whose weight is w or less. Default: 0; in Aalto's edition, 0.1.
     ///
     /// A ray's weight is the product of the lengths of the reflective and transparent colours along its path.
-    #[arg(long, value_name = "w", value_parser = not_negative)]
+    #[arg(long, value_name = "w", value_parser = number(NOT_NEGATIVE))]
     pub weight: Option<f64>,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Sampling", rename_all = "snake_case")]
-pub(super) struct Sampling {
     /// Takes n random samples per pixel, 1 to 65536. Default: one, at the centre.
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), group = "samples")]
     pub random_samples: Option<u32>,
@@ -224,7 +191,7 @@ pub(super) struct Sampling {
     pub regular_samples: Option<u32>,
 
     /// Takes n samples per pixel, which smooths edges. Each lies at random in a cell of the grid of -uniform_samples.
-    #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), group = "samples")]
+    #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), groups = ["usual", "samples"])]
     pub jittered_samples: Option<u32>,
 
     /// Adaptive sampling: takes at most n samples per pixel, 4 to 1024, until the estimated error of the picture is this
@@ -255,25 +222,21 @@ pub(super) struct Sampling {
     pub seed: Option<u32>,
 
     /// Averages the samples within r pixels along both axes.
-    #[arg(long, value_name = "r", value_parser = filter_size, default_value = "0.5", group = "one_filter")]
+    #[arg(long, value_name = "r", value_parser = number(FILTER_SIZE), default_value = "0.5", group = "one_filter")]
     pub box_filter: f64,
 
     /// Weights samples linearly, down to 0 at the radius r.
-    #[arg(long, value_name = "r", value_parser = filter_size, group = "one_filter")]
+    #[arg(long, value_name = "r", value_parser = number(FILTER_SIZE), group = "one_filter")]
     pub tent_filter: Option<f64>,
 
     /// Weights samples by a Gaussian of standard deviation s.
-    #[arg(long, value_name = "s", value_parser = filter_size, group = "one_filter")]
+    #[arg(long, value_name = "s", value_parser = number(FILTER_SIZE), group = "one_filter")]
     pub gaussian_filter: Option<f64>,
 
     /// Weights samples by Mitchell and Netravali's cubic, scaled to end at r; 2 is usual.
-    #[arg(long, value_name = "r", value_parser = filter_size, group = "one_filter")]
+    #[arg(long, value_name = "r", value_parser = number(FILTER_SIZE), group = "one_filter")]
     pub mitchell_filter: Option<f64>,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Grid", rename_all = "snake_case")]
-pub(super) struct Grid {
     /// Uses a uniform grid of nx by ny by nz cells, of a suitable number with -grid auto, or none with -grid none. The
     /// picture stays the same.
     ///
@@ -290,17 +253,13 @@ pub(super) struct Grid {
     /// own, -visualize_grid_count, drew them.
     #[arg(long, visible_alias = "visualize_grid_count", requires = "grid")]
     pub visualize_grid: bool,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Comparison", rename_all = "snake_case")]
-pub(super) struct Comparing {
     /// Compares this picture with the reference, whatever the formats of both. Default: the rendered picture.
     ///
     /// With a scene too, the likely cause of a difference is looked for.
     ///
     /// Example: raytracer -compare mine.tga -reference theirs.png
-    #[arg(long, value_name = "picture", value_parser = picture(), group = "compared")]
+    #[arg(long, value_name = "picture", value_parser = picture(), groups = ["usual", "compared"])]
     pub compare: Option<PathBuf>,
 
     /// The picture to compare with, or the folder of pictures for -grade. Default: the rendered picture.
@@ -316,17 +275,12 @@ pub(super) struct Comparing {
     /// Example: raytracer -compare mine.tga -reference theirs.png -tolerance 1 20
     #[arg(long, num_args = 2, value_names = ["levels", "n"], requires = "compared")]
     pub tolerance: Option<Vec<OsString>>,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Grading", rename_all = "snake_case")]
-pub(super) struct Grading {
     /// Compares the pictures in every folder of this folder with those of -reference or -commands.
     ///
     /// Example: raytracer -grade class -commands commands.txt -report page.html
-    #[arg(long, value_name = "folder", group = "run", requires = "references")]
-    #[arg(conflicts_with_all = RENDERING, conflicts_with_all = SHAPING)]
-    #[arg(conflicts_with_all = ["input", "output", "region"])]
+    #[arg(long, value_name = "folder", group = "without_scene", requires = "references")]
+    #[arg(conflicts_with_all = ["output", "region"])]
     pub grade: Option<PathBuf>,
 
     /// Grades by the pictures that the command lines in this file render.
@@ -336,34 +290,27 @@ pub(super) struct Grading {
     pub commands: Option<PathBuf>,
 
     /// Writes the result of -grade as a page, .html, and as a table beside it, .csv.
-    #[arg(long, value_name = "page", value_parser = page(), requires = "grade")]
+    #[arg(long, value_name = "page", requires = "grade")]
+    #[arg(value_parser = path(|path| has_ending(path, "html"), "not .html"))]
     pub report: Option<PathBuf>,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Speed against error", rename_all = "snake_case")]
-pub(super) struct ErrorReporting {
     /// Measures what samples, filters, bounces and grids cost and buy for the scene and the other flags; writes
     /// report.html and report.csv.
     ///
     /// Example: raytracer -input scene.txt -size 60 60 -shadows -error_report folder
-    #[arg(long, value_name = "folder", group = "run", conflicts_with_all = RENDERING)]
+    #[arg(long, value_name = "folder", conflicts_with_all = RENDERING)]
     #[arg(conflicts_with_all = ["output", "region", "jitter", "filter", "visualize_grid", "reference", "tolerance"])]
     pub error_report: Option<PathBuf>,
 
     /// Prints the cheapest of all settings measured whose root mean square error is at most this, in levels; status 3 if
     /// there is none.
-    #[arg(long, value_name = "rmse", value_parser = not_negative, requires = "error_report")]
+    #[arg(long, value_name = "rmse", value_parser = number(NOT_NEGATIVE), requires = "error_report")]
     pub target: Option<f64>,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Statistics", rename_all = "snake_case")]
-pub(super) struct Statistics {
     /// Prints counters and times after rendering.
     ///
     /// The program then runs and counts the course's algorithm, so that the counters can be compared.
-    #[arg(long)]
+    #[arg(long, group = "usual")]
     pub stats: bool,
 
     /// Renders n times, 1 to 10000, and prints the least and the median time and the spread (maximum minus minimum).
@@ -381,20 +328,17 @@ pub(super) struct Statistics {
     /// Prints the rays behind one pixel, and what each of them meets. The top left pixel is 0 0.
     ///
     /// Example: raytracer -input scene.txt -size 200 200 -shadows -pixel 100 160
-    #[arg(long, num_args = 2, value_names = ["x", "y"], value_parser = value_parser!(u32).range(PLACES))]
+    #[arg(long, num_args = 2, value_names = ["x", "y"], value_parser = value_parser!(u16))]
     #[arg(conflicts_with = "visualize_grid", requires = "input")]
-    pub pixel: Option<Vec<u32>>,
+    pub pixel: Option<Vec<u16>>,
 
     /// Writes everything that is reported as .json; - writes it to standard output in place of the text.
-    #[arg(long, value_name = "document", value_parser = json())]
+    #[arg(long, value_name = "document")]
+    #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "neither - nor .json"))]
     pub json: Option<PathBuf>,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Live page", rename_all = "snake_case")]
-pub(super) struct Preview {
     /// Renders, then shows the scene as a live page in the browser. Needs a terminal, or -port.
-    #[arg(long)]
+    #[arg(long, group = "usual")]
     pub gui: bool,
 
     /// Serves the page of -gui at this port of 127.0.0.1, also without a terminal; 0 is any free port.
@@ -416,16 +360,12 @@ pub(super) struct Preview {
     /// Accepted from Aalto's edition, whose program ignores it; changes nothing.
     #[arg(long)]
     pub specular_fix: bool,
-}
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Other", rename_all = "snake_case")]
-pub(super) struct Other {
     /// Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.
     ///
     /// Without it, one thread begins work that looks short, and the others join if it lasts.
-    #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(1..=MAX_THREADS))]
-    pub threads: Option<u32>,
+    #[arg(long, value_name = "n", value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_THREADS))]
+    pub threads: Option<usize>,
 
     /// Prints the progress every ten seconds where standard error is no terminal. A terminal shows it after one second.
     #[arg(long, alias = "show_progress", conflicts_with = "quiet")]
@@ -440,31 +380,17 @@ pub(super) struct Other {
     pub strict: bool,
 
     /// Prints the ten most common flags.
-    #[arg(long, action = ArgAction::HelpShort)]
-    h: Option<bool>,
+    #[arg(long)]
+    h: bool,
 
     /// Prints this text; -help size tells all about a flag, and -help shadow lists the flags with this word.
-    #[arg(long, action = ArgAction::HelpLong)]
-    help: Option<bool>,
+    #[arg(long)]
+    help: bool,
 
     /// Prints the version.
     #[arg(long, action = ArgAction::Version)]
     version: Option<bool>,
 }
-
-/// The flags that the short help lists.
-pub(super) const USUAL: [&str; 10] = [
-    "input",
-    "output",
-    "size",
-    "shade_back",
-    "shadows",
-    "bounces",
-    "jittered_samples",
-    "compare",
-    "stats",
-    "gui",
-];
 
 /// Names in other programs. They are not accepted: the error names the flag.
 const ELSEWHERE: [(&str, &[&str]); 11] = [
@@ -492,10 +418,24 @@ pub(super) fn meant(name: &str) -> Option<&'static str> {
 
 /// All flags, as clap knows them. Each may be given once, and a value may be a negative number.
 pub fn command() -> clap::Command {
-    Flags::command().mut_args(|flag| match flag.get_action() {
-        ArgAction::Set | ArgAction::Append => flag.action(ArgAction::Set).allow_negative_numbers(true),
-        _ => flag,
+    let groups = HEADINGS.map(|(_, heading)| ArgGroup::new(heading).multiple(true));
+    let mut heading = "";
+    Flags::command().groups(groups).mut_args(|flag| {
+        if let Some((_, next)) = HEADINGS.iter().find(|(first, _)| flag.get_id() == first) {
+            heading = next;
+        }
+        let flag = flag.help_heading(heading).group(heading);
+        match flag.get_action() {
+            ArgAction::Set | ArgAction::Append => flag.action(ArgAction::Set).allow_negative_numbers(true),
+            _ => flag,
+        }
     })
+}
+
+/// Returns true if the flag shapes the colour picture.
+pub(super) fn shapes(flag: &Arg) -> bool {
+    let names = [Some(flag.get_id().as_str()), flag.get_help_heading()];
+    names.into_iter().flatten().any(|name| SHAPING.contains(&name))
 }
 
 /// The flag called `name`, by any of its spellings.
@@ -538,7 +478,6 @@ mod tests {
         for (index, name) in others.iter().enumerate() {
             assert!(find(name).is_none() && !others[..index].contains(name), "{name}");
         }
-        let flags = ELSEWHERE.map(|(flag, _)| flag).into_iter().chain(USUAL);
-        flags.for_each(|flag| assert!(find(flag).is_some(), "{flag}"));
+        ELSEWHERE.iter().for_each(|(flag, _)| assert!(find(flag).is_some(), "{flag}"));
     }
 }

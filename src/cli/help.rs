@@ -1,9 +1,9 @@
 //! The help: about the usual flags, all flags, one of them, or those with a word.
 
-use super::dashes::single;
 use super::error::CliError;
-use super::flags::{USUAL, command, find, meant};
-use clap::Arg;
+use super::flags::{command, find, meant};
+use super::words::single;
+use clap::{Arg, Id};
 use std::ffi::OsString;
 
 /// The length of the longest lines in characters.
@@ -28,28 +28,26 @@ in the scene, 2 for an error in the command line, 3 for a difference above the
 tolerance, and 130, 143 or 129 for a run stopped by Ctrl-C, SIGTERM or SIGHUP.
 ";
 
-/// Finds the first flag that asks for help, and returns the word after it that tells what about. Cuts `words`, which
-/// have clap's dashes, after the flag: what follows is not read.
-pub(super) fn topic(words: &mut Vec<OsString>) -> Option<String> {
-    let place = words.iter().position(|word| word == "--h" || word == "--help")?;
-    let next = words.get(place + 1).map(|word| word.to_string_lossy().into_owned());
-    words.truncate(place + 1);
-    next.filter(|word| !word.starts_with('-') || known(bare(word)).is_some())
-}
-
-/// The text about a topic, or the one that the last of `words` asks for.
-pub(super) fn text(words: &[OsString], topic: Option<String>) -> Result<String, CliError> {
-    match topic {
+/// Returns the help that `words` ask for, which have clap's dashes. The first is `--h` or `--help`, and the next may tell
+/// what about.
+pub(super) fn text(words: &[OsString]) -> Result<String, CliError> {
+    let topic = words.get(1).map(|word| word.to_string_lossy());
+    match topic.filter(|word| !word.starts_with('-') || known(bare(word)).is_some()) {
         Some(topic) => about(bare(&topic)),
-        None if words.last().is_some_and(|flag| flag == "--h") => Ok(usual()),
+        None if words[0] == "--h" => Ok(usual()),
         None => Ok(show(command()) + TAIL),
     }
 }
 
 /// The first sentences about the usual flags, on one screen.
 fn usual() -> String {
+    let mut built = command();
+    built.build();
+    let usual = |name: &Id| {
+        built.get_groups().any(|group| group.get_id() == "usual" && group.get_args().any(|id| id == name))
+    };
     let usual = command().mut_args(|flag| {
-        let is_hidden = !USUAL.contains(&flag.get_id().as_str());
+        let is_hidden = !usual(flag.get_id());
         let help = summary(&flag);
         let flag = flag.help(help).hide(is_hidden).help_heading("Usual flags");
         // The name of a format after the picture's would leave no room beside it.
@@ -125,7 +123,7 @@ mod tests {
 
     #[test]
     fn help_names_every_flag_and_fits_the_screen() {
-        let text = text(&[], None).unwrap();
+        let text = text(&["--help".into()]).unwrap();
         for flag in command().get_arguments() {
             assert!(text.contains(&format!("\n  -{}", flag.get_id())), "{flag:?}");
         }
@@ -135,7 +133,7 @@ mod tests {
     #[test]
     fn the_usual_flags_are_ten_on_one_screen() {
         let text = usual();
-        assert_eq!(text.lines().filter(|line| line.starts_with("  -")).count(), USUAL.len());
+        assert_eq!(text.lines().filter(|line| line.starts_with("  -")).count(), 10);
         assert!(fits(&text) && text.lines().count() <= 24, "{text}");
     }
 

@@ -1,9 +1,9 @@
 //! The options of a run that renders or compares: the flags, checked together.
 
-use super::error::CliError;
-use super::flags::{Comparing, Flags, MAX_INT, SIDES, Sampling, Shading};
-use super::outputs::{Output, distinct, outputs};
-use super::values::{Sides, json_target, lossy_or_null, not_negative, picture, value};
+use super::error::{CliError, fail};
+use super::flags::{Flags, MAX_INT};
+use super::outputs::{Output, outputs};
+use super::values::{NOT_NEGATIVE, Sides, json_target, lossy_or_null, number, picture, value};
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
@@ -23,15 +23,13 @@ use std::path::{Path, PathBuf};
 /// The number of cells stays below this, so that the index of a cell fits into 32 bits.
 const CELL_LIMIT: u128 = 1 << 31;
 
-/// The checked options of a run. Every number is in the range that its field states.
+/// The checked options of a run that renders or compares.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Options {
-    /// The scene file, or `-` for standard input.
-    ///
-    /// It is none only if two pictures are compared that need no scene.
+    /// The scene file, or `-` for standard input. None only if two pictures are compared that need no scene.
     #[serde(serialize_with = "lossy_or_null")]
     pub input: Option<PathBuf>,
-    /// The pictures to write, in the order of the help. No two name the same file.
+    /// The pictures to write, in the order of the help.
     pub outputs: Vec<Output>,
     /// Width and height in pixels, 1 to 65535 each.
     pub size: [usize; 2],
@@ -39,47 +37,41 @@ pub struct Options {
     pub region: Option<Window>,
     /// The edition of the course; none until the scene's words have been read.
     pub edition: Option<Edition>,
-    /// Whether the places of pixels are shown in place of the scene.
+    /// Shows the places of pixels in place of the scene.
     pub uv: bool,
-    /// Whether the picture is rendered with three times the width and height.
+    /// Renders three times the width and height.
     pub jitter: bool,
-    /// Whether it is blurred and reduced to a third.
+    /// Blurs the picture and reduces it to a third.
     pub reduced: bool,
-    /// What is modelled.
     pub effects: Effects,
     /// The number of bounces that is given; if none is, `effects` has the default of the edition.
     #[serde(skip)]
     pub given_bounces: Option<u32>,
-    /// The positions of the samples in a pixel.
     pub sampler: Sampler,
-    /// Whether a pixel gets more samples where its first four disagree.
+    /// Takes more samples in a pixel where its first four disagree.
     pub adaptive: Option<Adaptive>,
-    /// The reconstruction filter.
     pub filter: Filter,
-    /// The acceleration structure. A grid has at least one cell along each axis, and less than 2^31 cells in all.
+    /// A grid has at least one cell along each axis, and less than 2^31 cells in all.
     pub structure: Structure,
-    /// Whether the grid's cells are drawn instead of the scene. There is a grid if so.
+    /// Draws the grid's cells in place of the scene. There is a grid if so.
     pub visualize_grid: bool,
-    /// The comparison of two pictures.
     pub comparison: Option<Comparison>,
-    /// Whether statistics are printed.
     pub stats: bool,
     /// How often the scene is rendered, 1 to 10000, if the times are to be compared.
     pub repeat: Option<u32>,
-    /// Whether a warning is an error.
+    /// Treats warnings as errors.
     pub strict: bool,
     /// The file for a JSON document of everything that is reported; `-` prints it in place of the text.
     #[serde(serialize_with = "json_target")]
     pub json: Option<PathBuf>,
     /// The pixel to explain, by column and row from the top left. It lies in the picture.
     pub pixel: Option<[usize; 2]>,
-    /// Whether one of the flags of the course's preview is given.
+    /// True if one of the flags of the course's preview is given.
     pub preview: bool,
     /// The live page, if `-gui` asks for it.
     pub page: Option<LivePage>,
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
-    /// Where progress is shown.
     pub progress: ShowProgress,
 }
 
@@ -101,7 +93,6 @@ pub struct Comparison {
     /// The picture in question.
     #[serde(serialize_with = "lossy_or_null")]
     pub picture: Option<PathBuf>,
-    /// The picture to compare it with.
     #[serde(serialize_with = "lossy_or_null")]
     pub reference: Option<PathBuf>,
     /// The file of the picture that shows the difference.
@@ -112,10 +103,11 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    pub(super) fn new(flags: &Comparing) -> Result<Option<Self>, CliError> {
+    fn new(flags: &Flags) -> Result<Option<Self>, CliError> {
         if flags.compare.is_none() && flags.reference.is_none() {
             return Ok(None);
         }
+        // Where a folder is graded, it is a folder.
         let reference = flags.reference.as_ref();
         let reference = reference.map(|path| value("reference", path.as_os_str(), picture())).transpose()?;
         let (picture, difference) = (flags.compare.clone(), flags.difference.clone());
@@ -128,21 +120,18 @@ impl Comparison {
     }
 }
 
-/// Where it is shown how far a run has come.
+/// Where progress is shown on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShowProgress {
-    /// On standard error if that is a terminal.
     OnTerminal,
-    /// On standard error.
     Always,
-    /// Nowhere.
     Never,
 }
 
 impl ShowProgress {
     pub(super) fn new(flags: &Flags) -> Self {
-        match (flags.other.progress, flags.other.quiet) {
+        match (flags.progress, flags.quiet) {
             (_, true) => Self::Never,
             (true, false) => Self::Always,
             (false, false) => Self::OnTerminal,
@@ -154,43 +143,44 @@ impl Options {
     /// Checks what depends on more than one flag. `words` are the flags that the live page begins with.
     pub(super) fn new(flags: Flags, words: Vec<String>) -> Result<Self, CliError> {
         let edition = edition(&flags)?;
-        let triples = flags.view.edition != Some(Edition::Y2019);
+        let triples = flags.edition != Some(Edition::Y2019);
+        let size = size(&flags.size)?;
         let options = Self {
-            outputs: outputs(&flags)?,
-            size: size(&flags.view.size)?,
-            region: flags.pictures.region.as_deref().map(region).transpose()?,
+            outputs: outputs(&flags, size)?,
+            size,
+            region: flags.region.as_deref().map(region).transpose()?,
             edition,
-            uv: flags.view.uv,
+            uv: flags.uv,
             // The program of 2019 accepts both flags and does nothing.
-            jitter: flags.sampling.jitter && triples,
-            reduced: flags.sampling.filter && triples,
+            jitter: flags.jitter && triples,
+            reduced: flags.filter && triples,
             effects: Effects {
-                shadows: shadows(&flags.shading),
-                shade_back: flags.shading.shade_back,
-                bounces: flags.shading.bounces.unwrap_or(0),
-                min_weight: flags.shading.weight.or(edition.map(Edition::default_weight)).unwrap_or(0.0),
+                shadows: match (flags.transparent_shadows, flags.shadows) {
+                    (true, _) => Shadows::Transparent,
+                    (false, true) => Shadows::Opaque,
+                    (false, false) => Shadows::None,
+                },
+                shade_back: flags.shade_back,
+                bounces: flags.bounces.unwrap_or(0),
+                min_weight: flags.weight.or(edition.map(Edition::default_weight)).unwrap_or(0.0),
             },
-            given_bounces: flags.shading.bounces,
-            sampler: sampler(&flags.sampling, edition, triples)?,
-            adaptive: adaptive(&flags.sampling)?,
-            filter: filter(&flags.sampling),
-            structure: flags.grid.grid.as_deref().map_or(Ok(Structure::Any), structure)?,
-            visualize_grid: flags.grid.visualize_grid,
-            comparison: Comparison::new(&flags.comparing)?,
-            stats: flags.statistics.stats,
-            repeat: flags.statistics.repeat,
-            strict: flags.other.strict,
-            pixel: flags.statistics.pixel.as_deref().map(|place| [place[0] as usize, place[1] as usize]),
-            preview: flags.preview.gui || flags.preview.tessellation.is_some() || flags.preview.gouraud,
-            page: flags.preview.gui.then_some(LivePage {
-                port: flags.preview.port,
-                browser: !flags.preview.no_browser,
-                words,
-            }),
-            threads: flags.other.threads.map(|threads| threads as usize),
+            given_bounces: flags.bounces,
+            sampler: sampler(&flags, edition, triples)?,
+            adaptive: adaptive(&flags)?,
+            filter: filter(&flags),
+            structure: flags.grid.as_deref().map_or(Ok(Structure::Any), structure)?,
+            visualize_grid: flags.visualize_grid,
+            comparison: Comparison::new(&flags)?,
+            stats: flags.stats,
+            repeat: flags.repeat,
+            strict: flags.strict,
+            pixel: flags.pixel.as_deref().map(|place| [0, 1].map(|axis| place[axis].into())),
+            preview: flags.gui || flags.tessellation.is_some() || flags.gouraud,
+            page: flags.gui.then_some(LivePage { port: flags.port, browser: !flags.no_browser, words }),
+            threads: flags.threads,
             progress: ShowProgress::new(&flags),
-            json: flags.statistics.json,
-            input: flags.pictures.input,
+            json: flags.json,
+            input: flags.input,
         };
         options.check_together()?;
         Ok(match options.edition {
@@ -217,63 +207,44 @@ impl Options {
 
     fn check_together(&self) -> Result<(), CliError> {
         let [width, height] = self.picture_size();
-        if self.picture_size().contains(&0) {
-            return Err(CliError::new("-filter: a third of the picture's width or height is no pixel"));
+        if width == 0 || height == 0 {
+            return fail("-filter: a third of the picture's width or height is no pixel");
         }
-        let is_outside =
-            |region: Window| region.x + region.width > width || region.y + region.height > height;
-        if self.region.is_some_and(is_outside) {
-            return Err(CliError::new(format!(
-                "-region: not within the picture of {width} x {height} pixels"
-            )));
+        if self.region.is_some_and(|part| part.x + part.width > width || part.y + part.height > height) {
+            return fail(format!("-region: not within the picture of {width} x {height} pixels"));
         }
         if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {
-            return Err(CliError::new(format!(
-                "-pixel: outside the picture, whose columns are 0 to {} and rows 0 to {}",
-                width - 1,
-                height - 1
-            )));
+            let [last_column, last_row] = [width - 1, height - 1];
+            return fail(format!(
+                "-pixel: outside the picture, whose columns are 0 to {last_column} and rows 0 to {last_row}"
+            ));
         }
         if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
-            return Err(CliError::new("-visualize_grid needs a grid, as in '-grid 20 20 20'"));
-        }
-        let is_too_large =
-            |output: &&Output| output.layer.size(self.size).iter().any(|&n| !SIDES.contains(&(n as i64)));
-        if let Some(flag) = self.outputs.iter().find(is_too_large).map(Output::flag) {
-            return Err(CliError::new(format!(
-                "{flag}: the enlarged picture has more than 65535 pixels a side"
-            )));
+            return fail("-visualize_grid needs a grid, as in '-grid 20 20 20'");
         }
         if self.comparison.as_ref().is_some_and(Comparison::needs_scene) && self.compared_layer().is_none() {
-            let [one, other] = [&self.outputs[0], &self.outputs[1]].map(Output::flag);
-            return Err(CliError::new(format!(
-                "-compare and -reference compare one picture, and {one} and {other} write two: give -output too, which \
-                 is compared then, or only one of them"
-            )));
+            return fail(
+                "-compare and -reference compare one picture, and several are written: give -output too, which is \
+                 compared then, or write only one of them",
+            );
         }
-        match self.outputs.iter().find(|output| output.is_standard_output()) {
-            Some(output) if self.prints_json() => {
-                Err(CliError::new(format!("{} and -json both write to standard output", output.flag())))
-            }
-            _ => distinct(&self.files()),
+        let streams = self.written().filter(|file| *file == Path::new("-")).count();
+        if streams + usize::from(self.prints_json()) > 1 {
+            return fail("only one of the pictures and -json can go to standard output");
         }
+        Ok(())
     }
 
-    /// Whether a picture goes to standard output, so that text has to go elsewhere.
+    /// Returns true if a picture goes to standard output, so that text has to go elsewhere.
     pub fn has_standard_output(&self) -> bool {
         self.outputs.iter().any(Output::is_standard_output)
     }
 
-    /// The pictures to write, each with the flag that names its file.
-    fn files(&self) -> Vec<(&'static str, &Path)> {
-        let pictures = self.outputs.iter().map(|output| (output.flag(), output.file.as_path()));
-        let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
-        pictures.chain(difference.map(|file| ("-difference", file))).collect()
-    }
-
     /// The names of all files to write, where `-` is standard output.
     pub fn written(&self) -> impl Iterator<Item = &Path> {
-        self.files().into_iter().map(|(_, file)| file).chain(self.json_file())
+        let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
+        let pictures = self.outputs.iter().map(|output| output.file.as_path());
+        pictures.chain(difference).chain(self.json_file())
     }
 
     /// The file of the JSON document, if it is not printed.
@@ -286,7 +257,7 @@ impl Options {
         self.json.as_deref() == Some(Path::new("-"))
     }
 
-    /// Whether anything is written to standard output.
+    /// Returns true if anything is written to standard output.
     pub fn needs_standard_output(&self) -> bool {
         let counts = self.tracing() == Tracing::Counted;
         let prints = counts || self.repeat.is_some() || self.pixel.is_some() || self.comparison.is_some();
@@ -340,55 +311,45 @@ impl Options {
     }
 }
 
-/// The edition that is named, or the one that has a flag.
+/// Returns the edition that is named, or the one that has a flag.
 fn edition(flags: &Flags) -> Result<Option<Edition>, CliError> {
-    let named = flags.view.edition;
-    let implied = [
-        ("jitter", flags.sampling.jitter, Edition::Y2012A5),
-        ("filter", flags.sampling.filter, Edition::Y2012A5),
-        ("regular_samples", flags.sampling.regular_samples.is_some(), Edition::Aalto),
-        ("uv", flags.view.uv, Edition::Aalto),
+    let flags_of_editions = [
+        ("jitter", flags.jitter, Edition::Y2012A5),
+        ("filter", flags.filter, Edition::Y2012A5),
+        ("regular_samples", flags.regular_samples.is_some(), Edition::Aalto),
+        ("uv", flags.uv, Edition::Aalto),
     ];
-    let mut given = implied.into_iter().filter(|(_, is_given, _)| *is_given);
-    match named {
-        None => Ok(given.next().map(|(_, _, edition)| edition)),
+    let mut named = flags.edition;
+    for (flag, is_given, edition) in flags_of_editions {
         // The program of 2019 accepts all of them and does nothing.
-        Some(Edition::Y2019) => Ok(named),
-        Some(named) => match given.find(|(_, _, edition)| *edition != named) {
-            Some((flag, _, edition)) => {
-                Err(CliError::new(format!("-{flag} is a flag of the edition {edition}, not of {named}")))
+        if is_given && named != Some(Edition::Y2019) {
+            let named = *named.get_or_insert(edition);
+            if named != edition {
+                return fail(format!("-{flag} is a flag of the edition {edition}, not of {named}"));
             }
-            None => Ok(Some(named)),
-        },
+        }
     }
+    Ok(named)
 }
 
 fn size(values: &[Sides]) -> Result<[usize; 2], CliError> {
-    let sides = values.concat();
-    let wrong =
-        |_| CliError::new(format!("-size takes 2 values, as in '-size 200 200'; {} given", sides.len()));
-    sides.as_slice().try_into().map_err(wrong)
+    match values.concat()[..] {
+        [width, height] => Ok([width, height]),
+        ref sides => fail(format!("-size takes 2 values, as in '-size 200 200'; {} given", sides.len())),
+    }
 }
 
-pub(super) fn region(values: &[u32]) -> Result<Window, CliError> {
-    match values {
-        &[x, y, width, height] if width > 0 && height > 0 => {
-            let [x, y, width, height] = [x, y, width, height].map(|n| n as usize);
+pub(super) fn region(values: &[u16]) -> Result<Window, CliError> {
+    match *values {
+        [x, y, width, height] if width > 0 && height > 0 => {
+            let [x, y, width, height] = [x, y, width, height].map(usize::from);
             Ok(Window { x, y, width, height })
         }
-        _ => Err(CliError::new("-region: width and height must be at least 1")),
+        _ => fail("-region: width and height must be at least 1"),
     }
 }
 
-fn shadows(flags: &Shading) -> Shadows {
-    match (flags.transparent_shadows, flags.shadows) {
-        (true, _) => Shadows::Transparent,
-        (false, true) => Shadows::Opaque,
-        (false, false) => Shadows::None,
-    }
-}
-
-fn sampler(flags: &Sampling, edition: Option<Edition>, triples: bool) -> Result<Sampler, CliError> {
+fn sampler(flags: &Flags, edition: Option<Edition>, triples: bool) -> Result<Sampler, CliError> {
     let rng = flags.seed.map_or(Drand48::UNSEEDED, Drand48::seeded);
     let uniform = if edition == Some(Edition::Aalto) { Pattern::Random } else { Pattern::Uniform };
     let given = [
@@ -405,7 +366,7 @@ fn sampler(flags: &Sampling, edition: Option<Edition>, triples: bool) -> Result<
     })
 }
 
-pub(super) fn tolerance(flags: &Comparing) -> Result<Option<Tolerance>, CliError> {
+pub(super) fn tolerance(flags: &Flags) -> Result<Option<Tolerance>, CliError> {
     let Some([levels, pixels]) = flags.tolerance.as_deref() else { return Ok(None) };
     Ok(Some(Tolerance {
         levels: value("tolerance", levels, value_parser!(u8))?,
@@ -413,16 +374,16 @@ pub(super) fn tolerance(flags: &Comparing) -> Result<Option<Tolerance>, CliError
     }))
 }
 
-fn adaptive(flags: &Sampling) -> Result<Option<Adaptive>, CliError> {
+fn adaptive(flags: &Flags) -> Result<Option<Adaptive>, CliError> {
     let Some([most, error]) = flags.adaptive_samples.as_deref() else { return Ok(None) };
     let counts = i64::from(Adaptive::BASE)..=i64::from(Adaptive::LIMIT);
     Ok(Some(Adaptive {
         most: value("adaptive_samples", most, value_parser!(u32).range(counts))?,
-        error: value("adaptive_samples", error, not_negative)?,
+        error: value("adaptive_samples", error, number(NOT_NEGATIVE))?,
     }))
 }
 
-fn filter(flags: &Sampling) -> Filter {
+fn filter(flags: &Flags) -> Filter {
     let tent = flags.tent_filter.map(|radius| Filter::Tent { radius });
     let gaussian = flags.gaussian_filter.map(|sigma| Filter::Gaussian { sigma });
     let mitchell = flags.mitchell_filter.map(|radius| Filter::Mitchell { radius });
@@ -434,13 +395,11 @@ fn structure(values: &[OsString]) -> Result<Structure, CliError> {
         [word] if word == "auto" => return Ok(Structure::Grid(Resolution::Auto)),
         [word] if word == "none" => return Ok(Structure::List),
         [x, y, z] => [x, y, z].map(|word| value::<_>("grid", word, value_parser!(u32).range(1..=MAX_INT))),
-        _ => return Err(CliError::new("-grid takes 3 values, as in '-grid 20 20 20', or 'auto' or 'none'")),
+        _ => return fail("-grid takes 3 values, as in '-grid 20 20 20', or 'auto' or 'none'"),
     };
     let [x, y, z] = [x?, y?, z?];
     if [x, y, z].map(u128::from).iter().product::<u128>() >= CELL_LIMIT {
-        return Err(CliError::new(format!(
-            "-grid: {x} x {y} x {z} cells are too many, 2147483647 is the most"
-        )));
+        return fail(format!("-grid: {x} x {y} x {z} cells are too many, 2147483647 is the most"));
     }
     Ok(Structure::Grid(Resolution::Cells([x, y, z].map(|n| n as usize))))
 }

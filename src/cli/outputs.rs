@@ -1,15 +1,14 @@
 //! The pictures to write: what each shows, and where it goes.
 
-use super::error::CliError;
-use super::flags::{Flags, SIDES};
-use super::values::{NOT_BYTES, NOT_PICTURE, finite, lossy, value};
+use super::error::{CliError, fail};
+use super::flags::Flags;
+use super::values::{FINITE, NOT_BYTES, NOT_PICTURE, SIDES, lossy, number, value};
 use crate::image_io::Format;
 use crate::render::{Cost, Layer};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::value_parser;
 use serde::Serialize;
-use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf, absolute};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 /// A picture to write.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -28,21 +27,18 @@ impl Output {
     /// Reads a file's name, and the name of the format after it if the file's has no ending of a picture. `-` and
     /// `/dev/stdout` are standard output. The layers are those of a picture of bytes and of floating-point numbers.
     fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, CliError> {
-        let Some((name, rest)) = values.split_first() else {
-            return Err(CliError::new(format!("-{flag} needs a picture")));
-        };
+        let name = values.first().cloned().unwrap_or_default();
         let is_standard_output = name == "-" || name == "/dev/stdout";
-        let format = match (Format::of(Path::new(name)), rest.first()) {
-            (Some(_), Some(word)) => return Err(CliError::unexpected(&word.to_string_lossy())),
+        let format = match (Format::of(Path::new(&name)), values.get(1)) {
             (Some(format), None) => format,
-            (None, Some(word)) => word
-                .to_str()
-                .and_then(Format::named)
+            (Some(_), Some(word)) => return Err(CliError::unexpected(word)),
+            (None, Some(word)) => Format::named(&word.to_string_lossy())
                 .ok_or_else(|| CliError::value(flag, word, "none of tga, png, bmp, ppm, pfm and exr"))?,
-            (None, None) if is_standard_output => {
-                return Err(CliError::value(flag, name, "needs its format after it, as in '- png'"));
+            (None, None) => {
+                let needed = "needs its format after it, as in '- png'";
+                let problem = if is_standard_output { needed } else { NOT_PICTURE };
+                return Err(CliError::value(flag, name, problem));
             }
-            (None, None) => return Err(CliError::value(flag, name, NOT_PICTURE)),
         };
         let file = if is_standard_output { "-".into() } else { PathBuf::from(name) };
         Ok(Self { layer: layers[usize::from(format.is_float())], file, format })
@@ -57,95 +53,65 @@ impl Output {
     pub fn is_standard_output(&self) -> bool {
         self.file == Path::new("-")
     }
-
-    /// The flag that asks for it.
-    pub(super) fn flag(&self) -> &'static str {
-        match self.layer {
-            Layer::Color => "-output",
-            Layer::Depth { .. } | Layer::Distance => "-depth",
-            Layer::Normals | Layer::SignedNormals => "-normals",
-            Layer::Samples { .. } => "-render_samples",
-            Layer::Cost(_) => "-cost_map",
-            Layer::Filter { .. } => "-render_filter",
-        }
-    }
 }
 
-/// The pictures that the flags ask for, in the order of the help.
-pub(super) fn outputs(flags: &Flags) -> Result<Vec<Output>, CliError> {
-    let pictures = &flags.pictures;
+/// The pictures that the flags ask for, in the order of the help. `size` is that of the picture.
+pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, CliError> {
+    let normals = [Layer::Normals, Layer::SignedNormals];
     let all = [
-        pictures.output.as_deref().map(colors),
-        pictures.depth.as_deref().map(depth),
-        pictures.normals.as_deref().map(normals),
-        pictures.render_samples.as_deref().map(|values| enlarged("render_samples", values)),
-        pictures.render_filter.as_deref().map(|values| enlarged("render_filter", values)),
-        flags.statistics.cost_map.as_deref().map(cost_map),
+        flags.output.as_deref().map(colors),
+        flags.depth.as_deref().map(depth),
+        flags.normals.as_deref().map(|values| Output::new("normals", values, normals)),
+        flags.render_samples.as_deref().map(|values| enlarged("render_samples", values, size)),
+        flags.render_filter.as_deref().map(|values| enlarged("render_filter", values, size)),
+        flags.cost_map.as_deref().map(cost_map),
     ];
     all.into_iter().flatten().collect()
 }
 
 /// The picture of bytes that `-output` asks for, which clap has required.
 pub(super) fn output_of_bytes(flags: &Flags) -> Result<Output, CliError> {
-    colors(flags.pictures.output.as_deref().unwrap_or_default())?.of_bytes("output")
+    colors(flags.output.as_deref().unwrap_or_default())?.of_bytes("output")
 }
 
 fn colors(values: &[OsString]) -> Result<Output, CliError> {
     Output::new("output", values, [Layer::Color; 2])
 }
 
-fn normals(values: &[OsString]) -> Result<Output, CliError> {
-    Output::new("normals", values, [Layer::Normals, Layer::SignedNormals])
-}
-
 fn depth(values: &[OsString]) -> Result<Output, CliError> {
     let (ends, picture) = values.split_at(2);
-    let (near, far) = (value("depth", &ends[0], finite)?, value("depth", &ends[1], finite)?);
+    let end = |index: usize| value("depth", &ends[index], number(FINITE));
+    let (near, far) = (end(0)?, end(1)?);
     if near >= far {
-        return Err(CliError::new(format!("-depth: t0 must be less than t1, but {near} >= {far}")));
+        return fail(format!("-depth: t0 must be less than t1, but {near} >= {far}"));
     }
     // The greys divide by the difference.
     if !(far - near).is_finite() {
-        return Err(CliError::new("-depth: t1 - t0 is too large for a number"));
+        return fail("-depth: t1 - t0 is too large for a number");
     }
     Output::new("depth", picture, [Layer::Depth { near, far }, Layer::Distance])
 }
 
-fn enlarged(flag: &str, values: &[OsString]) -> Result<Output, CliError> {
+fn enlarged(flag: &str, values: &[OsString], size: [usize; 2]) -> Result<Output, CliError> {
     let (picture, last) = values.split_at(values.len() - 1);
-    if let [name, _] = picture
-        && Format::of(Path::new(name)).is_some()
-    {
-        return Err(CliError::unexpected(&last[0].to_string_lossy()));
+    if picture.len() > 1 && Format::of(Path::new(&picture[0])).is_some() {
+        return Err(CliError::unexpected(&last[0]));
     }
-    let zoom: u32 = value(flag, &last[0], value_parser!(u32).range(SIDES))?;
-    let zoom = zoom as usize;
+    let zoom = usize::from(value(flag, &last[0], value_parser!(u16).range(1..))?);
     let layer = if flag == "render_samples" { Layer::Samples { zoom } } else { Layer::Filter { zoom } };
+    if !layer.size(size).iter().all(|side| SIDES.contains(side)) {
+        return fail(format!("-{flag}: the enlarged picture has more than 65535 pixels a side"));
+    }
     Output::new(flag, picture, [layer; 2])
 }
 
 fn cost_map(values: &[OsString]) -> Result<Output, CliError> {
-    let kinds = PossibleValuesParser::new(["rays", "tests", "cells"]).map(|kind| match kind.as_str() {
-        "rays" => Cost::Rays,
-        "tests" => Cost::Tests,
-        _ => Cost::Cells,
-    });
-    let cost = value("cost_map", &values[0], kinds)?;
+    let cost = match values[0].to_str() {
+        Some("rays") => Cost::Rays,
+        Some("tests") => Cost::Tests,
+        Some("cells") => Cost::Cells,
+        _ => return Err(CliError::value("cost_map", &values[0], "none of rays, tests, cells")),
+    };
     // A picture in false colours has nothing beyond bytes.
     Output::new("cost_map", &values[1..], [Layer::Cost(cost); 2])?.of_bytes("cost_map")
-}
-
-/// Refuses two pictures with one name. Full paths are compared, not files: links are found when the files are opened.
-pub(super) fn distinct(files: &[(&'static str, &Path)]) -> Result<(), CliError> {
-    let full = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
-    for (i, &(flag, file)) in files.iter().enumerate() {
-        if let Some((other, _)) = files[i + 1..].iter().find(|(_, later)| full(later) == full(file)) {
-            let name = match file.as_os_str() {
-                stream if stream == OsStr::new("-") => "to standard output".to_owned(),
-                name => format!("'{}'", name.to_string_lossy()),
-            };
-            return Err(CliError::new(format!("{flag} and {other} both write {name}")));
-        }
-    }
-    Ok(())
 }

@@ -2,8 +2,8 @@
 
 use super::error::CliError;
 use super::flags::Flags;
-use super::options::{Options, ShowProgress, tolerance};
-use super::outputs::Output;
+use super::options::{Options, ShowProgress, region, tolerance};
+use super::outputs::{Output, output_of_bytes};
 use crate::render::Window;
 use crate::tools::compare::Tolerance;
 use std::path::PathBuf;
@@ -11,26 +11,19 @@ use std::path::PathBuf;
 /// A folder with a folder of pictures for every name, and what they are to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Grading {
-    /// The folder of folders.
     pub folder: PathBuf,
-    /// What the pictures are compared with.
     pub references: References,
     /// The page, whose name ends in `.html`.
     pub report: Option<PathBuf>,
-    /// The difference that passes; none if none was named.
     pub tolerance: Option<Tolerance>,
-    /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
-    /// Where progress is shown.
     pub progress: ShowProgress,
 }
 
-/// Where the reference pictures come from.
+/// Where the reference pictures come from: the files of a folder, or command lines in a file that render them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum References {
-    /// The picture files of a folder.
     Folder(PathBuf),
-    /// Rendered by the command lines in a file.
     Commands(PathBuf),
 }
 
@@ -43,18 +36,14 @@ pub struct Merging {
     pub output: Output,
     /// The part of the picture that they become; none for the whole.
     pub region: Option<Window>,
-    /// Where progress is shown.
     pub progress: ShowProgress,
 }
 
-/// A picture, and where it goes in another format.
+/// A picture, and where it goes in another format, which is one of bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Converting {
-    /// The picture to read.
     pub picture: PathBuf,
-    /// Where it goes. Its format is one of bytes.
     pub output: Output,
-    /// Where progress is shown, and whether a finished run prints what it wrote.
     pub progress: ShowProgress,
 }
 
@@ -70,17 +59,16 @@ pub struct ErrorReporting {
 }
 
 impl Grading {
-    pub(super) fn new(folder: PathBuf, flags: Flags) -> Result<Self, CliError> {
-        let pictures = flags.comparing.reference.clone().map(References::Folder);
-        let references = pictures.or(flags.grading.commands.clone().map(References::Commands));
-        let references = references.ok_or_else(|| CliError::new("-grade needs -reference or -commands"))?;
+    pub(super) fn new(folder: PathBuf, flags: &Flags) -> Result<Self, CliError> {
+        let pictures = flags.reference.clone().map(References::Folder);
+        let references = pictures.or(flags.commands.clone().map(References::Commands));
         Ok(Self {
             folder,
-            references,
-            threads: flags.other.threads.map(|threads| threads as usize),
-            tolerance: tolerance(&flags.comparing)?,
-            progress: ShowProgress::new(&flags),
-            report: flags.grading.report,
+            references: references.ok_or_else(|| CliError::new("-grade needs -reference or -commands"))?,
+            report: flags.report.clone(),
+            tolerance: tolerance(flags)?,
+            threads: flags.threads,
+            progress: ShowProgress::new(flags),
         })
     }
 
@@ -88,6 +76,13 @@ impl Grading {
     pub fn report_files(&self) -> Option<[PathBuf; 2]> {
         let page = self.report.as_ref()?;
         Some([page.clone(), page.with_extension("csv")])
+    }
+}
+
+impl Merging {
+    pub(super) fn new(parts: Vec<PathBuf>, flags: &Flags) -> Result<Self, CliError> {
+        let region = flags.region.as_deref().map(region).transpose()?;
+        Ok(Self { parts, output: output_of_bytes(flags)?, region, progress: ShowProgress::new(flags) })
     }
 }
 

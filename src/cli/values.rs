@@ -1,17 +1,25 @@
 //! Parsers of values, which clap calls, and which the flags call whose values are of different kinds.
 
 use super::error::CliError;
-use super::flags::SIDES;
 use crate::image_io::Format;
 use crate::scene::edition::Edition;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue};
 use serde::Serializer;
 use std::ffi::OsStr;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// The filter's weights divide by its size and the square of that, which must not underflow. In pixels.
-const FILTER_SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+/// The range of a picture's sides, in pixels.
+pub(super) const SIDES: RangeInclusive<usize> = 1..=65535;
+
+/// A range of numbers, and the words for what is not in it.
+type Numbers = (RangeInclusive<f64>, &'static str);
+
+pub(super) const FINITE: Numbers = (f64::MIN..=f64::MAX, "not a finite number");
+pub(super) const NOT_NEGATIVE: Numbers = (0.0..=f64::MAX, "not a finite number of 0 or more");
+/// The filter's weights divide by its size and the square of that, which must not underflow.
+pub(super) const FILTER_SIZE: Numbers = (1e-6..=1e6, "not in 0.000001..=1000000 pixels");
 
 pub(super) const NOT_PICTURE: &str = "none of .tga, .png, .bmp, .ppm, .pfm and .exr";
 pub(super) const NOT_BYTES: &str = "none of .tga, .png, .bmp and .ppm";
@@ -28,29 +36,14 @@ pub(super) fn value<P: TypedValueParser>(flag: &str, word: &OsStr, parser: P) ->
 }
 
 /// Parses a side, or both in the form `200x150`.
-pub(super) fn sides(word: &str) -> Result<Sides, String> {
-    let side = |text: &str| match text.parse::<i64>() {
-        Ok(side) if SIDES.contains(&side) => Ok(side as usize),
-        Ok(_) => Err(format!("{text} is not in 1..=65535")),
-        Err(error) => Err(error.to_string()),
-    };
-    word.split(['x', 'X']).map(side).collect()
+pub(super) fn sides(word: &str) -> Result<Sides, &'static str> {
+    let side = |text: &str| text.parse().ok().filter(|side| SIDES.contains(side));
+    let sides: Option<Sides> = word.split(['x', 'X']).map(side).collect();
+    sides.ok_or("not a whole number in 1..=65535")
 }
 
-pub(super) fn finite(word: &str) -> Result<f64, &'static str> {
-    word.parse().ok().filter(|number: &f64| number.is_finite()).ok_or("not a finite number")
-}
-
-pub(super) fn not_negative(word: &str) -> Result<f64, &'static str> {
-    match finite(word)? {
-        number if number < 0.0 => Err("negative"),
-        number => Ok(number),
-    }
-}
-
-pub(super) fn filter_size(word: &str) -> Result<f64, &'static str> {
-    let size = finite(word)?;
-    if FILTER_SIZES.contains(&size) { Ok(size) } else { Err("not in 0.000001..=1000000 pixels") }
+pub(super) fn number((range, problem): Numbers) -> impl TypedValueParser<Value = f64> {
+    move |word: &str| word.parse().ok().filter(|number| range.contains(number)).ok_or(problem)
 }
 
 pub(super) fn edition() -> impl TypedValueParser<Value = Edition> {
@@ -64,25 +57,19 @@ pub(super) fn picture() -> impl TypedValueParser<Value = PathBuf> {
 
 /// A picture of bytes.
 pub(super) fn byte_picture() -> impl TypedValueParser<Value = PathBuf> {
-    let is_byte_picture = |path: &Path| Format::of(path).is_some_and(|format| !format.is_float());
-    path(is_byte_picture, NOT_BYTES)
+    path(|path| Format::of(path).is_some_and(|format| !format.is_float()), NOT_BYTES)
 }
 
 /// A picture that may be a part of another.
 pub(super) fn part() -> impl TypedValueParser<Value = PathBuf> {
-    let is_part = |path: &Path| Format::of(path).is_some_and(Format::has_parts);
-    path(is_part, "neither .tga nor .png, as parts are")
+    path(|path| Format::of(path).is_some_and(Format::has_parts), "neither .tga nor .png, as parts are")
 }
 
-pub(super) fn page() -> impl TypedValueParser<Value = PathBuf> {
-    path(|path| has_ending(path, "html"), "not .html")
-}
-
-pub(super) fn json() -> impl TypedValueParser<Value = PathBuf> {
-    path(|path| path == Path::new("-") || has_ending(path, "json"), "neither - nor .json")
-}
-
-fn path(is_fit: fn(&Path) -> bool, problem: &'static str) -> impl TypedValueParser<Value = PathBuf> {
+/// A path that meets a condition.
+pub(super) fn path(
+    is_fit: fn(&Path) -> bool,
+    problem: &'static str,
+) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |path| if is_fit(&path) { Ok(path) } else { Err(problem) })
 }
 

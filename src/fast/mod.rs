@@ -126,10 +126,10 @@ impl FastRows<'_> {
     }
 }
 
-impl FastRow<'_> {
-    /// Whether secondary rays were left out.
-    pub fn is_cut(&self) -> bool {
-        self.memory.patience.has_ended
+impl<'a> FastRow<'a> {
+    /// How long the row is traced.
+    pub(crate) fn patience(&mut self) -> &mut Patience<'a> {
+        &mut self.memory.patience
     }
 
     /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted. Returns how

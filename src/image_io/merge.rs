@@ -1,167 +1,55 @@
 //! Parts of a picture are put together, row by row.
 
 use super::error::ImageError;
-use super::mosaic::first_gap;
-use super::part::Part;
-use super::part_file::{PartFile, Rows};
+use super::part::{Part, PartFile, Rows};
 use super::writer::PictureWriter;
 use crate::escape::quoted;
-use crate::picture::CHANNELS;
-use crate::render::{Progress, Window};
-use std::fmt;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use crate::picture::{CHANNELS, Window};
+use std::path::PathBuf;
 
-/// Parts that cover a picture, or a part of it.
+/// Parts that cover a picture, or a region of it.
 #[derive(Debug)]
 pub struct Merge {
     /// From the top.
     parts: Vec<PartFile>,
+    /// The place of the result in the whole.
     target: Window,
-}
-
-/// Why parts are not put together.
-#[derive(Debug)]
-pub enum MergeError {
-    /// A part cannot be read.
-    Image(ImageError),
-    /// Two parts whose wholes differ.
-    Mixed {
-        /// A part.
-        part: PathBuf,
-        /// The first part.
-        first: PathBuf,
-        /// In what they differ.
-        difference: Difference,
-    },
-    /// What is to be put together is not in the picture.
-    Outside {
-        /// Width and height of the whole.
-        whole: [u32; 2],
-    },
-    /// A part is missing.
-    Gap(Window),
-    /// Two parts that overlap, with different pixels.
-    Disagree {
-        /// The two files.
-        files: [PathBuf; 2],
-        /// Column and row of the first pixel that differs, in the whole.
-        pixel: [usize; 2],
-    },
-    /// The watch has ended the work.
-    Ended,
-}
-
-/// In what two parts of different pictures differ: what the one is, and what the other.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Difference {
-    /// The size of the whole.
-    Size([u32; 2], [u32; 2]),
-    /// What the picture shows.
-    Kind(String, String),
-    /// The scene, its meshes, the flags, or the version of the program.
-    Fingerprint,
-}
-
-impl Difference {
-    /// How a part's whole differs from that of another.
-    fn of(part: &Part, other: &Part) -> Option<Self> {
-        if part.whole != other.whole {
-            Some(Self::Size(part.whole, other.whole))
-        } else if part.kind != other.kind {
-            Some(Self::Kind(part.kind.clone(), other.kind.clone()))
-        } else {
-            (part.fingerprint != other.fingerprint).then_some(Self::Fingerprint)
-        }
-    }
-}
-
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Size([w, h], [w0, h0]) => write!(f, "of {w} x {h} pixels instead of {w0} x {h0}"),
-            Self::Kind(kind, first) => write!(f, "of {} instead of {}", quoted(kind), quoted(first)),
-            Self::Fingerprint => {
-                f.write_str("of another scene, of other flags or of another version of this program")
-            }
-        }
-    }
-}
-
-impl fmt::Display for MergeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Image(error) => error.fmt(f),
-            Self::Mixed { part, first, difference } => {
-                write!(
-                    f,
-                    "{} and {} do not belong together: the former is {difference}",
-                    quoted(part),
-                    quoted(first)
-                )
-            }
-            Self::Outside { whole: [w, h] } => {
-                write!(f, "`-region`: not within the whole picture of {w} x {h} pixels")
-            }
-            Self::Gap(Window { x, y, width, height }) => {
-                write!(f, "a part is missing: `-region {x} {y} {width} {height}`")
-            }
-            Self::Disagree { files: [a, b], pixel: [x, y] } => {
-                write!(f, "{} and {} overlap and differ at ({x}, {y})", quoted(a), quoted(b))
-            }
-            Self::Ended => f.write_str("ended before all parts were read; nothing is written"),
-        }
-    }
-}
-
-impl std::error::Error for MergeError {}
-
-impl From<ImageError> for MergeError {
-    fn from(error: ImageError) -> Self {
-        Self::Image(error)
-    }
+    /// What the result is a part of, unless it is the whole.
+    pub part: Option<Part>,
 }
 
 impl Merge {
     /// Opens parts, in any order, and checks that they are parts of one picture and cover it, or the region of it that
     /// is asked for. Their pixels are not read yet.
-    pub fn open(paths: &[PathBuf], region: Option<Window>) -> Result<Self, MergeError> {
+    pub fn open(paths: &[PathBuf], region: Option<Window>) -> Result<Self, ImageError> {
         let mut parts = paths.iter().map(|path| PartFile::open(path)).collect::<Result<Vec<_>, _>>()?;
-        let target = match Self::target(&parts, region) {
-            Ok(target) => target,
-            Err(error) => {
-                // A part that is damaged may seem to lie elsewhere.
-                parts.iter().try_for_each(PartFile::check)?;
-                return Err(error);
-            }
+        let failed = |problem| Err(ImageError::Parts(problem));
+        let Some(PartFile { path, part: first, .. }) = parts.first().cloned() else {
+            return failed("there are no parts".into());
         };
-        parts.retain(|part| overlap(&part.window(), &target));
-        parts.sort_by_key(|part| part.part.at[1]);
-        Ok(Self { parts, target })
-    }
-
-    /// The place of the result in the whole, which the parts cover.
-    fn target(parts: &[PartFile], region: Option<Window>) -> Result<Window, MergeError> {
-        let Some(first) = parts.first() else {
-            return Err(MergeError::Gap(region.unwrap_or(Window { x: 0, y: 0, width: 1, height: 1 })));
-        };
-        for other in parts {
-            if let Some(difference) = Difference::of(&other.part, &first.part) {
-                let (part, first) = (other.path.clone(), first.path.clone());
-                return Err(MergeError::Mixed { part, first, difference });
-            }
+        for PartFile { path: other, part, .. } in &parts {
+            let ([w, h], [w0, h0]) = (part.whole, first.whole);
+            let difference = match part.fingerprint == first.fingerprint {
+                _ if [w, h] != [w0, h0] => format!("of {w} x {h} pixels instead of {w0} x {h0}"),
+                false => "of another layer, scene, mesh, flag or version of this program".into(),
+                true => continue,
+            };
+            let [other, path] = [other, &path].map(quoted);
+            return failed(format!("{other} and {path} do not belong together: the former is {difference}"));
         }
-        let whole = first.part.whole;
-        let [width, height] = whole.map(|n| n as usize);
+        let [width, height] = first.whole.map(|side| side as usize);
         let target = region.unwrap_or(Window { x: 0, y: 0, width, height });
-        if target.x + target.width > width || target.y + target.height > height {
-            return Err(MergeError::Outside { whole });
+        if !target.fits([width, height]) {
+            return failed(format!("`-region`: not within the whole picture of {width} x {height} pixels"));
         }
-        let tiles: Vec<Window> = parts.iter().map(PartFile::window).collect();
-        if let Some(gap) = first_gap(&tiles, target) {
-            return Err(MergeError::Gap(gap));
+        if let Some(Window { x, y, width, height }) = first_gap(&parts, target) {
+            return failed(format!("a part is missing: `-region {x} {y} {width} {height}`"));
         }
-        Ok(target)
+        parts.retain(|part| part.window.overlaps(&target));
+        parts.sort_by_key(|part| part.window.y);
+        let is_part = [target.width, target.height] != [width, height];
+        let part = is_part.then(|| Part { at: [target.x, target.y].map(|n| n as u32), ..first });
+        Ok(Self { parts, target, part })
     }
 
     /// Width and height of the result in pixels.
@@ -169,98 +57,109 @@ impl Merge {
         [self.target.width, self.target.height]
     }
 
-    /// What the result is a part of; none if it is the whole.
-    pub fn part(&self) -> Option<Part> {
-        let part = &self.parts.first()?.part;
-        let Window { x, y, width, height } = self.target;
-        let is_whole = part.whole.map(|n| n as usize) == [width, height];
-        (!is_whole).then(|| Part { at: [x, y].map(|n| n as u32), ..part.clone() })
-    }
-
-    /// Hands the rows to the writer. The watch is told after each row, and may end the work. Only files that the
-    /// current row crosses are open.
-    pub fn write(
-        &self,
-        writer: &mut PictureWriter,
-        watch: &dyn Fn(Progress) -> ControlFlow<()>,
-    ) -> Result<(), MergeError> {
-        let Window { y: top, height, width, .. } = self.target;
-        let mut row = vec![0; width * CHANNELS];
+    /// Hands the rows to the writer, and calls `watch` with their number after each. Only files that the current row
+    /// crosses are open.
+    pub fn write(&self, writer: &mut PictureWriter, watch: &dyn Fn(usize)) -> Result<(), ImageError> {
+        let mut row = vec![0; self.target.width * CHANNELS];
         let mut waiting = self.parts.iter().peekable();
-        let mut open: Vec<OpenPart> = Vec::new();
-        for y in top..top + height {
-            open.retain(|part| y < part.window.y + part.window.height);
-            while let Some(part) = waiting.next_if(|part| part.window().y <= y) {
-                if y < part.window().y + part.window().height {
-                    open.push(OpenPart::at_row(part, y)?);
-                }
+        let mut open: Vec<OpenPart> = vec![];
+        for y in self.target.y..self.target.bottom() {
+            while let Some(file) = waiting.next_if(|part| part.window.y <= y) {
+                let mut part = OpenPart { file, rows: Rows::open(&file.path)?, row: vec![] };
+                (file.window.y..y).try_for_each(|_| part.rows.next(&mut part.row))?;
+                open.push(part);
             }
-            open.sort_by_key(|part| part.window.x);
+            open.sort_by_key(|part| part.file.window.x);
             self.fill(&mut row, y, &mut open)?;
             writer.row_of_bytes(&row)?;
-            if y + 1 == top + height {
-                open.iter_mut().try_for_each(|part| part.rows.check_rest())?;
-            }
-            if watch(Progress { done: y + 1 - top, rows: height, rays: 0 }).is_break() {
-                return Err(MergeError::Ended);
-            }
+            open.retain(|part| part.file.window.bottom() > y + 1);
+            watch(y + 1 - self.target.y);
         }
         Ok(())
     }
 
-    /// Puts row `y` together. The parts are sorted from the left, and leave no gap.
-    fn fill(&self, row: &mut [u8], y: usize, parts: &mut [OpenPart]) -> Result<(), MergeError> {
-        let left = self.target.x;
-        let right = left + self.target.width;
+    /// Puts row `y` together. The parts are sorted from the left, and leave no gap. Where they overlap they must agree.
+    fn fill(&self, row: &mut [u8], y: usize, parts: &mut [OpenPart]) -> Result<(), ImageError> {
+        let (left, right) = (self.target.x, self.target.right());
         let mut filled = left;
         for index in 0..parts.len() {
-            let part = &mut parts[index];
-            part.rows.next(&mut part.row)?;
-            let Window { x, width, .. } = part.window;
-            let [start, end] = [x, x + width].map(|x| x.clamp(left, right));
-            let own = |from: usize, to: usize| &part.row[(from - x) * CHANNELS..(to - x) * CHANNELS];
+            let OpenPart { file, rows, row: bytes } = &mut parts[index];
+            rows.next(bytes)?;
+            let [start, end] = [file.window.x, file.window.right()].map(|x| x.clamp(left, right));
             let seam = filled.clamp(start, end);
-            let known = &row[(start - left) * CHANNELS..(seam - left) * CHANNELS];
-            let first = own(start, seam).iter().zip(known).position(|(a, b)| a != b);
-            if let Some(byte) = first {
-                let pixel = [start + byte / CHANNELS, y];
-                return Err(disagreement(parts, index, pixel)?);
+            let own = &bytes[(start - file.window.x) * CHANNELS..(end - file.window.x) * CHANNELS];
+            let (known, new) = row[(start - left) * CHANNELS..(end - left) * CHANNELS]
+                .split_at_mut((seam - start) * CHANNELS);
+            if let Some(byte) = known.iter().zip(own).position(|(a, b)| a != b) {
+                let x = start + byte / CHANNELS;
+                let path = quoted(&file.path);
+                let other = parts[..index].iter().find(|part| part.file.window.right() > x);
+                let other = other.map_or(String::new(), |other| quoted(&other.file.path));
+                return Err(ImageError::Parts(format!(
+                    "{other} and {path} overlap and differ at ({x}, {y})"
+                )));
             }
-            row[(seam - left) * CHANNELS..(end - left) * CHANNELS].copy_from_slice(own(seam, end));
+            new.copy_from_slice(&own[known.len()..]);
             filled = filled.max(end);
         }
         Ok(())
     }
 }
 
-/// Whether two windows share a pixel.
-fn overlap(a: &Window, b: &Window) -> bool {
-    a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height
-}
-
-/// The part with this index has another pixel than one to its left. An error also if one of them is damaged.
-fn disagreement(parts: &mut [OpenPart], index: usize, pixel: [usize; 2]) -> Result<MergeError, ImageError> {
-    let has = |part: &&OpenPart| (part.window.x..part.window.x + part.window.width).contains(&pixel[0]);
-    let other = parts[..index].iter().position(|part| has(&part)).unwrap_or(index);
-    [other, index].into_iter().try_for_each(|index| parts[index].rows.check_rest())?;
-    let files = [other, index].map(|index| parts[index].path.to_owned());
-    Ok(MergeError::Disagree { files, pixel })
-}
-
 /// A part that is being read.
 struct OpenPart<'p> {
-    path: &'p Path,
-    window: Window,
+    file: &'p PartFile,
     rows: Rows,
     /// Its bytes of the current row.
     row: Vec<u8>,
 }
 
-impl<'p> OpenPart<'p> {
-    /// A part whose next row is row `y` of the whole.
-    fn at_row(part: &'p PartFile, y: usize) -> Result<Self, ImageError> {
-        let (window, mut rows, mut row) = (part.window(), part.rows()?, Vec::new());
-        (window.y..y).try_for_each(|_| rows.next(&mut row))?;
-        Ok(Self { path: &part.path, window, rows, row })
+/// Returns the first pixels of `target` that no part covers, by rows from the top and then from the left: the columns
+/// that lack, in as many rows as lack them all.
+fn first_gap(parts: &[PartFile], target: Window) -> Option<Window> {
+    // A gap begins in the first row or where a part ends.
+    let mut starts: Vec<usize> = parts.iter().map(|part| part.window.bottom()).chain([target.y]).collect();
+    starts.retain(|y| (target.y..target.bottom()).contains(y));
+    starts.sort_unstable();
+    starts.into_iter().find_map(|y| {
+        let windows = || parts.iter().map(|part| part.window);
+        let mut row: Vec<Window> = windows().filter(|part| (part.y..part.bottom()).contains(&y)).collect();
+        row.sort_unstable_by_key(|part| part.x);
+        let x = row.iter().fold(target.x, |x, part| if part.x <= x { x.max(part.right()) } else { x });
+        let end =
+            row.iter().map(|part| part.x).find(|&start| start > x).unwrap_or(usize::MAX).min(target.right());
+        let below = windows().filter(|part| part.y > y && part.x < end && x < part.right());
+        let bottom = below.map(|part| part.y).min().unwrap_or(usize::MAX).min(target.bottom());
+        (x < end).then(|| Window { x, y, width: end - x, height: bottom - y })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_gap_is_as_large_as_it_can_be() {
+        let window = |[x, y, width, height]: [usize; 4]| Window { x, y, width, height };
+        for (tiles, target, gap) in [
+            (&[][..], [0, 0, 9, 7], Some([0, 0, 9, 7])),
+            (&[[0, 0, 9, 7]], [0, 0, 9, 7], None),
+            (&[[0, 0, 9, 3], [0, 3, 9, 4]], [0, 0, 9, 7], None),
+            (&[[0, 4, 9, 3], [0, 0, 9, 3]], [0, 0, 9, 7], Some([0, 3, 9, 1])),
+            (&[[0, 0, 4, 7], [5, 0, 4, 7]], [0, 0, 9, 7], Some([4, 0, 1, 7])),
+            (&[[0, 0, 4, 7], [5, 0, 4, 4], [3, 5, 6, 2]], [0, 0, 9, 7], Some([4, 0, 1, 5])),
+            (&[[0, 0, 9, 2], [0, 2, 3, 5], [6, 2, 3, 5], [3, 4, 1, 1]], [0, 0, 9, 7], Some([3, 2, 3, 2])),
+            (&[[0, 0, 9, 5], [0, 3, 9, 4]], [0, 0, 9, 7], None),
+            (&[[0, 0, 9, 7]], [2, 2, 9, 3], Some([9, 2, 2, 3])),
+            (&[[0, 0, 2, 9], [20, 0, 2, 9]], [3, 2, 4, 3], Some([3, 2, 4, 3])),
+            (&[[3, 2, 4, 3]], [3, 2, 4, 3], None),
+            (&[[0, 0, 8, 7]], [0, 0, 9, 7], Some([8, 0, 1, 7])),
+            (&[[0, 0, 9, 3], [0, 6, 9, 1]], [0, 0, 9, 7], Some([0, 3, 9, 3])),
+        ] {
+            let part = Part { whole: [9, 7], at: [0, 0], fingerprint: 0 };
+            let file = |tile| PartFile { path: "a.tga".into(), part: part.clone(), window: window(tile) };
+            let tiles: Vec<PartFile> = tiles.iter().copied().map(file).collect();
+            assert_eq!(first_gap(&tiles, window(target)), gap.map(window), "{tiles:?}");
+        }
     }
 }

@@ -1,129 +1,193 @@
-//! Output files, which are either complete or not written at all.
+//! Output files: each appears under its name when it is complete, together with the others of a run.
+//!
+//! Until then the content is in memory or, if it is long, in a temporary file without a name, so that nothing is left
+//! however the program ends. It gets a temporary name beside its target only to be renamed.
 
 use super::Format;
-use super::complete_file::{CompleteFile, check_folder};
 use super::error::ImageError;
-use super::float_rows::Content;
-use super::part::Part;
-use super::writer::PictureWriter;
+use super::writer::Content;
+use crate::escape::quoted;
+use crate::memory::with_room;
 use crate::picture::{CHANNELS, Picture};
+use crate::undisturbed::undisturbed;
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
-use std::io;
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
+use tempfile::{NamedTempFile, SpooledData, SpooledTempFile};
 
-/// A picture file that is known to be writable and has not been written yet.
-///
-/// The finished picture is a [`CompleteFile`], which is put in its place in one step, alone or with others. A program
-/// that is killed before leaves nothing behind.
+/// The longest content that is kept in memory, in bytes.
+const IN_MEMORY: usize = 8 << 20;
+/// Upper bound on the memory that is taken while files have temporary names, in bytes.
+const WORKING_MEMORY: usize = 1 << 20;
+
+/// A file that is known to be writable and has not been written yet.
 #[derive(Debug)]
 pub struct OutputFile {
     /// The path as the user gave it, for messages.
-    path: PathBuf,
-    format: Format,
+    pub(super) path: PathBuf,
     target: Target,
+}
+
+/// A file with all of its content, which is not in its place yet.
+#[must_use = "the file gets its name when it is put in its place"]
+#[derive(Debug)]
+pub struct CompleteFile {
+    pub(super) output: OutputFile,
+    pub(super) content: SpooledTempFile,
 }
 
 /// The destination of a file.
 #[derive(Debug)]
-pub(super) enum Target {
-    /// A regular file, which need not exist yet, with links resolved. `permissions` are those of an existing
-    /// file.
-    Replace { file: PathBuf, permissions: Option<Permissions> },
+enum Target {
+    /// A regular file, with links resolved. If it exists, `permissions` are its own.
+    Replace {
+        file: PathBuf,
+        permissions: Option<Permissions>,
+    },
     /// A pipe or a device, which is written to and not replaced by a file.
     Direct(File),
-    /// Standard output.
     StandardOutput,
 }
 
 impl OutputFile {
-    /// Checks that a picture can be written to `path`: its extension, its folder and the permissions.
+    /// Checks that a file can be written to `path`: its folder and the permissions.
     ///
     /// A pipe or a device is opened, which may block until there is a reader.
     pub fn prepare(path: &Path) -> Result<Self, ImageError> {
-        let format = Format::of(path).ok_or_else(|| ImageError::Ending { path: path.to_owned() })?;
-        Self::prepare_as(path, format)
-    }
-
-    /// Checks like [`prepare`](Self::prepare) that a picture can be written to `path`, whatever the name ends in.
-    pub fn prepare_as(path: &Path, format: Format) -> Result<Self, ImageError> {
-        Ok(Self { path: path.to_owned(), format, target: Target::prepare(path)? })
-    }
-
-    /// A picture that is written to standard output when it is finished.
-    pub fn standard_output(format: Format) -> Self {
-        Self { path: "standard output".into(), format, target: Target::StandardOutput }
-    }
-
-    /// Starts a picture of this width and height in pixels. Its file is written when the picture is finished, and says
-    /// which part of a larger picture it is, if it is one.
-    pub fn begin(self, size: [usize; 2], part: Option<&Part>) -> Result<PictureWriter, ImageError> {
-        self.begin_with(size, Content::Colors, part)
-    }
-
-    /// Starts a picture like [`begin`](Self::begin), whose colours mean this.
-    pub fn begin_with(
-        self,
-        size: [usize; 2],
-        content: Content,
-        part: Option<&Part>,
-    ) -> Result<PictureWriter, ImageError> {
-        PictureWriter::new(self.path, self.format, self.target, size, content, part)
-    }
-
-    /// Writes a picture. If this fails and the target is a regular file, nothing is written.
-    pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
-        self.complete(picture)?.put_in_place()
-    }
-
-    /// The file of a picture.
-    pub fn complete(self, picture: &Picture) -> Result<CompleteFile, ImageError> {
-        let mut writer = self.begin([picture.width() as usize, picture.height() as usize], None)?;
-        let rows = picture.pixels().chunks_exact(picture.width() as usize * CHANNELS);
-        rows.into_iter().try_for_each(|row| writer.row_of_bytes(row))?;
-        writer.complete()
-    }
-}
-
-impl Target {
-    /// Checks that a file can be written to `path`: its folder and the permissions.
-    pub(super) fn prepare(path: &Path) -> Result<Self, ImageError> {
         let failed = |error| ImageError::io("write", path, error);
+        let refused = |reason: String| Err(ImageError::new("write", path, reason));
         let target = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return Err(ImageError::Folder { path: path.to_owned() }),
+            Ok(found) if found.is_dir() => return refused("it is a folder".into()),
             Ok(found) => existing(path, &found).map_err(failed)?,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                Self::Replace { file: follow_links(path).map_err(failed)?, permissions: None }
+                Target::Replace { file: follow_links(path).map_err(failed)?, permissions: None }
             }
             Err(error) => return Err(failed(error)),
         };
-        match target.probe() {
-            Err(error) if error.kind() == io::ErrorKind::NotFound && !target.folder().is_dir() => {
-                let folder = target.folder();
-                Err(ImageError::NoFolder { path: path.to_owned(), folder })
+        let Target::Replace { file, .. } = &target else { return Ok(Self { path: path.to_owned(), target }) };
+        let folder = folder_of(file);
+        match tempfile::tempfile_in(folder) {
+            Ok(_) => Ok(Self { path: path.to_owned(), target }),
+            Err(error) if error.kind() == io::ErrorKind::NotFound && !folder.is_dir() => {
+                refused(format!("there is no folder {}", quoted(folder)))
             }
-            probed => probed.map_err(failed).map(|()| target),
+            Err(error) => Err(failed(error)),
         }
     }
 
-    /// The folder for temporary files, which is on the disk of the target if that is a regular file.
-    pub(super) fn folder(&self) -> PathBuf {
-        match self {
-            Self::Replace { file, .. } => folder_of(file).to_owned(),
-            Self::Direct(_) | Self::StandardOutput => std::env::temp_dir(),
-        }
+    /// Returns the file that is written to standard output when it is complete.
+    pub fn standard_output() -> Self {
+        Self { path: "standard output".into(), target: Target::StandardOutput }
     }
 
-    /// Checks that a file can be created in the target's folder.
-    fn probe(&self) -> io::Result<()> {
-        match self {
-            Self::Replace { file, .. } => check_folder(folder_of(file)),
-            Self::Direct(_) | Self::StandardOutput => Ok(()),
+    /// True for a pipe, a device or standard output.
+    pub fn is_stream(&self) -> bool {
+        !matches!(self.target, Target::Replace { .. })
+    }
+
+    /// Writes a picture in the format that the file's name tells. If this fails and the target is a regular file,
+    /// nothing is written.
+    pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
+        let format = Format::of(&self.path).ok_or_else(|| ImageError::ending("write", &self.path))?;
+        self.picture(format, picture)?.put_in_place()
+    }
+
+    /// Returns the file with this picture.
+    pub fn picture(self, format: Format, picture: &Picture) -> Result<CompleteFile, ImageError> {
+        let size = [picture.width(), picture.height()].map(|side| side as usize);
+        let mut writer = self.begin(format, size, Content::Colors, None)?;
+        picture.pixels().chunks_exact(size[0] * CHANNELS).try_for_each(|row| writer.row_of_bytes(row))?;
+        writer.complete()
+    }
+
+    /// Returns the file with this text.
+    pub fn text(self, text: &str) -> Result<CompleteFile, ImageError> {
+        let mut content = self.spool();
+        content.write_all(text.as_bytes()).map_err(|error| ImageError::io("write", &self.path, error))?;
+        Ok(CompleteFile { output: self, content })
+    }
+
+    /// Returns an empty content, whose temporary file is on the disk of the target.
+    pub(super) fn spool(&self) -> SpooledTempFile {
+        match &self.target {
+            Target::Replace { file, .. } => tempfile::spooled_tempfile_in(IN_MEMORY, folder_of(file)),
+            Target::Direct(_) | Target::StandardOutput => tempfile::spooled_tempfile(IN_MEMORY),
         }
     }
 }
 
-/// The target for an existing file, pipe or device. It is opened for writing, without truncation, because a
+impl CompleteFile {
+    /// True for a pipe, a device or standard output.
+    pub fn is_stream(&self) -> bool {
+        self.output.is_stream()
+    }
+
+    /// Writes the content of a pipe, a device or standard output, which may wait for a reader. Returns a regular file
+    /// as it is.
+    pub fn write_stream(self) -> Result<Option<Self>, ImageError> {
+        let written = match self.output.target {
+            Target::Replace { .. } => return Ok(Some(self)),
+            Target::Direct(file) => copy(self.content, file),
+            Target::StandardOutput => copy(self.content, io::stdout().lock()),
+        };
+        written.map(|()| None).map_err(|error| ImageError::io("write", &self.output.path, error))
+    }
+
+    /// Puts this file alone in its place.
+    pub fn put_in_place(self) -> Result<(), ImageError> {
+        put_in_place(vec![self])
+    }
+
+    /// Copies the content of a regular file to a file with a temporary name beside the target, which is returned too.
+    fn name_beside(self) -> io::Result<Option<(NamedTempFile, PathBuf)>> {
+        let Target::Replace { file: target, permissions } = self.output.target else { return Ok(None) };
+        let new_file = |path: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(path);
+        let named = tempfile::Builder::new().prefix(".raytracer-").make_in(folder_of(&target), new_file)?;
+        copy(self.content, named.as_file())?;
+        permissions.map_or(Ok(()), |permissions| named.as_file().set_permissions(permissions))?;
+        Ok(Some((named, target)))
+    }
+}
+
+/// Puts files in their places, the pipes, devices and standard output first. If one fails, no regular file is replaced
+/// or made.
+///
+/// They are not flushed to the disk first, because that takes many times as long as rendering a small picture.
+pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), ImageError> {
+    let mut regular = Vec::with_capacity(files.len());
+    for file in files {
+        regular.extend(file.write_stream()?);
+    }
+    let Some(first) = regular.first() else { return Ok(()) };
+    // A program that ends for want of memory removes no temporary file.
+    with_room::<u8>(WORKING_MEMORY).map_err(|error| ImageError::io("write", &first.output.path, error))?;
+    undisturbed(|| {
+        let mut named = Vec::with_capacity(regular.len());
+        for file in regular {
+            let path = file.output.path.clone();
+            let beside = file.name_beside().map_err(|error| ImageError::io("write", &path, error))?;
+            named.extend(beside.map(|(file, target)| (path, file, target)));
+        }
+        named.into_iter().try_for_each(|(path, file, target)| match file.persist(target) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(ImageError::io("write", &path, error.error)),
+        })
+    })
+}
+
+fn copy(content: SpooledTempFile, mut target: impl Write) -> io::Result<()> {
+    match content.into_inner() {
+        SpooledData::InMemory(bytes) => target.write_all(bytes.get_ref())?,
+        SpooledData::OnDisk(mut file) => {
+            file.rewind()?;
+            io::copy(&mut file, &mut target)?;
+        }
+    }
+    target.flush()
+}
+
+/// Returns the target for an existing file, pipe or device. It is opened for writing, without truncation, because a
 /// write-protected file is an error, although it could be replaced by renaming.
 fn existing(path: &Path, found: &Metadata) -> io::Result<Target> {
     let file = OpenOptions::new().write(true).open(path)?;
@@ -133,7 +197,7 @@ fn existing(path: &Path, found: &Metadata) -> io::Result<Target> {
     }
 }
 
-/// The target of a symbolic link to a file that does not exist yet; the path itself if it is no link.
+/// Returns the target of a symbolic link to a file that does not exist yet, or the path itself if it is no link.
 pub(super) fn follow_links(path: &Path) -> io::Result<PathBuf> {
     const MAX_LINKS: usize = 40;
     let mut target = path.to_owned();

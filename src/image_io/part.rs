@@ -1,11 +1,21 @@
-//! What a picture file says about the whole that it is a part of.
+//! Parts of pictures: files that say where in a whole picture they lie, and reading their rows one by one.
 //!
-//! A TGA file says it in its image ID, which viewers show as a comment and which follows the header, so that the file
-//! may have any length; a PNG file in a text chunk called `Comment`. The place stands there too, beside TGA's fields
-//! for the origin and PNG's chunk `oFFs`, which other programs read. A checksum follows it.
+//! A TGA file says it in its image ID, which follows the header and which viewers show as a comment; a PNG file in a
+//! text chunk called `Comment`. The place stands there too, beside TGA's fields for the origin and PNG's chunk `oFFs`,
+//! which other programs read.
 
+use super::error::ImageError;
+use super::format::{Format, START, identify};
+use super::header::TGA_HEADER;
+use super::reader::{open_regular, too_short};
+use crate::picture::{CHANNELS, Window};
 use std::fmt;
-use std::str::FromStr;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+
+/// The keyword of the text in a PNG file that says which part of a larger picture it is.
+pub(super) const PNG_COMMENT: &str = "Comment";
 
 /// The place of a picture in a whole one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,68 +24,173 @@ pub struct Part {
     pub whole: [u32; 2],
     /// The part's top left pixel: its column and row in the whole, from the top left.
     pub at: [u32; 2],
-    /// What the picture shows, in one word.
-    pub kind: String,
     /// A hash of everything that the bytes of the whole picture depend on.
     pub fingerprint: u128,
 }
 
-/// The length of the longest text of a part, in bytes.
-pub(super) const MAX_TEXT: usize = 255;
+impl Part {
+    /// Reads what [`Display`](fmt::Display) writes.
+    pub fn parse(text: &str) -> Option<Self> {
+        let (whole, rest) = text.strip_prefix("part of ")?.split_once(" at ")?;
+        let (at, fingerprint) = rest.split_once("; fingerprint ")?;
+        let pair = |text: &str, separator| {
+            let (a, b) = text.split_once(separator)?;
+            Some([a.parse().ok()?, b.parse().ok()?])
+        };
+        let fingerprint = u128::from_str_radix(fingerprint, 16).ok()?;
+        let part = Self { whole: pair(whole, " x ")?, at: pair(at, ", ")?, fingerprint };
+        // Numbers can be written in other ways too.
+        (part.to_string() == text).then_some(part)
+    }
+}
 
 impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { whole: [width, height], at: [x, y], kind, fingerprint } = self;
-        write!(f, "part of {width} x {height} at {x}, {y}; {kind}; fingerprint {fingerprint:032x}")
+        let Self { whole: [width, height], at: [x, y], fingerprint } = self;
+        write!(f, "part of {width} x {height} at {x}, {y}; fingerprint {fingerprint:032x}")
     }
 }
 
-/// A text that is not that of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NotPart;
+/// The file of a part, encoded as this program does.
+#[derive(Clone, Debug)]
+pub struct PartFile {
+    /// The path as the user gave it.
+    pub path: PathBuf,
+    /// What the file says about itself.
+    pub part: Part,
+    /// The part's place in the whole.
+    pub window: Window,
+}
 
-impl FromStr for Part {
-    type Err = NotPart;
-
-    fn from_str(text: &str) -> Result<Self, NotPart> {
-        parse(text).ok_or(NotPart)
+impl PartFile {
+    /// Reads what a file says about itself. An error if it is no part, or not encoded as this program does.
+    pub fn open(path: &Path) -> Result<Self, ImageError> {
+        let Rows { size: [width, height], comment, .. } = Rows::open(path)?;
+        let part = comment.as_deref().and_then(Part::parse).ok_or_else(|| {
+            let reason =
+                format!("it is a picture of {width} x {height} pixels, and no part as `-region` makes it");
+            ImageError::new("merge", path, reason)
+        })?;
+        let [x, y, width, height] = [part.at[0], part.at[1], width, height].map(|n| n as usize);
+        let window = Window { x, y, width, height };
+        if !window.fits(part.whole.map(|side| side as usize)) {
+            return Err(ImageError::new("merge", path, "it says that it lies outside of its picture"));
+        }
+        Ok(Self { path: path.to_owned(), part, window })
     }
 }
 
-fn parse(text: &str) -> Option<Part> {
-    let (whole, rest) = text.strip_prefix("part of ")?.split_once(" at ")?;
-    let (at, rest) = rest.split_once("; ")?;
-    let (kind, fingerprint) = rest.split_once("; fingerprint ")?;
-    let fingerprint = u128::from_str_radix(fingerprint, 16).ok()?;
-    Some(Part { whole: pair(whole, " x ")?, at: pair(at, ", ")?, kind: kind.into(), fingerprint })
+/// The rows of a TGA or PNG file as this program writes it, from the top. They take the memory of a row.
+pub(super) struct Rows {
+    path: PathBuf,
+    /// Width and height in pixels.
+    size: [u32; 2],
+    comment: Option<String>,
+    decoder: Decoder,
+    /// The number of rows that have not been read.
+    left: u32,
 }
 
-fn pair(text: &str, separator: &str) -> Option<[u32; 2]> {
-    let (a, b) = text.split_once(separator)?;
-    Some([a.parse().ok()?, b.parse().ok()?])
+enum Decoder {
+    /// The rows follow uncompressed, with blue first.
+    Tga(BufReader<File>),
+    Png(Box<png::Reader<BufReader<File>>>),
+}
+
+impl Rows {
+    /// Opens a file.
+    pub fn open(path: &Path) -> Result<Self, ImageError> {
+        let (mut file, mut start) = (open_regular(path)?, vec![]);
+        let read = file.by_ref().take(START as u64).read_to_end(&mut start);
+        read.map_err(|error| ImageError::io("read", path, error))?;
+        Self::new(path, identify(path, &start)?, file)
+    }
+
+    /// Reads what precedes the rows of a file, which need not have all rows.
+    pub fn new(path: &Path, format: Format, mut file: File) -> Result<Self, ImageError> {
+        let read = file.rewind().and_then(|()| match format {
+            Format::Tga => tga(BufReader::new(file)),
+            Format::Png => png(BufReader::new(file)),
+            Format::Bmp | Format::Ppm | Format::Pfm | Format::Exr => Ok(None),
+        });
+        match read {
+            Ok(Some((size, comment, decoder))) => {
+                Ok(Self { path: path.to_owned(), size, comment, decoder, left: size[1] })
+            }
+            Ok(None) => Err(ImageError::new("merge", path, "it is not encoded as `-region` makes it")),
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                Err(ImageError::new("read", path, "it ends within its header"))
+            }
+            Err(error) => Err(ImageError::io("read", path, error)),
+        }
+    }
+
+    /// Reads the next row as bytes of red, green and blue. The last one of a PNG file is checked with what follows it.
+    pub fn next(&mut self, rgb: &mut Vec<u8>) -> Result<(), ImageError> {
+        rgb.resize(self.size[0] as usize * CHANNELS, 0);
+        self.left = self.left.saturating_sub(1);
+        let read = match &mut self.decoder {
+            Decoder::Tga(source) => source.read_exact(rgb),
+            Decoder::Png(reader) if self.left > 0 => reader.read_row(rgb).map(drop).map_err(io::Error::from),
+            Decoder::Png(reader) => {
+                reader.read_row(rgb).and_then(|_| reader.finish()).map_err(io::Error::from)
+            }
+        };
+        if let Decoder::Tga(_) = self.decoder {
+            rgb.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
+        }
+        read.map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => ImageError::new("read", &self.path, too_short(self.size)),
+            _ => ImageError::io("read", &self.path, error),
+        })
+    }
+}
+
+/// The size of a picture, its comment and its rows. `None` if the file is not encoded as this program does.
+type Found = Option<([u32; 2], Option<String>, Decoder)>;
+
+fn tga(mut source: BufReader<File>) -> io::Result<Found> {
+    let mut header = [0; TGA_HEADER];
+    source.read_exact(&mut header)?;
+    let mut id = vec![0; header[0].into()];
+    source.read_exact(&mut id)?;
+    let [_, 0, 2, 0, 0, 0, 0, 0, _, _, _, _, w0, w1, h0, h1, 24, 32] = header else { return Ok(None) };
+    let size = [[w0, w1], [h0, h1]].map(|side| u32::from(u16::from_le_bytes(side)));
+    Ok(Some((size, String::from_utf8(id).ok(), Decoder::Tga(source))))
+}
+
+fn png(source: BufReader<File>) -> io::Result<Found> {
+    let mut options = png::DecodeOptions::default();
+    options.set_skip_ancillary_crc_failures(false);
+    let reader = png::Decoder::new_with_options(source, options).read_info()?;
+    let info = reader.info();
+    let text = info.uncompressed_latin1_text.iter().find(|chunk| chunk.keyword == PNG_COMMENT);
+    let (size, comment) = ([info.width, info.height], text.map(|chunk| chunk.text.clone()));
+    let is_own =
+        !info.interlaced && (info.color_type, info.bit_depth) == (png::ColorType::Rgb, png::BitDepth::Eight);
+    Ok(is_own.then(|| (size, comment, Decoder::Png(Box::new(reader)))))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn part() -> Part {
-        Part { whole: [65535, 7], at: [0, 65534], kind: "color".into(), fingerprint: 0xabc }
-    }
-
     #[test]
-    fn the_text_of_a_part_is_read_back() {
-        let text = "part of 65535 x 7 at 0, 65534; color; fingerprint 00000000000000000000000000000abc";
-        assert_eq!((part().to_string().as_str(), text.parse()), (text, Ok(part())));
-        let longest = Part { whole: [u32::MAX; 2], at: [u32::MAX; 2], fingerprint: u128::MAX, ..part() };
-        assert!(longest.to_string().len() < MAX_TEXT);
-    }
-
-    #[test]
-    fn other_texts_are_no_parts() {
-        let text = part().to_string();
-        for text in ["", "made by hand", &text[1..], &text[..text.len() - 32], &text.replace("65535", "-1")] {
-            assert_eq!(text.parse::<Part>(), Err(NotPart), "{text}");
+    fn the_text_of_a_part_is_read_back_and_any_other_refused() {
+        let part = Part { whole: [65535, 7], at: [0, 65534], fingerprint: 0xabc };
+        let text = "part of 65535 x 7 at 0, 65534; fingerprint 00000000000000000000000000000abc";
+        assert_eq!((part.to_string().as_str(), Part::parse(text)), (text, Some(part)));
+        for text in [
+            "",
+            "made by hand",
+            &text[1..],
+            &text[..text.len() - 32],
+            &text.replace("65535", "-1"),
+            &text.replace("65535", "+65535"),
+            &text.to_uppercase(),
+            &format!("{text} "),
+        ] {
+            assert_eq!(Part::parse(text), None, "{text}");
         }
     }
 }

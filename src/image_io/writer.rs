@@ -1,248 +1,219 @@
 //! A picture file that is written row by row.
-//!
-//! The encoded bytes are collected in a spool, and are written to the target when the last row is complete.
 
-use super::bmp;
-use super::checksum::{CheckedPart, PartHasher};
-use super::complete_file::CompleteFile;
-use super::error::ImageError;
-use super::float_rows::{Content, Exceptional, FloatRows};
-use super::output::Target;
-use super::part::{MAX_TEXT, Part};
-use super::part_file::Rows;
-use super::spool::Spool;
-use super::{Format, OutputFile, beside};
+use super::header;
+use super::output::{CompleteFile, OutputFile};
+use super::part::{PNG_COMMENT, Part, Rows};
+use super::{Format, ImageError, beside};
 use crate::picture::{BLUE_FIRST, CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::scene::Color;
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tempfile::SpooledTempFile;
 
-/// The length of the header of a TGA file, in bytes.
-pub(super) const TGA_HEADER: usize = 18;
-/// The keyword of the text in a PNG file that says which part of a larger picture it is.
-pub(super) const PNG_COMMENT: &str = "Comment";
-/// Where the text chunk of a part starts in its PNG file: behind the signature of 8 bytes and the header's chunk of 25.
-const PNG_TEXT_CHUNK: usize = 8 + 25;
 /// The length of a PNG file's chunks of compressed rows, in bytes.
-const CHUNK: usize = 1 << 16;
+const PNG_CHUNK: usize = 1 << 16;
+
+/// What the colours of a picture mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Red, green and blue, or the coordinates of normals.
+    Colors,
+    /// Distances, equal in all channels, and infinite where there is nothing.
+    Distances,
+}
+
+/// The number of pixels whose colours a file does not show, or not as they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Exceptional {
+    /// Those that are black in a file of bytes because a channel is not a number.
+    pub black: u64,
+    /// Those that have a NaN in a file of floating-point numbers.
+    pub nan: u64,
+    /// Those with a number that is infinite in a file of floating-point numbers, or a distance that is 0 there, because
+    /// single precision ends at about 3.4e38 and 1.4e-45.
+    pub out_of_range: u64,
+}
+
+impl std::ops::AddAssign for Exceptional {
+    fn add_assign(&mut self, other: Self) {
+        self.black += other.black;
+        self.nan += other.nan;
+        self.out_of_range += other.out_of_range;
+    }
+}
 
 /// A picture file under construction, which takes the rows from the top.
 pub struct PictureWriter {
-    /// The path as the user gave it, for messages.
-    path: PathBuf,
-    target: Target,
+    output: OutputFile,
     format: Format,
+    /// Width and height in pixels.
     size: [usize; 2],
+    content: Content,
+    /// The row of the whole picture that comes first.
+    top: usize,
     spool: Shared,
-    encoder: Encoder,
+    /// The length of what precedes the rows, but for PNG.
+    header: usize,
+    png: Option<Box<png::StreamWriter<'static, Shared>>>,
     /// The number of rows so far.
     rows: usize,
     /// The current row's bytes.
     bytes: Vec<u8>,
-    /// How many colours have become black because they have a NaN.
-    black: u64,
-    /// The part that the picture is, without its checksum, and the rows' checksum so far; none in floating point.
-    part: Option<(CheckedPart, PartHasher)>,
+    /// Counts the colours so far that are not shown as they are.
+    pub exceptional: Exceptional,
 }
 
-enum Encoder {
-    /// The rows follow the header uncompressed.
-    Plain(Plain),
-    Png(Box<png::StreamWriter<'static, Shared>>),
-    /// PFM or OpenEXR.
-    Floats(FloatRows),
-}
-
-/// How uncompressed rows are encoded.
-struct Plain {
-    is_blue_first: bool,
-    /// How many zeros follow each row.
-    padding: usize,
-}
-
-impl Plain {
-    const TGA: Self = Self { is_blue_first: true, padding: 0 };
-    const PPM: Self = Self { is_blue_first: false, padding: 0 };
-}
-
-/// The spool. It is shared, because the PNG encoder owns what it writes to.
+/// The file's content. It is shared, because the PNG encoder owns what it writes to.
 #[derive(Clone)]
-struct Shared(Arc<Mutex<Spool>>);
+struct Shared(Arc<Mutex<SpooledTempFile>>);
 
 impl Shared {
-    fn spool(&self) -> MutexGuard<'_, Spool> {
+    fn lock(&self) -> MutexGuard<'_, SpooledTempFile> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Write for Shared {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.spool().write(bytes)
+        self.lock().write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.spool().flush()
+        self.lock().flush()
+    }
+}
+
+impl OutputFile {
+    /// Begins a picture of this width and height in pixels, of colours or of distances. Its file says which part of a
+    /// larger picture it is, if it is one. A size that the format does not support is an error.
+    pub fn begin(
+        self,
+        format: Format,
+        size: [usize; 2],
+        content: Content,
+        part: Option<&Part>,
+    ) -> Result<PictureWriter, ImageError> {
+        let header = header_of(format, size, content, part);
+        let header = header.map_err(|reason| ImageError::new("write", &self.path, reason))?;
+        let mut spool = Shared(Arc::new(Mutex::new(self.spool())));
+        let mut begin = || {
+            spool.write_all(&header)?;
+            let encoder = (format == Format::Png).then(|| png_encoder(spool.clone(), size, part));
+            io::Result::Ok(encoder.transpose()?.map(Box::new))
+        };
+        let png = begin().map_err(|error| ImageError::io("write", &self.path, error))?;
+        let (header, top) = (header.len(), part.map_or(0, |part| part.at[1] as usize));
+        let (output, rows, bytes, exceptional) = (self, 0, vec![], Exceptional::default());
+        Ok(PictureWriter { output, format, size, content, top, spool, header, png, rows, bytes, exceptional })
     }
 }
 
 impl PictureWriter {
-    /// Starts a picture of this width and height in pixels. A size that the format does not support is an
-    /// error.
-    pub(super) fn new(
-        path: PathBuf,
-        format: Format,
-        target: Target,
-        size: [usize; 2],
-        content: Content,
-        part: Option<&Part>,
-    ) -> Result<Self, ImageError> {
-        let checked = part.filter(|_| format.has_parts());
-        let checked = checked.map(|part| CheckedPart { part: part.clone(), checksum: 0 });
-        let bytes = if format.is_float() { size_of::<f32>() } else { 1 };
-        let uncompressed = size[0].saturating_mul(size[1]).saturating_mul(CHANNELS * bytes);
-        let spool = Shared(Arc::new(Mutex::new(Spool::new(
-            target.folder(),
-            uncompressed.saturating_add(TGA_HEADER + MAX_TEXT),
-        ))));
-        let encoder = match format {
-            Format::Tga => {
-                let [width, height] = size;
-                let header = tga_header(size, checked.as_ref()).ok_or(ImageError::Sides {
-                    path: path.clone(),
-                    width,
-                    height,
-                })?;
-                let written = spool.clone().write_all(&header);
-                written.map_err(|error| ImageError::io("write", &path, error))?;
-                Encoder::Plain(Plain::TGA)
-            }
-            Format::Bmp => {
-                let [width, height] = size;
-                let header = bmp::header(size).ok_or(ImageError::TooLargeForBmp {
-                    path: path.clone(),
-                    width,
-                    height,
-                })?;
-                let length = bmp::row_length(width);
-                spool.spool().reverse_rows(header.len(), length);
-                let written = spool.clone().write_all(&header);
-                written.map_err(|error| ImageError::io("write", &path, error))?;
-                Encoder::Plain(Plain { padding: length - width * CHANNELS, ..Plain::TGA })
-            }
-            Format::Ppm => {
-                let [width, height] = size;
-                let written = write!(spool.clone(), "P6\n{width} {height}\n255\n");
-                written.map_err(|error| ImageError::io("write", &path, error))?;
-                Encoder::Plain(Plain::PPM)
-            }
-            Format::Png => png_encoder(spool.clone(), size, checked.as_ref())
-                .map_err(|error| ImageError::io("write", &path, error.into()))
-                .map(|encoder| Encoder::Png(Box::new(encoder)))?,
-            Format::Pfm | Format::Exr => {
-                let [width, height] = size;
-                let rows = FloatRows::new(format == Format::Pfm, content, size, part);
-                let rows = rows.ok_or(ImageError::Sides { path: path.clone(), width, height })?;
-                let header = rows.header();
-                if format == Format::Pfm {
-                    spool.spool().reverse_rows(header.len(), rows.row_length());
-                }
-                let written = spool.clone().write_all(&header);
-                written.map_err(|error| ImageError::io("write", &path, error))?;
-                Encoder::Floats(rows)
-            }
-        };
-        let part = checked.map(|checked| {
-            let hasher = PartHasher::new(&checked.part, size.map(|n| n as u32));
-            (checked, hasher)
-        });
-        Ok(Self { path, target, format, size, spool, encoder, rows: 0, bytes: Vec::new(), black: 0, part })
-    }
-
-    /// The colours so far that are not shown as they are.
-    pub fn exceptional(&self) -> Exceptional {
-        match &self.encoder {
-            Encoder::Floats(rows) => rows.exceptional,
-            Encoder::Plain(_) | Encoder::Png(_) => {
-                Exceptional { black: self.black, ..Exceptional::default() }
-            }
-        }
-    }
-
     /// Adds the next row from the top.
     pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
-        self.bytes.resize(colors.len() * CHANNELS, 0);
-        match &mut self.encoder {
-            Encoder::Plain(Plain { is_blue_first: true, .. }) => {
-                self.black += truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes);
-            }
-            Encoder::Plain(_) | Encoder::Png(_) => {
-                self.black += truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes)
-            }
-            Encoder::Floats(rows) => rows.encode(colors, &mut self.bytes),
+        if self.format.is_float() {
+            self.encode_numbers(colors);
+        } else {
+            self.bytes.resize(colors.len() * CHANNELS, 0);
+            self.exceptional.black += match self.format.is_blue_first() {
+                true => truncate_to_bytes::<BLUE_FIRST>(colors, &mut self.bytes),
+                false => truncate_to_bytes::<RED_FIRST>(colors, &mut self.bytes),
+            };
         }
-        self.encode()
+        self.write_bytes()
     }
 
     /// Adds the next row from the top, given as bytes of red, green and blue. This is an error in a file of
     /// floating-point numbers.
     pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
-        if let Encoder::Floats(_) = self.encoder {
-            return Err(ImageError::OnlyBytes { path: self.path.clone() });
+        if self.format.is_float() {
+            let reason = "a picture of bytes has no floating-point numbers";
+            return Err(ImageError::new("write", &self.output.path, reason));
         }
         self.bytes.clear();
         self.bytes.extend_from_slice(bytes);
-        if let Encoder::Plain(Plain { is_blue_first: true, .. }) = self.encoder {
+        if self.format.is_blue_first() {
             self.bytes.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
         }
-        self.encode()
+        self.write_bytes()
     }
 
-    fn encode(&mut self) -> Result<(), ImageError> {
-        self.rows += 1;
-        match (&mut self.part, self.format) {
-            (Some((_, hasher)), Format::Tga) => hasher.row_of_bgr(&self.bytes),
-            (Some((_, hasher)), _) => hasher.row(&self.bytes),
-            (None, _) => {}
+    /// Encodes a row in single precision, neither clamped nor cut, and counts the exceptional pixels.
+    fn encode_numbers(&mut self, colors: &[Color]) {
+        for color in colors {
+            let single = color.as_vec3();
+            let is_in_range = match self.content {
+                Content::Colors => single.is_finite(),
+                // An infinite distance says that there is nothing.
+                Content::Distances => {
+                    !color.is_finite() || single.is_finite() && (single.x != 0.0 || color.x == 0.0)
+                }
+            };
+            self.exceptional.nan += u64::from(color.is_nan());
+            self.exceptional.out_of_range += u64::from(!is_in_range && !color.is_nan());
         }
-        let written = match &mut self.encoder {
-            Encoder::Plain(plain) => {
-                self.bytes.resize(self.bytes.len() + plain.padding, 0);
-                self.spool.write_all(&self.bytes)
+        self.bytes.clear();
+        if self.format == Format::Exr {
+            let channels = if self.content == Content::Colors { 3 } else { 1 };
+            self.bytes.extend(header::exr_row(self.top + self.rows, colors.len() * channels));
+        }
+        let mut push = |number: f64| self.bytes.extend((number as f32).to_le_bytes());
+        match (self.content, self.format) {
+            (Content::Distances, _) => colors.iter().for_each(|color| push(color.x)),
+            (Content::Colors, Format::Exr) => {
+                [2, 1, 0].iter().for_each(|&channel| colors.iter().for_each(|color| push(color[channel])));
             }
-            Encoder::Floats(_) => self.spool.write_all(&self.bytes),
-            Encoder::Png(encoder) => encoder.write_all(&self.bytes),
+            (Content::Colors, _) => colors.iter().flat_map(Color::to_array).for_each(push),
+        }
+    }
+
+    /// Writes the bytes of a row, with BMP's padding.
+    fn write_bytes(&mut self) -> Result<(), ImageError> {
+        if self.format == Format::Bmp {
+            self.bytes.resize(header::bmp_row(self.size[0]), 0);
+        }
+        let mut write = || match &mut self.png {
+            Some(encoder) => encoder.write_all(&self.bytes),
+            None => {
+                let mut spool = self.spool.lock();
+                if matches!(self.format, Format::Bmp | Format::Pfm) {
+                    // Their rows are stored from the bottom.
+                    let below = self.size[1].saturating_sub(1 + self.rows);
+                    spool.seek(SeekFrom::Start((self.header + below * self.bytes.len()) as u64))?;
+                }
+                spool.write_all(&self.bytes)
+            }
         };
-        written.map_err(|error| ImageError::io("write", &self.path, error))
+        write().map_err(|error| ImageError::io("write", &self.output.path, error))?;
+        self.rows += 1;
+        Ok(())
     }
 
     /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
-    /// file; none if there are no rows, if the picture does not go to a regular file whose name tells its format, or
-    /// if its format has no parts.
+    /// file, or `None` if there are no rows, if the picture does not go to a regular file whose name tells its format,
+    /// or if its format has no parts.
     pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
-        let part_path = part_beside(&self.path, self.format);
-        let Some(path) = part_path.filter(|_| self.rows > 0 && matches!(self.target, Target::Replace { .. }))
-        else {
+        let path_of_part = part_beside(&self.output.path, self.format);
+        let Some(path_of_part) = path_of_part.filter(|_| self.rows > 0 && !self.output.is_stream()) else {
             return Ok(None);
         };
-        let failed = |path: &Path, error| ImageError::io("write", path, error);
-        let ([width, height], rows) = (self.size, self.rows);
-        if let Encoder::Png(_) = self.encoder {
+        let Self { size: [width, height], rows, format, content, .. } = self;
+        if self.png.is_some() {
             // The encoder ends only with all rows.
             let black = vec![0; width * CHANNELS];
             (rows..height).try_for_each(|_| self.row_of_bytes(&black))?;
         }
-        let (format, own_path) = (self.format, self.path.clone());
-        let source = self.end().and_then(|(spool, _)| spool.into_source());
-        let source = source.map_err(|error| failed(&own_path, error))?;
-        let (mut from, _) = Rows::read(&own_path, format, source)?;
-        let mut to = OutputFile::prepare(&path)?.begin([width, rows], Some(part))?;
+        let CompleteFile { output: OutputFile { path, .. }, content: spool } = self.complete()?;
+        let file = spool.into_file().map_err(|error| ImageError::io("write", &path, error))?;
+        let mut from = Rows::new(&path, format, file)?;
+        let mut to = OutputFile::prepare(&path_of_part)?.begin(format, [width, rows], content, Some(part))?;
         let mut row = Vec::new();
         for _ in 0..rows {
             from.next(&mut row)?;
             to.row_of_bytes(&row)?;
         }
-        to.finish().map(|_| Some(path))
+        to.finish().map(|()| Some(path_of_part))
     }
 
     /// Writes the picture to its target. If this fails and the target is a regular file, nothing is written.
@@ -250,69 +221,59 @@ impl PictureWriter {
         self.complete()?.put_in_place()
     }
 
-    /// The file of the picture, which has all of its rows.
+    /// Returns the file of the picture, which has all of its rows.
     pub fn complete(self) -> Result<CompleteFile, ImageError> {
-        let path = self.path.clone();
-        let (spool, target) = self.end().map_err(|error| ImageError::io("write", &path, error))?;
-        CompleteFile::new(path, target, spool)
-    }
-
-    /// Ends the encoding.
-    fn end(self) -> io::Result<(Spool, Target)> {
-        if let Encoder::Png(encoder) = self.encoder {
-            encoder.finish()?;
-        }
-        if let Some((part, hasher)) = self.part {
-            // The text has the same length with any checksum.
-            let text = CheckedPart { checksum: hasher.finish(), ..part }.to_string();
-            let mut spool = self.spool.spool();
-            match self.format {
-                Format::Tga => spool.overwrite(TGA_HEADER, text.as_bytes())?,
-                _ => spool.overwrite(PNG_TEXT_CHUNK, &png_text_chunk(&text))?,
-            }
-        }
-        let spool = std::mem::replace(&mut *self.spool.spool(), Spool::new(PathBuf::new(), 0));
-        Ok((spool, self.target))
+        let end = || {
+            self.png.map_or(Ok(()), |encoder| encoder.finish())?;
+            io::Result::Ok(std::mem::replace(&mut *self.spool.lock(), tempfile::spooled_tempfile(0)))
+        };
+        let content = end().map_err(|error| ImageError::io("write", &self.output.path, error))?;
+        Ok(CompleteFile { output: self.output, content })
     }
 }
 
-/// The file of the rows that are complete when a run is stopped: `o.partial.tga` beside `o.tga`. None if the name does
-/// not tell the format, or if that has no parts.
+/// Returns the file of the rows that are complete when a run is stopped: `o.partial.tga` beside `o.tga`. `None` if the
+/// name does not tell the format, or if that has no parts.
 pub fn part_beside(path: &Path, format: Format) -> Option<PathBuf> {
     let has_parts = format.has_parts() && Format::of(path) == Some(format);
     has_parts.then(|| beside(path, "partial"))
 }
 
-/// The text chunk of a PNG file: its length, type, keyword and text, and their checksum.
-fn png_text_chunk(text: &str) -> Vec<u8> {
-    let content = [b"tEXt", PNG_COMMENT.as_bytes(), &[0], text.as_bytes()].concat();
-    let length = (content.len() - 4) as u32;
-    [&length.to_be_bytes(), content.as_slice(), &crc32fast::hash(&content).to_be_bytes()].concat()
+/// Returns what precedes the rows, but for PNG, or why the format cannot hold the picture.
+fn header_of(
+    format: Format,
+    size @ [width, height]: [usize; 2],
+    content: Content,
+    part: Option<&Part>,
+) -> Result<Vec<u8>, String> {
+    let whole = part.map_or(size, |part| part.whole.map(|side| side as usize));
+    let has_short_sides = matches!(format, Format::Tga | Format::Pfm | Format::Exr);
+    if let (true, [width, height]) = (has_short_sides, whole)
+        && width.max(height) > u16::MAX.into()
+    {
+        return Err(format!("{width} x {height} is above 65535 pixels a side"));
+    }
+    let is_grey = content == Content::Distances;
+    Ok(match format {
+        Format::Tga => header::tga(size, part),
+        Format::Png => vec![],
+        Format::Bmp => header::bmp(size)
+            .ok_or_else(|| format!("{width} x {height} pixels are above 4 GB, where a BMP file ends"))?,
+        Format::Ppm => format!("P6\n{width} {height}\n255\n").into_bytes(),
+        // The negative number says that the lowest byte comes first.
+        Format::Pfm => format!("P{}\n{width} {height}\n-1.0\n", if is_grey { 'f' } else { 'F' }).into_bytes(),
+        Format::Exr => {
+            let at = part.map_or([0; 2], |part| part.at.map(|n| n as usize));
+            header::exr(size, whole, at, if is_grey { &["Z"] } else { &["B", "G", "R"] })
+        }
+    })
 }
 
-/// The header as the course's program writes it: uncompressed true colour of 24 bits, with rows from the top. That of a
-/// part has an origin, which is its lower left corner from that of the whole, and an image ID. None if a side is longer
-/// than 65535 pixels.
-pub(super) fn tga_header([width, height]: [usize; 2], part: Option<&CheckedPart>) -> Option<Vec<u8>> {
-    let [w0, w1] = u16::try_from(width).ok()?.to_le_bytes();
-    let height = u16::try_from(height).ok()?;
-    let [h0, h1] = height.to_le_bytes();
-    let origin = |CheckedPart { part, .. }: &CheckedPart| {
-        let below = part.whole[1].checked_sub(part.at[1])?.checked_sub(height.into())?;
-        Some([u16::try_from(part.at[0]).ok()?.to_le_bytes(), u16::try_from(below).ok()?.to_le_bytes()])
-    };
-    let [[x0, x1], [y0, y1]] = part.map_or(Some([[0; 2]; 2]), origin)?;
-    let id = part.map_or(String::new(), CheckedPart::to_string);
-    let length = u8::try_from(id.len()).ok()?;
-    let header = [length, 0, 2, 0, 0, 0, 0, 0, x0, x1, y0, y1, w0, w1, h0, h1, 24, 32];
-    Some([&header, id.as_bytes()].concat())
-}
-
-/// An encoder for three channels of eight bits, with the fastest compression that the crate has.
+/// Returns an encoder for three channels of eight bits, with the fastest compression that the crate has.
 fn png_encoder(
     spool: Shared,
     size: [usize; 2],
-    part: Option<&CheckedPart>,
+    part: Option<&Part>,
 ) -> Result<png::StreamWriter<'static, Shared>, png::EncodingError> {
     let [width, height] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
     let mut encoder = png::Encoder::new(spool, width, height);
@@ -324,10 +285,10 @@ fn png_encoder(
         encoder.add_text_chunk(PNG_COMMENT.into(), part.to_string())?;
     }
     let mut writer = encoder.write_header()?;
-    if let Some(CheckedPart { part: Part { at: [x, y], .. }, .. }) = part {
+    if let Some(Part { at: [x, y], .. }) = part {
         const UNIT_PIXEL: u8 = 0;
         let offsets = [&x.to_be_bytes()[..], &y.to_be_bytes(), &[UNIT_PIXEL]].concat();
         writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &offsets)?;
     }
-    writer.into_stream_writer_with_size(CHUNK)
+    writer.into_stream_writer_with_size(PNG_CHUNK)
 }

@@ -6,12 +6,14 @@
 //! request, is parsed by `httparse`, the parser of hyper; what is allowed and how long it may take is decided here.
 
 use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
-use std::fmt::Write as _;
+use crate::diagnostic::Diagnostic;
+use serde_json::Value;
+use std::fmt::Display;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// The head of a request. Where a header is absent, so is its value.
+/// The head of a request.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Head {
     pub is_post: bool,
@@ -26,34 +28,29 @@ pub struct Head {
     pub closes: bool,
 }
 
-/// Why a request is not answered: the status, and a line for whoever reads it.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Refusal {
-    pub status: u16,
-    pub text: String,
-}
+/// How every answer starts.
+const START: &[u8] = b"HTTP/1.1 ";
 
-impl Refusal {
-    pub fn new(status: u16, text: impl Into<String>) -> Self {
-        Self { status, text: text.into() }
-    }
-}
-
-/// Reads the requests of one connection.
-pub struct Requests<'s> {
+/// A connection, on which requests follow each other.
+pub struct Connection<'s> {
     stream: &'s TcpStream,
     /// What has been received and not been used.
     received: Vec<u8>,
+    /// Whether the other side says no more, although it may still listen.
+    is_half_closed: bool,
+    /// How many bytes of the answer have been sent to find out, and when the next one is.
+    probed: usize,
+    next_probe: Instant,
 }
 
-impl<'s> Requests<'s> {
+impl<'s> Connection<'s> {
     pub fn new(stream: &'s TcpStream) -> Self {
-        Self { stream, received: vec![] }
+        Self { stream, received: vec![], is_half_closed: false, probed: 0, next_probe: Instant::now() }
     }
 
-    /// The head of the next request; none if the other side ends the connection before it starts one. All of it must
-    /// arrive before the deadline.
-    pub fn head(&mut self, deadline: Instant) -> io::Result<Option<Result<Head, Refusal>>> {
+    /// Returns the head of the next request; none if the other side ends the connection before it starts one. All of it
+    /// must arrive before the deadline.
+    pub fn head(&mut self, deadline: Instant) -> io::Result<Option<Result<Head, Answer>>> {
         loop {
             match parse_head(&self.received) {
                 Ok(Some((head, length))) => {
@@ -61,10 +58,10 @@ impl<'s> Requests<'s> {
                     return Ok(Some(Ok(head)));
                 }
                 Ok(None) if self.received.len() >= MAX_HEAD => {
-                    return Ok(Some(Err(Refusal::new(431, "the head of the request is too long"))));
+                    return Ok(Some(Err(Answer::text(431, "the head of the request is too long"))));
                 }
                 Ok(None) => {}
-                Err(refusal) => return Ok(Some(Err(refusal))),
+                Err(answer) => return Ok(Some(Err(answer))),
             }
             if self.receive(MAX_HEAD, deadline)? == 0 {
                 return Ok(None);
@@ -72,7 +69,7 @@ impl<'s> Requests<'s> {
         }
     }
 
-    /// A body of this length, which must arrive before the deadline.
+    /// Returns a body of this length, which must arrive before the deadline.
     pub fn body(&mut self, length: usize, deadline: Instant) -> io::Result<Vec<u8>> {
         while self.received.len() < length {
             if self.receive(length, deadline)? == 0 {
@@ -85,15 +82,10 @@ impl<'s> Requests<'s> {
 
     /// Receives what there is, up to `most` bytes in all, and returns how many more.
     fn receive(&mut self, most: usize, deadline: Instant) -> io::Result<usize> {
-        let left = deadline.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(io::ErrorKind::TimedOut.into());
-        }
-        self.stream.set_read_timeout(Some(left))?;
+        self.stream.set_read_timeout(Some(until(deadline)?))?;
         self.read(most)
     }
 
-    /// Reads once.
     fn read(&mut self, most: usize) -> io::Result<usize> {
         let mut part = [0; 1 << 14];
         let room = most.saturating_sub(self.received.len()).min(part.len());
@@ -103,195 +95,164 @@ impl<'s> Requests<'s> {
         Ok(count)
     }
 
-    /// Looks after the other side while its request is answered.
-    pub fn waiting(&mut self) -> Waiting<'_, 's> {
-        Waiting { requests: self, says_no_more: false, sent: 0, next: Instant::now() }
-    }
-}
-
-/// How every answer starts.
-const START: &[u8] = b"HTTP/1.1 ";
-
-/// Looks whether the other side still waits for its answer.
-///
-/// One that has closed the connection looks at first like one that only says no more. The difference shows when
-/// something is sent: so it gets the first bytes of the answer, which are known, one by one.
-pub struct Waiting<'r, 's> {
-    requests: &'r mut Requests<'s>,
-    says_no_more: bool,
-    /// How many bytes of the answer have been sent, and when the next one is.
-    sent: usize,
-    next: Instant,
-}
-
-impl Waiting<'_, '_> {
-    /// Whether the other side is gone, as far as can be told.
+    /// Returns true if the other side no longer waits for its answer, as far as can be told.
+    ///
+    /// One that has closed the connection looks at first like one that only says no more. The difference shows when
+    /// something is sent: so it gets the first bytes of the answer, which are the same for all, one by one.
     pub fn has_left(&mut self) -> bool {
-        let stream = self.requests.stream;
-        if !self.says_no_more {
-            let found = stream.set_nonblocking(true).and_then(|()| self.requests.read(MAX_HEAD));
-            if stream.set_nonblocking(false).is_err() {
+        if !self.is_half_closed {
+            let found = self.stream.set_nonblocking(true).and_then(|()| self.read(MAX_HEAD));
+            if self.stream.set_nonblocking(false).is_err() {
                 return true;
             }
             match found {
-                // Nobody needs to say more than a head before there is an answer.
-                Ok(0) if self.requests.received.len() >= MAX_HEAD => return true,
-                Ok(0) => (self.says_no_more, self.next) = (true, Instant::now()),
+                // Nothing longer than a head needs to be said before there is an answer.
+                Ok(0) if self.received.len() >= MAX_HEAD => return true,
+                Ok(0) => (self.is_half_closed, self.next_probe) = (true, Instant::now()),
                 Err(error) if error.kind() != io::ErrorKind::WouldBlock => return true,
                 Ok(_) | Err(_) => return false,
             }
         }
-        if matches!(stream.take_error(), Ok(Some(_)) | Err(_)) {
+        if matches!(self.stream.take_error(), Ok(Some(_)) | Err(_)) {
             return true;
         }
-        if self.sent < START.len() && Instant::now() >= self.next {
-            let mut stream = stream;
-            if stream.write_all(&START[self.sent..=self.sent]).is_err() {
+        if self.probed < START.len() && Instant::now() >= self.next_probe {
+            let mut stream = self.stream;
+            if stream.write_all(&START[self.probed..=self.probed]).is_err() {
                 return true;
             }
-            self.sent += 1;
-            self.next += Duration::from_millis(250) * (1 << self.sent);
+            self.probed += 1;
+            self.next_probe += Duration::from_millis(250) * (1 << self.probed);
         }
         false
     }
 
-    /// How many bytes of the answer have been sent.
-    pub fn sent(&self) -> usize {
-        self.sent
-    }
-}
-
-/// The head at the start of these bytes and its length; none if it is not complete.
-fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Refusal> {
-    let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
-    let mut request = httparse::Request::new(&mut headers);
-    let length = match request.parse(bytes) {
-        Ok(httparse::Status::Complete(length)) => length,
-        Ok(httparse::Status::Partial) => return Ok(None),
-        Err(httparse::Error::TooManyHeaders) => return Err(Refusal::new(431, "too many headers")),
-        Err(error) => return Err(Refusal::new(400, format!("not a request: {error}"))),
-    };
-    let is_post = match request.method {
-        Some("GET") => false,
-        Some("POST") => true,
-        _ => return Err(Refusal::new(405, "only GET and POST")),
-    };
-    let target = request.path.unwrap_or_default();
-    let (path, query) = target.split_once('?').unwrap_or((target, ""));
-    let mut head = Head { is_post, path: path.into(), query: query.into(), ..Head::default() };
-    head.closes = request.version == Some(0);
-    request.headers.iter().try_for_each(|header| head.add(header))?;
-    Ok(Some((head, length)))
-}
-
-impl Head {
-    /// Takes a header that means something here. One that could be read in two ways is refused.
-    fn add(&mut self, header: &httparse::Header) -> Result<(), Refusal> {
-        let value = || match std::str::from_utf8(header.value) {
-            Ok(text) => Ok(text.trim().to_owned()),
-            Err(_) => Err(Refusal::new(400, "a header is not text")),
-        };
-        let once = |place: &mut Option<String>| match place.replace(value()?) {
-            None => Ok(()),
-            Some(_) => Err(Refusal::new(400, "a header is given twice")),
-        };
-        match header.name.to_ascii_lowercase().as_str() {
-            "host" => once(&mut self.host),
-            "origin" => once(&mut self.origin),
-            "x-key" => once(&mut self.key),
-            "content-length" => {
-                let text = value()?;
-                let digits = text.bytes().all(|byte| byte.is_ascii_digit());
-                match text.parse() {
-                    Ok(length) if digits && self.length.is_none() => self.length = Some(length),
-                    _ => return Err(Refusal::new(400, "the length of the body is unclear")),
-                }
-                Ok(())
-            }
-            "transfer-encoding" => Err(Refusal::new(411, "the length of the body must be given")),
-            "connection" => {
-                self.closes |= value()?.to_ascii_lowercase().contains("close");
-                Ok(())
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-/// What is sent back.
-#[derive(Debug)]
-pub struct Answer {
-    pub status: u16,
-    pub content_type: &'static str,
-    /// The content security policy, if it is a page.
-    pub policy: Option<String>,
-    pub body: Vec<u8>,
-}
-
-impl Answer {
-    /// A text.
-    pub fn text(status: u16, text: &str) -> Self {
-        let body = format!("{text}\n").into_bytes();
-        Self { status, content_type: "text/plain; charset=utf-8", policy: None, body }
-    }
-
-    /// Numbers and pixels that the page's script reads.
-    pub fn bytes(body: Vec<u8>) -> Self {
-        Self { status: 200, content_type: "application/octet-stream", policy: None, body }
-    }
-
-    /// Sends it from this byte on. The other side may take a while to receive it, but not for ever.
-    pub fn send(&self, mut stream: &TcpStream, closes: bool, from: usize) -> io::Result<()> {
+    /// Sends an answer. The other side may take a while to receive it, but not for ever.
+    pub fn send(&mut self, answer: &Answer, closes: bool) -> io::Result<()> {
         let deadline = Instant::now() + SEND_TIME;
-        let mut head = format!(
-            "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n",
-            self.status,
-            reason(self.status),
-            self.content_type,
-            self.body.len()
-        );
-        let policy = self.policy.as_deref().unwrap_or("default-src 'none'; frame-ancestors 'none'");
-        let _ = write!(head, "Content-Security-Policy: {policy}\r\n");
-        head += "X-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\nReferrer-Policy: no-referrer\r\n\
-                 Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: same-origin\r\n\
-                 Cache-Control: no-store\r\n";
-        head += if closes { "Connection: close\r\n\r\n" } else { "\r\n" };
-        let mut message = head.into_bytes();
-        message.extend_from_slice(&self.body);
-        let mut rest = &message[from..];
+        let head = answer.head(closes);
+        let sent = std::mem::take(&mut self.probed);
+        self.write(&head.as_bytes()[sent..], deadline)?;
+        self.write(&answer.body, deadline)
+    }
+
+    fn write(&self, mut rest: &[u8], deadline: Instant) -> io::Result<()> {
+        let mut stream = self.stream;
         while !rest.is_empty() {
-            let left = deadline.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return Err(io::ErrorKind::TimedOut.into());
-            }
-            stream.set_write_timeout(Some(left))?;
+            stream.set_write_timeout(Some(until(deadline)?))?;
             rest = &rest[stream.write(rest)?..];
         }
         Ok(())
     }
 }
 
-impl From<Refusal> for Answer {
-    fn from(refusal: Refusal) -> Self {
-        Self::text(refusal.status, &refusal.text)
+/// Returns the time until a deadline; an error if it is over.
+fn until(deadline: Instant) -> io::Result<Duration> {
+    let left = deadline.saturating_duration_since(Instant::now());
+    if left.is_zero() { Err(io::ErrorKind::TimedOut.into()) } else { Ok(left) }
+}
+
+/// Parses the head at the start of these bytes, and returns its length, too; none if it is not complete.
+fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
+    let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
+    let mut request = httparse::Request::new(&mut headers);
+    let length = match request.parse(bytes) {
+        Ok(httparse::Status::Complete(length)) => length,
+        Ok(httparse::Status::Partial) => return Ok(None),
+        Err(httparse::Error::TooManyHeaders) => return Err(Answer::text(431, "too many headers")),
+        Err(error) => return Err(Answer::text(400, &format!("not a request: {error}"))),
+    };
+    let is_post = match request.method {
+        Some("GET") => false,
+        Some("POST") => true,
+        _ => return Err(Answer::text(405, "only GET and POST")),
+    };
+    let target = request.path.unwrap_or_default();
+    let (path, query) = target.split_once('?').unwrap_or((target, ""));
+    let header = |name| header(request.headers, name);
+    if header("transfer-encoding")?.is_some() {
+        return Err(Answer::text(411, "the length of the body must be given"));
+    }
+    let unclear = || Answer::text(400, "the length of the body is unclear");
+    let number = |text: String| match text.bytes().all(|byte| byte.is_ascii_digit()) {
+        true => text.parse().map_err(|_| unclear()),
+        false => Err(unclear()),
+    };
+    let is_close = |text: String| text.to_ascii_lowercase().contains("close");
+    let head = Head {
+        is_post,
+        path: path.into(),
+        query: query.into(),
+        host: header("host")?,
+        origin: header("origin")?,
+        key: header("x-key")?,
+        length: header("content-length")?.map(number).transpose()?,
+        closes: request.version == Some(0) || header("connection")?.is_some_and(is_close),
+    };
+    Ok(Some((head, length)))
+}
+
+/// Returns a header that means something here. One that could be read in two ways is refused.
+fn header(headers: &[httparse::Header], name: &str) -> Result<Option<String>, Answer> {
+    let mut found = headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
+    let (Some(header), second) = (found.next(), found.next()) else { return Ok(None) };
+    match std::str::from_utf8(header.value) {
+        Ok(text) if second.is_none() => Ok(Some(text.trim().to_owned())),
+        Ok(_) => Err(Answer::text(400, &format!("the header `{name}` is given twice"))),
+        Err(_) => Err(Answer::text(400, &format!("the header `{name}` is not text"))),
     }
 }
 
-fn reason(status: u16) -> &'static str {
-    match status {
-        200 => "OK",
-        400 => "Bad Request",
-        403 => "Forbidden",
-        404 => "Not Found",
-        405 => "Method Not Allowed",
-        408 => "Request Timeout",
-        409 => "Conflict",
-        410 => "Gone",
-        411 => "Length Required",
-        413 => "Content Too Large",
-        422 => "Unprocessable Content",
-        431 => "Request Header Fields Too Large",
-        _ => "Service Unavailable",
+/// What is sent back: what was asked for, or why it is refused.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Answer {
+    pub status: u16,
+    pub content_type: &'static str,
+    /// The content security policy.
+    pub policy: String,
+    pub body: Vec<u8>,
+}
+
+impl Answer {
+    fn new(status: u16, content_type: &'static str, body: Vec<u8>) -> Self {
+        Self { status, content_type, policy: "default-src 'none'; frame-ancestors 'none'".into(), body }
+    }
+
+    pub fn text(status: u16, text: &str) -> Self {
+        Self::new(status, "text/plain; charset=utf-8", format!("{text}\n").into_bytes())
+    }
+
+    /// The question is understood, but cannot be answered for this reason.
+    pub fn impossible(reason: impl Display) -> Self {
+        Self::text(422, &reason.to_string())
+    }
+
+    /// Returns a description in JSON and the bytes that it describes, for the page's script: the length of the first as
+    /// four bytes, the lowest one first, and then both.
+    pub fn described(meta: &Value, parts: &[&[u8]]) -> Self {
+        let meta = meta.to_string().into_bytes();
+        let length = (meta.len() as u32).to_le_bytes();
+        let body = [&length[..], &meta].iter().chain(parts).copied().collect::<Vec<_>>().concat();
+        Self::new(200, "application/octet-stream", body)
+    }
+
+    fn head(&self, closes: bool) -> String {
+        let Self { status, content_type, policy, body } = self;
+        format!(
+            "HTTP/1.1 {status} {}\r\nContent-Type: {content_type}\r\nContent-Length: {}\r\n\
+             Content-Security-Policy: {policy}\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n\
+             Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
+             Cross-Origin-Opener-Policy: same-origin\r\nCache-Control: no-store\r\n{}\r\n",
+            if *status == 200 { "OK" } else { "Refused" },
+            body.len(),
+            if closes { "Connection: close\r\n" } else { "" },
+        )
+    }
+}
+
+impl<E: Into<Diagnostic>> From<E> for Answer {
+    fn from(error: E) -> Self {
+        Self::impossible(error.into().message)
     }
 }
 
@@ -300,7 +261,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Option<Head>, u16> {
-        parse_head(text.as_bytes()).map(|found| found.map(|(head, _)| head)).map_err(|refusal| refusal.status)
+        parse_head(text.as_bytes()).map(|found| found.map(|(head, _)| head)).map_err(|answer| answer.status)
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! How much one request may ask for.
+//! How much one request may ask for, and all of them together.
 
 use std::time::Duration;
 
@@ -6,10 +6,11 @@ use std::time::Duration;
 pub const MAX_HEAD: usize = 1 << 14;
 /// The headers of a request.
 pub const MAX_HEADERS: usize = 64;
-/// The bytes of a question of the page, with the text of a scene.
+/// The bytes of a question, with the text of a scene.
 pub const MAX_QUESTION: usize = 1 << 21;
-/// The bytes of a picture that is dropped in.
+/// The bytes of a picture that is dropped on the page.
 pub const MAX_PICTURE_FILE: usize = 1 << 25;
+
 /// Connections at the same time.
 pub const MAX_CONNECTIONS: usize = 32;
 /// How long the head of a request may take to arrive.
@@ -22,8 +23,14 @@ pub const BODY_TIME: Duration = Duration::from_secs(20);
 pub const SEND_TIME: Duration = Duration::from_secs(60);
 /// How long a page waits to hear that the program is still there.
 pub const ALIVE_TIME: Duration = Duration::from_secs(30);
-/// Processes that answer questions. One of them is kept for short ones.
-pub const MAX_WORKERS: usize = 5;
+
+/// Requests that are worked on at the same time. The last place is kept for short ones.
+pub const MAX_PLACES: usize = 5;
+/// The bytes that these take together. One that takes more by itself is worked on alone.
+pub const MAX_BYTES: u64 = 600_000_000;
+
+/// Longer than anybody waits for the scene of the command line.
+pub const FOREVER: Duration = Duration::from_secs(1 << 30);
 
 /// How long the answer to a question may take, with the time for which it waits for others.
 pub fn answer_time(path: &str) -> Duration {
@@ -35,27 +42,31 @@ pub fn answer_time(path: &str) -> Duration {
     })
 }
 
-/// The longer side of a picture in pixels, and the limits below, unless the command line itself asks for more.
+/// The longer side of a picture in pixels, unless the command line itself asks for more; `settings` has limits of this
+/// kind that are not needed elsewhere.
 pub const MAX_SIDE: usize = 2048;
-/// Samples of a pixel.
-pub const MAX_SAMPLES: u32 = 1024;
-/// Reflections and refractions: each may double the rays.
-pub const MAX_BOUNCES: u32 = 16;
-/// Pixels that a filter reaches.
-pub const MAX_SUPPORT: usize = 16;
-/// Cells of a grid.
-pub const MAX_CELLS: usize = 1 << 21;
+/// Primitives in the cells of a grid, each counted once for each cell: building it takes less than a second.
+pub const MAX_REFERENCES: u64 = 1 << 22;
+/// Camera rays of a picture for whose difference a cause is looked for: the search renders it some fifty times.
+pub const MAX_CAUSE_RAYS: usize = 1 << 22;
 
-/// The triangles, spheres and planes of a scene that is typed in, with those of its meshes.
-pub const MAX_PRIMITIVES: usize = 2_000_000;
+/// The triangles, shapes and planes of a scene that is typed in, with those of its meshes, and of all such scenes that
+/// are open.
+pub const MAX_PRIMITIVES: usize = 1_000_000;
+/// The lights of such a scene.
+pub const MAX_LIGHTS: usize = 1000;
 /// The mesh files that it names.
 pub const MAX_MESHES: usize = 32;
-/// The bytes of such a file.
-pub const MAX_MESH_FILE: u64 = 1 << 28;
+/// The bytes of these files together: reading them takes about a second.
+pub const MAX_MESH_BYTES: u64 = 1 << 26;
+/// Scenes that were typed in and stay open, so that each of a few pages has its own.
+pub const MAX_SCENES: usize = 4;
+/// Scenes that stay prepared.
+pub const MAX_PREPARED: usize = 3;
 
-/// The memory in bytes that a picture takes for each pixel, a scene for each primitive, and a grid for each primitive in a
-/// cell while it is built, with something to spare.
-/// What one request takes is asked for beforehand, so that too little of it does not end the program for all pages.
+/// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is built
+/// for each primitive in a cell, and of reading a scene with its meshes, with something to spare.
 pub const BYTES_PER_PIXEL: u64 = 64;
 pub const BYTES_PER_PRIMITIVE: u64 = 256;
-pub const BYTES_PER_REFERENCE: u64 = 8;
+pub const BYTES_PER_REFERENCE: u64 = 64;
+pub const BYTES_OF_SCENE: u64 = 300_000_000;

@@ -2,43 +2,24 @@
 //!
 //! This module is the only one of the library that talks to a network, and it reads and writes files for the page:
 //! meshes beside the scene, and the pictures that the command line names. It listens on the loopback interface alone,
-//! and answers only who knows the key in the address that it prints.
-//!
-//! The server itself only takes questions and knows how long their answers may take. Other processes of the same program
-//! answer them, which can be ended at any point of their work.
+//! and answers only a request with the key in the address that it prints.
 //!
 //! The page asks in the program's own words: the flags of a command line, and the camera's block of scene text. So
-//! each of its pictures is one that a command line writes, byte for byte, and messages are those of the parsers.
+//! each of its pictures is one that a command line writes, byte for byte, and messages are those of the parsers. Requests
+//! are worked on by threads, and end when nobody waits for them; what cannot be ended is bounded beforehand.
 
-// Both sides. A module uses only those before it in these lists.
-mod limits;
+mod access;
+mod camera;
 mod http;
-mod questions;
-mod wire;
-
-// The workers.
-mod settings;
-mod stage;
-mod camera_block;
-mod cancel;
-mod painter;
+mod limits;
 mod objects;
+mod painter;
+mod queue;
 mod rays;
-mod reference;
 mod saving;
-mod answers;
-mod work;
-
-// The server.
-mod key;
-mod page;
-mod admission;
-mod connections;
-mod turns;
-mod workers;
-mod desk;
+mod scenes;
 mod server;
+mod session;
+mod settings;
 
-pub use answers::Setup;
 pub use server::Server;
-pub use work::work;

@@ -1,27 +1,26 @@
 //! Which object of the scene's text each pixel shows.
 
-use crate::camera::Camera;
-use crate::caster::choose::{Rays, Structure};
-use crate::render::{Request, Tracing};
-use crate::renderer::Renderer;
-use crate::scene;
+use crate::diagnostic::Diagnostic;
+use crate::render::Request;
+use crate::renderer::Prepared;
+use crate::scene::Camera;
 use crate::stats::Quiet;
-use crate::tools::explain::Objects;
+use crate::tools::explain::{Objects, Stop};
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashMap;
 
 /// An object in the text.
-#[derive(Debug, PartialEq, Eq, Serialize)]
+#[derive(Debug, Serialize)]
 pub struct NamedObject {
-    pub name: String,
-    pub line: u32,
-    pub column: u32,
+    name: String,
+    line: u32,
+    column: u32,
 }
 
 /// The object behind the centre of each pixel.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct ObjectMap {
     pub objects: Vec<NamedObject>,
     /// Row by row from the top: the index of the object and one, as two bytes with the lower one first; 0 where nothing
@@ -30,54 +29,50 @@ pub struct ObjectMap {
 }
 
 impl ObjectMap {
-    /// For a picture of this size; an error is a line.
-    pub fn new(renderer: &Renderer, camera: Option<scene::Camera>, size: [usize; 2]) -> Result<Self, String> {
-        let request = Request { camera, ..Request::new(size) };
-        let rays = request.camera_rays();
+    /// For a picture of this size. Incomplete where it is stopped.
+    pub fn new(
+        prepared: &Prepared,
+        camera: Option<Camera>,
+        [width, height]: [usize; 2],
+        stop: &Stop,
+    ) -> Result<Self, Diagnostic> {
+        let objects = Objects::new(prepared.renderer())?;
+        let view = prepared.camera(&Request { camera, ..Request::new([width, height]) });
         // Every ray is cast, also where a picture would be rasterized.
-        let prepared = renderer.prepare_as(Structure::Any, Rays::cast(rays), Tracing::Fast);
-        let prepared = prepared.map_err(|error| error.to_string())?;
-        let objects = Objects::new(renderer).map_err(|error| error.to_string())?;
-        let view: Camera = prepared.camera(&request);
-        let caster = prepared.caster();
-        let [width, height] = size;
         let seen = |pixel: usize| {
             let at = DVec2::new((pixel % width) as f64, (height - 1 - pixel / width) as f64);
-            let ray = view.ray(at, DVec2::ZERO);
-            caster.nearest(&ray, None, &mut Quiet).map(|visible| visible.primitive)
+            let nearest = || prepared.caster().nearest(&view.ray(at, DVec2::ZERO), None, &mut Quiet);
+            if stop.is_over() { None } else { nearest().map(|visible| visible.primitive) }
         };
-        let primitives: Vec<Option<u32>> =
-            renderer.on_own_threads(|| (0..width * height).into_par_iter().map(seen).collect());
-        let mut map = Self { objects: vec![], places: Vec::with_capacity(2 * primitives.len()) };
-        let mut known = HashMap::new();
+        let primitives: Vec<Option<u32>> = (0..width * height).into_par_iter().map(seen).collect();
+        let mut map = Self::default();
+        let (mut of_primitives, mut of_positions) = (HashMap::new(), HashMap::new());
         for primitive in primitives {
-            let place = primitive.map_or(0, |id| *known.entry(id).or_insert_with(|| map.place(&objects, id)));
+            let place = primitive.map_or(0, |id| {
+                *of_primitives.entry(id).or_insert_with(|| {
+                    let Some(part) = objects.of(id) else { return 0 };
+                    *of_positions.entry((part.at.line, part.at.column)).or_insert_with(|| {
+                        let (line, column) = (part.at.line, part.at.column);
+                        map.objects.push(NamedObject { name: part.name, line, column });
+                        u16::try_from(map.objects.len()).unwrap_or(0)
+                    })
+                })
+            });
             map.places.extend(place.to_le_bytes());
         }
         Ok(map)
-    }
-
-    /// The index of the object that a primitive belongs to, and one.
-    fn place(&mut self, objects: &Objects, primitive: u32) -> u16 {
-        let Some(part) = objects.of(primitive) else { return 0 };
-        let object = NamedObject { name: part.name, line: part.at.line, column: part.at.column };
-        let found = self.objects.iter().position(|known| *known == object);
-        let place = found.unwrap_or_else(|| {
-            self.objects.push(object);
-            self.objects.len() - 1
-        });
-        u16::try_from(place + 1).unwrap_or(0)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostic::Diagnostic;
-    use crate::renderer::Meshes;
+    use crate::render::Tracing;
+    use crate::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
     use crate::scene::texels::ImageFile;
     use crate::scene_io::{Hints, Readers, Source, load_text};
+    use std::time::{Duration, Instant};
 
     #[test]
     fn each_pixel_names_the_object_that_it_shows() {
@@ -91,7 +86,9 @@ mod tests {
         let readers = Readers { mesh: &no_mesh, image: &no_image };
         let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
-        let map = ObjectMap::new(&renderer, None, [2, 2]).unwrap();
+        let prepared = renderer.prepare(None, 4, Tracing::Fast).unwrap();
+        let stop = Stop::at(Instant::now() + Duration::from_secs(60));
+        let map = ObjectMap::new(&prepared, None, [2, 2], &stop).unwrap();
         let named: Vec<(&str, u32)> =
             map.objects.iter().map(|object| (object.name.as_str(), object.line)).collect();
         assert_eq!(named, [("Sphere", 3), ("Box", 4)]);

@@ -1,29 +1,27 @@
-//! Paints pictures one after the other. The scene stays prepared, so that the next picture of it starts at once.
+//! Paints pictures. Scenes stay prepared, so that the next picture of them starts at once.
 
-use super::cancel::Cancel;
-use super::limits::BYTES_PER_REFERENCE;
-use super::stage::OpenScene;
-use crate::caster::GridTooLarge;
+use super::http::Answer;
+use super::limits::*;
+use super::scenes::OpenScene;
 use crate::caster::choose::{Rays, Resolution, Structure};
 use crate::caster::grid::Lattice;
 use crate::caster::grid::insertion::{bounds_of, most_references};
 use crate::cli::Options;
 use crate::memory;
 use crate::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
-use crate::render::{Cost, Layer, Progress, Request, Stopped, Tracing};
+use crate::render::{Cost, Layer, Progress, Request, Tracing};
 use crate::renderer::{Prepared, Renderer};
 use crate::scene::{Camera, Color};
-use crate::tools::explain::{CostMap, CostReport};
-use crate::world::World;
-use std::fmt;
+use crate::tools::explain::{CostMap, CostReport, Stop};
+use self_cell::self_cell;
 use std::ops::ControlFlow;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Scenes stay prepared with so many structures.
-const STRUCTURES: usize = 3;
 /// About the rays of a scene that turns for a while, by which its structure is chosen.
 const MANY_RAYS: usize = 1 << 21;
+/// How many of the fullest cells are named.
+const FULLEST: usize = 5;
 
 /// A picture to paint.
 #[derive(Clone)]
@@ -38,6 +36,26 @@ pub struct Subject {
     pub sketch: Option<[usize; 2]>,
 }
 
+impl Subject {
+    /// The request for one layer of the picture.
+    pub fn request(&self, layer: Layer) -> Request {
+        let (whole, layers) = (self.options.request(), vec![layer]);
+        match self.sketch {
+            None => Request { camera: self.camera, layers, ..whole },
+            Some(size) => {
+                Request { camera: self.camera, layers, effects: whole.effects, ..Request::new(size) }
+            }
+        }
+    }
+
+    /// The memory in bytes that its work takes at most, with so many copies of the scene.
+    pub fn bytes(&self, copies: usize) -> u64 {
+        let [width, height] = self.sketch.unwrap_or(self.options.request().size);
+        let of_copies = copies as u64 * self.scene.primitives() as u64 * BYTES_PER_PRIMITIVE;
+        width as u64 * height as u64 * BYTES_PER_PIXEL + of_copies
+    }
+}
+
 /// A picture that is finished.
 pub struct Painted {
     pub picture: Picture,
@@ -48,157 +66,129 @@ pub struct Painted {
     pub time: Duration,
 }
 
-/// Why a picture is not finished.
-#[derive(Debug)]
-pub enum Unpainted {
-    /// Nobody waits for it any more.
-    Stopped,
-    /// It is impossible, for this reason.
-    Failed(String),
-}
-
-impl fmt::Display for Unpainted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Stopped => "nobody waits for it",
-            Self::Failed(reason) => reason,
-        })
+self_cell! {
+    /// A prepared scene.
+    pub struct Ready {
+        owner: Arc<OpenScene>,
+        #[covariant]
+        dependent: Prepared,
     }
 }
 
-/// A scene with the structures that its last pictures were traced through.
-pub struct Easel<'r> {
-    renderer: &'r Renderer,
-    ready: Vec<(Purpose, Prepared<'r>)>,
-}
-
-/// How many of the fullest cells are named.
-const FULLEST: usize = 5;
-
 /// What a scene is prepared for.
-#[derive(Clone, Copy, PartialEq)]
-struct Purpose {
-    structure: Structure,
-    shows_cells: bool,
-    counts: bool,
-    /// The camera's rays, where the picture depends on how many there are.
-    rays: Option<usize>,
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// To show it, or the cells of its grid.
+    Picture,
+    /// To cast single rays through its structure, or to count the work, too.
+    Rays,
+    CountedRays,
 }
 
-impl<'r> Easel<'r> {
-    /// Nothing is prepared yet.
-    pub fn new(renderer: &'r Renderer) -> Self {
-        Self { renderer, ready: vec![] }
+/// What a preparation depends on: the scene's revision, its structure, whether cells are drawn and work is counted, and
+/// the camera's rays where their number matters.
+type Preparation = (u64, Structure, bool, bool, Option<usize>);
+
+pub struct Painter {
+    /// The structure that the command line asks for, whatever it takes.
+    own: Structure,
+    /// The last scenes that were prepared, the newest first.
+    ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
+}
+
+impl Painter {
+    pub fn new(own: Structure) -> Self {
+        Self { own, ready: Mutex::default() }
+    }
+
+    /// Forgets typed scenes that were closed.
+    pub fn forget(&self, is_open: impl Fn(u64) -> bool) {
+        let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
+        ready.retain(|((revision, ..), _)| is_open(*revision));
     }
 
     /// Paints a picture of the scene, unless it is stopped.
-    pub fn paint(&mut self, subject: &Subject, stop: &Cancel) -> Result<Painted, Unpainted> {
+    pub fn paint(&self, subject: &Subject, stop: &Stop) -> Result<Painted, Answer> {
         let start = Instant::now();
-        let ready = self.ready(subject).map_err(|error| Unpainted::Failed(error.to_string()))?;
-        let watch = |_: Progress| match stop.is_over() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        };
-        let request = request(subject);
+        let purpose = if subject.cost.is_some() { Purpose::CountedRays } else { Purpose::Picture };
+        let ready = self.ready(subject, purpose)?;
+        let request = subject.request(subject.cost.map_or(Layer::Color, Layer::Cost));
         let [width, height] = request.layer_size(&Layer::Color);
-        let mut colors = Colors::default();
+        let (mut bytes, mut counts, mut nans) = (vec![], vec![], 0);
         let mut take_row = |_: usize, row: &[Color]| {
-            colors.take(row, subject.cost.is_some());
+            if subject.cost.is_some() {
+                counts.extend(row.iter().map(|cost| cost.x as u64));
+            } else {
+                let before = bytes.len();
+                bytes.resize(before + row.len() * CHANNELS, 0);
+                nans += truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
+            }
             ControlFlow::Continue(())
         };
-        match ready.render_rows(&request, &watch, &mut take_row) {
-            Ok(_) => {}
-            Err(Stopped::Cancelled { .. } | Stopped::Output) => return Err(Unpainted::Stopped),
-            Err(Stopped::Memory(refused)) => return Err(Unpainted::Failed(refused.to_string())),
-        }
+        let watch = |progress: Progress| stop.watch(progress);
+        let prepared = ready.borrow_dependent();
+        prepared.render_rows(&request, &watch, &mut take_row)?;
         let costs = subject.cost.map(|cost| CostReport {
-            map: CostMap { cost, size: request.size, counts: std::mem::take(&mut colors.counts) },
-            cells: ready.fullness(FULLEST),
+            map: CostMap { cost, size: request.size, counts },
+            cells: prepared.fullness(FULLEST),
         });
         let picture = match &costs {
-            Some(report) => report.map.draw().map_err(|error| Unpainted::Failed(error.to_string()))?,
-            None => Picture::from_rgb(width as u32, height as u32, colors.bytes),
+            Some(report) => report.map.draw()?,
+            None => Picture::from_rgb(width as u32, height as u32, bytes),
         };
-        Ok(Painted { picture, costs, nans: colors.nans, time: start.elapsed() })
+        Ok(Painted { picture, costs, nans, time: start.elapsed() })
     }
 
-    /// The scene, prepared for a picture.
-    fn ready(&mut self, subject: &Subject) -> Result<&Prepared<'r>, GridTooLarge> {
-        let Options { structure, visualize_grid, .. } = subject.options;
-        let whole = subject.options.request();
-        let counts = subject.cost.is_some();
-        let rays = (counts || visualize_grid).then(|| whole.camera_rays());
-        let purpose = Purpose { structure, shows_cells: visualize_grid, counts, rays };
-        let found = self.ready.iter().position(|(known, _)| *known == purpose);
-        let place = match found {
-            Some(place) => place,
-            None => {
-                let ready = prepare(self.renderer, purpose, &whole)?;
-                self.ready.truncate(STRUCTURES - 1);
-                self.ready.insert(0, (purpose, ready));
-                0
-            }
+    /// Prepares the scene of a picture, unless it is prepared already.
+    pub fn ready(&self, subject: &Subject, purpose: Purpose) -> Result<Arc<Ready>, Answer> {
+        let Subject { scene, options, .. } = subject;
+        let (structure, counts) = (options.structure, purpose == Purpose::CountedRays);
+        let shows_cells = purpose == Purpose::Picture && options.visualize_grid;
+        let whole = Request { layers: vec![Layer::Color], ..options.request() };
+        let rays = (counts || shows_cells).then(|| whole.camera_rays());
+        let preparation = (scene.revision, structure, shows_cells, counts, rays);
+        let known = || self.ready.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, ready)) = known().iter().find(|(known, _)| *known == preparation) {
+            return Ok(ready.clone());
+        }
+        // Others need not wait meanwhile. The same may be prepared twice.
+        let may_be_large = scene.revision == 0 && structure == self.own;
+        let ready = Arc::new(Ready::try_new(scene.clone(), |scene| {
+            prepare(&scene.renderer, preparation, &whole, may_be_large)
+        })?);
+        let mut all = known();
+        all.insert(0, (preparation, ready.clone()));
+        let is_full = |all: &[(Preparation, Arc<Ready>)]| {
+            let primitives: usize = all.iter().map(|(_, ready)| ready.borrow_owner().primitives()).sum();
+            all.len() > MAX_PREPARED || all.len() > 1 && primitives > MAX_PRIMITIVES
         };
-        Ok(&self.ready[place].1)
+        while is_full(&all) {
+            all.pop();
+        }
+        Ok(ready)
     }
 }
 
 fn prepare<'r>(
     renderer: &'r Renderer,
-    purpose: Purpose,
+    (_, structure, shows_cells, counts, _): Preparation,
     whole: &Request,
-) -> Result<Prepared<'r>, GridTooLarge> {
-    if let Structure::Grid(Resolution::Cells(cells)) = purpose.structure {
-        ask_for_references(renderer.world(), cells)?;
-    }
-    let tracing = if purpose.counts { Tracing::Counted } else { Tracing::Fast };
-    match purpose.structure {
-        Structure::Grid(grid) if purpose.shows_cells => {
-            renderer.prepare_cells(grid, whole.camera_rays(), tracing)
+    may_be_large: bool,
+) -> Result<Prepared<'r>, Answer> {
+    if let Structure::Grid(Resolution::Cells(cells)) = structure {
+        let world = renderer.world();
+        let references = most_references(world, &Lattice::new(bounds_of(world), cells));
+        if references > MAX_REFERENCES && !may_be_large {
+            return Err(Answer::impossible(
+                "-grid: these cells hold more than this page allows: choose fewer",
+            ));
         }
-        structure if purpose.counts => {
-            let request = Request { layers: vec![Layer::Color], ..whole.clone() };
-            renderer.prepare_for(structure, &request, tracing)
-        }
-        structure => renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing),
+        memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
     }
-}
-
-/// Asks for the memory of the primitives in these cells, if there are as many as there may be. Nothing else that a grid
-/// takes is unknown before it is built.
-fn ask_for_references(world: &World, cells: [usize; 3]) -> Result<(), GridTooLarge> {
-    let most = most_references(world, &Lattice::new(bounds_of(world), cells));
-    memory::ask(most.saturating_mul(BYTES_PER_REFERENCE)).map_err(|_| GridTooLarge)
-}
-
-/// The request for a picture or its sketch.
-fn request(subject: &Subject) -> Request {
-    let whole = subject.options.request();
-    let layer = subject.cost.map_or(Layer::Color, Layer::Cost);
-    let layers = vec![layer];
-    match subject.sketch {
-        None => Request { camera: subject.camera, layers, ..whole },
-        Some(size) => {
-            Request { camera: subject.camera, layers, effects: whole.effects, ..Request::new(size) }
-        }
-    }
-}
-
-/// The rows of a picture as they come.
-#[derive(Default)]
-struct Colors {
-    bytes: Vec<u8>,
-    counts: Vec<u64>,
-    nans: u64,
-}
-
-impl Colors {
-    fn take(&mut self, row: &[Color], are_costs: bool) {
-        if are_costs {
-            return self.counts.extend(row.iter().map(|cost| cost.x as u64));
-        }
-        let before = self.bytes.len();
-        self.bytes.resize(before + row.len() * CHANNELS, 0);
-        self.nans += truncate_to_bytes::<RED_FIRST>(row, &mut self.bytes[before..]);
-    }
+    let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
+    Ok(match structure {
+        Structure::Grid(grid) if shows_cells => renderer.prepare_cells(grid, whole.camera_rays(), tracing)?,
+        structure if counts => renderer.prepare_for(structure, whole, tracing)?,
+        structure => renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing)?,
+    })
 }

@@ -1,90 +1,89 @@
 //! What the page's controls say, as flags of a command line: checked as those of the program, and limited.
 
-use super::limits::{MAX_BOUNCES, MAX_CELLS, MAX_SAMPLES, MAX_SIDE, MAX_SUPPORT};
+use super::http::Answer;
+use super::limits::MAX_SIDE;
 use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options, ShowProgress};
 use crate::render::Cost;
 use crate::shell::Shell;
-use serde::Serialize;
+use serde_json::Value;
 use std::ffi::OsString;
 use std::path::Path;
 
-/// The most that a picture may ask for: what the command line asks for, or the limits of any page.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Most {
-    side: usize,
-    samples: u32,
-    bounces: u32,
-    support: usize,
-    cells: usize,
-}
+/// What a picture may ask for at most, with the names by which the page knows these limits, and those of messages.
+const LIMITS: [(usize, &str, &str); 5] = [
+    (MAX_SIDE, "side", "-size"),
+    (1024, "samples", "the number of samples"),
+    // Each may double the rays.
+    (16, "bounces", "-bounces"),
+    (16, "support", "the filter's support"),
+    (1 << 21, "cells", "the number of the grid's cells"),
+];
 
-impl Most {
-    /// The limits for pages of this command line.
-    pub fn of(line: &Options) -> Self {
-        Self {
-            side: line.request().size.into_iter().fold(MAX_SIDE, usize::max),
-            samples: samples(line).max(MAX_SAMPLES),
-            bounces: line.effects.bounces.max(MAX_BOUNCES),
-            support: line.filter.support().max(MAX_SUPPORT),
-            cells: cells(line).max(MAX_CELLS),
-        }
-    }
-
-    /// What these flags ask for. Errors: the message of the command line's parser, a flag that a page cannot give, or
-    /// more than the limits allow.
-    pub fn options(&self, words: &[String]) -> Result<Options, String> {
-        let line = ["raytracer", "-input", "scene.txt"].into_iter().chain(words.iter().map(String::as_str));
-        let options = match cli::parse(line.map(OsString::from)) {
-            Ok(Command::Render(options)) if shapes_a_picture(&options) => *options,
-            Ok(_) => return Err("these flags cannot be given here".into()),
-            Err(error) => return Err(error.to_string()),
-        };
-        let limits = [
-            ("-size", options.request().size.into_iter().fold(0, usize::max), self.side),
-            ("the number of samples", samples(&options) as usize, self.samples as usize),
-            ("-bounces", options.effects.bounces as usize, self.bounces as usize),
-            ("the filter's support", options.filter.support(), self.support),
-            ("the number of the grid's cells", cells(&options), self.cells),
-        ];
-        match limits.into_iter().find(|&(_, value, most)| value > most) {
-            Some((name, value, most)) => {
-                Err(format!("{name}: {value} is more than this page allows, {most}"))
-            }
-            None => Ok(options),
-        }
-    }
-}
-
-fn samples(options: &Options) -> u32 {
-    options.adaptive.map_or(options.sampler.count(), |adaptive| adaptive.most)
-}
-
-fn cells(options: &Options) -> usize {
-    match options.structure {
+/// Returns what a picture asks for, in the order of [`LIMITS`].
+fn amounts(options: &Options) -> [usize; 5] {
+    let samples = options.adaptive.map_or(options.sampler.count(), |adaptive| adaptive.most);
+    let cells = match options.structure {
         Structure::Grid(Resolution::Cells(cells)) => cells.into_iter().product(),
         _ => 0,
+    };
+    let side = options.request().size.into_iter().fold(0, usize::max);
+    [side, samples as usize, options.effects.bounces as usize, options.filter.support(), cells]
+}
+
+/// The most that a picture may ask for: what the command line asks for, or the limits of any page.
+pub struct Most([usize; 5]);
+
+impl Most {
+    /// The limits for pages of this command line, which compares with a picture of this size.
+    pub fn of(line: &Options, compared: [usize; 2]) -> Self {
+        let mut most = amounts(line);
+        most[0] = most[0].max(compared[0]).max(compared[1]);
+        most.iter_mut().zip(LIMITS).for_each(|(most, (limit, ..))| *most = limit.max(*most));
+        Self(most)
+    }
+
+    /// The longest side of a picture.
+    pub fn side(&self) -> usize {
+        self.0[0]
+    }
+
+    pub fn to_json(&self) -> Value {
+        self.0.iter().zip(LIMITS).map(|(&most, (_, name, _))| (name.to_owned(), Value::from(most))).collect()
+    }
+
+    /// Returns what these flags ask for. Errors: the message of the command line's parser, a flag that a page cannot
+    /// give, or more than the limits allow.
+    pub fn options(&self, words: &[String]) -> Result<Options, Answer> {
+        let line = ["raytracer", "-input", "scene.txt"].into_iter().chain(words.iter().map(String::as_str));
+        let options = match cli::parse(line.map(OsString::from))? {
+            Command::Render(options) if shapes_a_picture(&options) => *options,
+            _ => return Err(Answer::impossible("these flags cannot be given here")),
+        };
+        for ((value, most), (_, _, name)) in amounts(&options).into_iter().zip(self.0).zip(LIMITS) {
+            if value > most {
+                let reason = format!("{name}: {value} is more than this page allows, {most}");
+                return Err(Answer::impossible(reason));
+            }
+        }
+        Ok(options)
     }
 }
 
-/// Whether the options do nothing but shape a picture: no file is named, and nothing else is asked for.
+/// Returns true if the options do nothing but shape a picture: no file is named, and nothing else is asked for.
 fn shapes_a_picture(options: &Options) -> bool {
-    let Options { outputs, region, comparison, stats, strict, json, pixel, preview, page, threads, .. } =
-        options;
-    outputs.is_empty()
-        && region.is_none()
-        && !strict
-        && comparison.is_none()
-        && !stats
-        && json.is_none()
-        && pixel.is_none()
-        && !preview
-        && page.is_none()
-        && threads.is_none()
-        && options.progress == ShowProgress::OnTerminal
+    let does_more = options.stats || options.strict || options.preview;
+    let has_value = options.region.is_some()
+        || options.repeat.is_some()
+        || options.comparison.is_some()
+        || options.json.is_some()
+        || options.pixel.is_some()
+        || options.page.is_some()
+        || options.threads.is_some();
+    !does_more && !has_value && options.outputs.is_empty() && options.progress == ShowProgress::OnTerminal
 }
 
-/// The command line that writes a picture.
+/// Returns the command line that writes a picture.
 pub fn command_line(input: &Path, words: &[String], cost: Option<Cost>, output: Option<&Path>) -> String {
     let name = |path: &Path| path.to_string_lossy().into_owned();
     let output = output.map_or("picture.png".into(), name);
@@ -118,7 +117,7 @@ mod tests {
 
     #[test]
     fn flags_that_shape_a_picture_are_understood() {
-        let most = Most::of(&line(""));
+        let most = Most::of(&line(""), [0; 2]);
         for flags in [
             "",
             "-size 7 9 -shadows -shade_back -bounces 3 -weight .1 -grid auto -visualize_grid",
@@ -134,7 +133,7 @@ mod tests {
 
     #[test]
     fn no_flag_reaches_a_file_or_starts_anything_else() {
-        let most = Most::of(&line(""));
+        let most = Most::of(&line(""), [0; 2]);
         for flags in [
             "-output a.png",
             "-depth 1 2 a.png",
@@ -150,6 +149,7 @@ mod tests {
             "-gui -port 80",
             "-gouraud",
             "-threads 4096",
+            "-repeat 3",
             "-region 0 0 1 1",
             "-strict",
             "-progress",
@@ -169,8 +169,8 @@ mod tests {
     fn the_limits_are_those_of_the_page_or_of_the_line() {
         let message = "-bounces: 17 is more than this page allows, 16";
         let too_much = words("-bounces 17");
-        assert_eq!(Most::of(&line("")).options(&too_much), Err(message.into()));
-        assert!(Most::of(&line("-bounces 17")).options(&too_much).is_ok());
+        assert_eq!(Most::of(&line(""), [0; 2]).options(&too_much), Err(Answer::impossible(message)));
+        assert!(Most::of(&line("-bounces 17"), [0; 2]).options(&too_much).is_ok());
         for flags in [
             "-size 4 2049",
             "-random_samples 1025",
@@ -179,7 +179,7 @@ mod tests {
             "-size 70000 1",
             "-bounces x",
         ] {
-            assert!(Most::of(&line("")).options(&words(flags)).is_err(), "{flags}");
+            assert!(Most::of(&line(""), [0; 2]).options(&words(flags)).is_err(), "{flags}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Which instruction sets the inner loops may use. They are compiled for each [`Level`], whose tokens prove that the
 //! processor has the instructions. Hits and pictures do not depend on it.
 
-use crate::shortcut::Shortcut;
+use crate::base::shortcut::Shortcut;
 pub use fearless_simd::Level;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::Simd;

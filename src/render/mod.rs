@@ -4,6 +4,7 @@
 mod delivery;
 pub mod grid_view;
 pub mod layer;
+pub mod renderer;
 mod request;
 mod row;
 mod strip;
@@ -12,8 +13,10 @@ mod tracing;
 mod unseen;
 
 pub use layer::{Cost, Layer};
-pub use request::{Request, View, Window};
+pub use request::{Request, View};
 pub use tracing::Tracing;
+
+pub use crate::picture::Window;
 
 use crate::camera::Camera;
 use crate::caster::Caster;
@@ -113,7 +116,7 @@ pub fn render(
     memory::ask(Strip::below(&setting, None, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = || tally.asks();
-    let patience = Patience::until(&is_cancelled);
+    let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
     let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
     let mut counts = Counts::default();
@@ -138,7 +141,7 @@ pub fn render_some_rows(
     let setting = RenderSetting { caster, view, request, tracing: Tracing::Fast };
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = || tally.asks();
-    let patience = Patience::until(&is_cancelled);
+    let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracer = PictureTracer::new(camera, caster, view, request, setting.tracing, patience);
     let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
     let colors = |row: &usize| {
@@ -182,19 +185,24 @@ fn render_reduced(
     Ok(counts)
 }
 
-/// The offsets of the adaptive samples of the pixel in this column and row from the bottom left.
+/// The offsets of the adaptive samples of the pixel in this column and row from the bottom left; none where the watch
+/// cancels.
 pub fn adaptive_offsets(
     (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
     settings: Adaptive,
     pixel: [usize; 2],
+    watch: Watch,
 ) -> Vec<DVec2> {
     let tracing = Tracing::Counted;
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing, Patience::endless());
+    let tally = Tally::new(1, watch);
+    let is_cancelled = || tally.asks();
+    let patience = Patience::until(&is_cancelled, caster.world.lights.len());
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
     let setting = RenderSetting { caster, view, request, tracing };
     let unseen = Unseen::new(camera, caster.world, request);
-    setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel)
+    setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel, &tally)
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without

@@ -3,6 +3,7 @@
 use super::layer::Layer;
 use super::tracing::Tracing;
 use crate::camera::Camera;
+use crate::picture::Window;
 use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::reduced;
@@ -12,7 +13,6 @@ use crate::scene;
 use crate::scene::material::Material;
 use crate::trace::{Effects, Shadows};
 use crate::world::World;
-use serde::Serialize;
 use std::ops::Range;
 
 #[cfg(feature = "fast")]
@@ -33,19 +33,6 @@ pub enum View<'a> {
     Cells(&'a Occupancy),
     /// The place of each pixel.
     Places,
-}
-
-/// A rectangle of pixels. The pixel in the top left corner of the picture is (0, 0).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Window {
-    /// The leftmost column.
-    pub x: usize,
-    /// The topmost row, counted from the top.
-    pub y: usize,
-    /// The width in pixels.
-    pub width: usize,
-    /// The height in pixels.
-    pub height: usize,
 }
 
 /// The layers of a picture that are to be rendered, and how.

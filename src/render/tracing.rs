@@ -95,18 +95,22 @@ impl RowsTracer<'_> {
     }
 }
 
-impl RowTracer<'_> {
-    /// Whether secondary rays of the row were left out, since the render was cancelled.
-    pub fn is_cut(&self) -> bool {
+impl<'a> RowTracer<'a> {
+    /// Whether rays of the row were left out, since the render was cancelled.
+    pub fn is_cut(&mut self) -> bool {
+        self.patience().has_ended
+    }
+
+    fn patience(&mut self) -> &mut Patience<'a> {
         match self {
-            Self::Plain(plain) => plain.patience.has_ended,
+            Self::Plain(plain) => &mut plain.patience,
             #[cfg(feature = "fast")]
-            Self::Fast(fast) => fast.is_cut(),
+            Self::Fast(fast) => fast.patience(),
         }
     }
 
     /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted. The rays from
-    /// the camera are not counted.
+    /// the camera are not counted. Does nothing once the row is cut.
     pub fn trace(
         &mut self,
         j: usize,
@@ -115,11 +119,15 @@ impl RowTracer<'_> {
         colors: &mut PacketColors,
         counts: &mut Counts,
     ) {
+        if self.is_cut() {
+            return;
+        }
         match self {
             Self::Plain(plain) => plain.trace(j, wanted, packet, colors, counts),
             #[cfg(feature = "fast")]
             Self::Fast(fast) => counts.non_shadow_rays += fast.trace(j, wanted, packet, colors),
         }
+        self.patience().spend(packet.samples().len());
     }
 }
 

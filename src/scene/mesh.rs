@@ -6,8 +6,8 @@ use super::foreign_format::{foreign, foreign_without_faces};
 pub use super::mesh_error::{MeshDoubt, MeshError};
 pub use super::plain_obj::memory_for;
 use super::{Position, obj_reader, plain_obj};
+use crate::base::shortcut::Shortcut;
 use crate::diagnostic::with_caret;
-use crate::shortcut::Shortcut;
 use glam::{DVec2, DVec3};
 
 /// A triangle mesh, with its triangles in the order of the file's faces.

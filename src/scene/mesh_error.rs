@@ -43,15 +43,17 @@ impl fmt::Display for MeshDoubt {
     }
 }
 
-impl From<MeshError> for Diagnostic {
-    fn from(MeshError { at, message, hint }: MeshError) -> Self {
-        Self { hint, ..Self::error(message) }.at(at.unwrap_or_default())
+impl MeshError {
+    /// Returns the error with its position in the mesh.
+    pub(crate) fn diagnostic(self) -> Diagnostic {
+        Diagnostic { hint: self.hint, ..Diagnostic::error(self.message) }.at(self.at.unwrap_or_default())
     }
 }
 
-impl From<MeshDoubt> for Diagnostic {
-    fn from(MeshDoubt { at, message, hint }: MeshDoubt) -> Self {
-        Self { hint, ..Self::warning(message) }.at(at)
+impl MeshDoubt {
+    /// Returns the warning with its position in the mesh.
+    pub(crate) fn diagnostic(&self) -> Diagnostic {
+        Diagnostic { hint: self.hint.clone(), ..Diagnostic::warning(self.message.clone()) }.at(self.at)
     }
 }
 

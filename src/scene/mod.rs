@@ -1,5 +1,5 @@
-//! The scene as its author wrote it, read from text. This module knows nothing of rendering and opens no
-//! files.
+//! The scene as its author wrote it, read from text. This module knows nothing of rendering, and only
+//! [`load`] opens files.
 //!
 //! Objects form a tree that is stored in one arena (`Scene::objects`), so that a scene nested a hundred
 //! thousand levels deep is built, traversed and dropped without recursion.
@@ -11,8 +11,10 @@ mod keyword;
 pub mod lexer;
 pub mod limits;
 mod list;
+pub mod load;
 pub mod material;
 pub mod mesh;
+mod near_names;
 mod object;
 mod mesh_error;
 pub mod model;

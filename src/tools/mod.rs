@@ -3,6 +3,7 @@
 //!
 //! A module uses only those before it in this list.
 
+mod embedded;
 pub mod warnings;
 pub mod compare;
 pub mod explain;

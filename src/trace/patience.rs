@@ -1,30 +1,34 @@
-//! The end of paths that are no longer wanted.
+//! The end of rays that are no longer wanted.
 
 use std::fmt;
 
-/// The number of secondary rays that are followed between two questions: a few milliseconds' work.
-const RAYS_AT_ONCE: u32 = 1 << 12;
+/// The number of rays that are traced between two questions. They are so many that asking takes no time that could be
+/// measured, and so few that the answer comes soon even where each of them meets a hundred thousand triangles.
+const RAYS_AT_ONCE: usize = 1 << 9;
 
-/// Asks now and then whether secondary rays are still to be followed, since one camera ray may cause more of them than
-/// can ever be traced.
+/// Asks now and then whether rays are still to be traced, since one camera ray may cause more of them than can ever be
+/// traced.
 #[derive(Clone, Copy)]
 pub(crate) struct Patience<'a> {
     is_over: &'a (dyn Fn() -> bool + Sync),
+    /// The number of rays between two questions, without those to lights.
+    at_once: u32,
     /// The number of rays until it asks again.
     left: u32,
-    /// Whether rays were not followed.
+    /// Whether no more rays are traced.
     pub has_ended: bool,
 }
 
 impl<'a> Patience<'a> {
-    /// Follows rays until this is true.
-    pub fn until(is_over: &'a (dyn Fn() -> bool + Sync)) -> Self {
-        Self { is_over, left: RAYS_AT_ONCE, has_ended: false }
+    /// Follows rays until this is true. Each may cause a ray to each of so many lights.
+    pub fn until(is_over: &'a (dyn Fn() -> bool + Sync), lights: usize) -> Self {
+        let at_once = (RAYS_AT_ONCE / (1 + lights)).max(1) as u32;
+        Self { is_over, at_once, left: at_once, has_ended: false }
     }
 
     /// Follows all rays.
     pub fn endless() -> Self {
-        Self::until(&|| false)
+        Self::until(&|| false, 0)
     }
 
     /// Whether the next ray is not to be followed, nor any after it.
@@ -34,10 +38,18 @@ impl<'a> Patience<'a> {
         self.left == 0 && self.ask()
     }
 
+    /// Notes that so many rays from the camera were traced.
+    pub fn spend(&mut self, rays: usize) {
+        self.left = self.left.saturating_sub(rays as u32);
+        if self.left == 0 {
+            self.ask();
+        }
+    }
+
     #[cold]
     fn ask(&mut self) -> bool {
         self.has_ended = self.has_ended || (self.is_over)();
-        self.left = if self.has_ended { 1 } else { RAYS_AT_ONCE };
+        self.left = if self.has_ended { 1 } else { self.at_once };
         self.has_ended
     }
 }

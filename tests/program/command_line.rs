@@ -320,17 +320,17 @@ fn the_course_s_lines_are_accepted() {
 fn help_and_version_win_over_what_follows_and_over_a_missing_scene() {
     for line in ["-help", "--help", "-h", "-help -nonsense", "-size 3 3 -help"] {
         assert!(
-            matches!(parse_line(line), Ok(Command::Help(text)) if text.contains("Usage: raytracer -input"))
+            matches!(parse_line(line), Ok(Command::Print(text)) if text.contains("Usage: raytracer -input"))
         );
     }
     for line in ["-help size", "-help -size", "-h --size", "-input s.txt -help size -nonsense"] {
         assert!(
-            matches!(parse_line(line), Ok(Command::Help(text)) if text.starts_with("  -size <w> [h]\n")),
+            matches!(parse_line(line), Ok(Command::Print(text)) if text.starts_with("  -size <w> [h]\n")),
             "{line}"
         );
     }
     let version = format!("raytracer {}\n", env!("CARGO_PKG_VERSION"));
-    assert_eq!(parse_line("-version"), Ok(Command::Version(version)));
+    assert_eq!(parse_line("-version"), Ok(Command::Print(version)));
 }
 
 #[cfg(unix)]

@@ -149,11 +149,6 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -render_filter f.tga 0", "-render_filter ... 0"),
     ("-input s.txt -render_samples s.tga 656", "-render_samples"),
     ("-input s.txt -size 1 4369 -render_filter f.tga 15", "-render_filter"),
-    ("-input s.txt -render_samples a.tga 4 -output a.tga", "-output ... -render_samples ... a.tga"),
-    (
-        "-input s.txt -render_samples a.tga 4 -render_filter ./a.tga 4",
-        "-render_samples ... -render_filter ... a.tga",
-    ),
     ("-compare a.tga", "-input ... -reference"),
     ("-compare a.jpg -reference b.tga", "-compare ... a.jpg"),
     ("-input s.txt -compare", "-compare"),
@@ -162,7 +157,6 @@ const FAULTS: &[(&str, &str)] = &[
     ("-compare a.tga -reference b.tga -tolerance 1", "-tolerance"),
     ("-compare a.tga -reference b.tga -tolerance 256 0", "-tolerance ... 256"),
     ("-compare a.tga -reference b.tga -tolerance 0 -1", "-tolerance ... -1"),
-    ("-input s.txt -output d.tga -compare a.tga -difference ./d.tga", "-output ... -difference ... d.tga"),
     ("-input s.txt -json", "-json"),
     ("-input s.txt -json o.txt", "-json ... o.txt"),
     ("-input s.txt -json json", "-json ... json"),
@@ -174,9 +168,9 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -output -", "-output ... -"),
     ("-input s.txt -output - tga 3", "3"),
     ("-input s.txt -depth 1 2 -", "-depth ... -"),
-    ("-input s.txt -output - tga -normals - png", "-output ... -normals"),
-    ("-input s.txt -output - tga -depth 1 2 /dev/stdout png", "-output ... -depth"),
-    ("-input s.txt -output - tga -json -", "-output ... -json"),
+    ("-input s.txt -output - tga -normals - png", "standard output"),
+    ("-input s.txt -output - tga -depth 1 2 /dev/stdout png", "standard output"),
+    ("-input s.txt -output - tga -json -", "-json ... standard output"),
     ("-merge a.tga b.exr -output c.tga", "-merge ... b.exr"),
     ("-merge a.tga -output c.pfm", "-output ... c.pfm"),
     ("-merge a.tga -output - exr", "-output ... .ppm"),
@@ -191,9 +185,6 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -tessellation 10", "-tessellation"),
     ("-input s.txt -progress -quiet", "-progress ... -quiet"),
     ("-input s.txt -tessellation 10 x", "-tessellation ... x"),
-    ("-input s.txt -output a.tga -normals a.tga", "-output ... -normals ... a.tga"),
-    ("-input s.txt -output ./a.tga -depth 1 2 a.tga", "-output ... -depth ... ./a.tga"),
-    ("-input s.txt -depth 1 2 d/a.tga -normals d/./a.tga", "-depth ... -normals ... d/a.tga"),
 ];
 
 #[test]

@@ -83,7 +83,7 @@ fn the_picture_that_is_read_is_not_written_and_nothing_else_is_understood() {
         (
             "-merge o.png -output a.bmp",
             1,
-            "`o.png` is a whole picture of 21 x 15 pixels, and no part as `-region` makes it",
+            "cannot merge `o.png`: it is a picture of 21 x 15 pixels, and no part as `-region` makes it",
         ),
         (
             "-merge o.bmp -output a.png",

@@ -40,6 +40,17 @@ fn two_names_of_one_file_are_refused() {
         let message = folder.run(&format!("-input s.txt -output {one} -normals {other}")).message(2);
         assert_eq!(only_line(&message), format!("error: `{one}` and `{other}` are the same file"));
     }
+    for [one, other] in [
+        ["-output a.tga", "-normals a.tga"],
+        ["-output d/a.tga", "-depth 1 2 d/./a.tga"],
+        ["-render_samples a.tga 4", "-render_filter a.tga 4"],
+        ["-output d.tga", "-compare o.tga -difference d.tga"],
+    ] {
+        create_dir_all(path("d")).unwrap();
+        let message = folder.run(&format!("-input s.txt {one} {other}")).message(2);
+        assert!(only_line(&message).ends_with(".tga` would be written twice"), "{message}");
+    }
+    std::fs::remove_dir(path("d")).unwrap();
     for flags in ["-compare o.tga -difference link.tga", "-json document.json"] {
         let message = folder.run(&format!("-input s.txt -output o.tga {flags}")).message(2);
         assert!(only_line(&message).ends_with("` are the same file"), "{message}");

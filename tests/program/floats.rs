@@ -1,7 +1,7 @@
 //! Pictures of floating-point numbers: PFM and OpenEXR files, written and read.
 
 use crate::support::{CAMERA, Folder, Run, only_line, sphere};
-use raytracer::image_io::{Content, Exceptional, OutputFile, read_picture};
+use raytracer::image_io::{Content, Exceptional, Format, OutputFile, read_picture};
 use raytracer::scene::Color;
 
 /// A file of numbers, read without the program's own code.
@@ -287,10 +287,11 @@ fn numbers_that_no_file_holds_are_counted() {
         ("a.exr", Content::Colors, Exceptional { black: 0, nan: 1, out_of_range: 2 }),
         ("d.pfm", Content::Distances, Exceptional { black: 0, nan: 1, out_of_range: 2 }),
     ] {
-        let file = OutputFile::prepare(&folder.path().join(name)).unwrap();
-        let mut writer = file.begin_with([5, 1], content, None).unwrap();
+        let path = folder.path().join(name);
+        let file = OutputFile::prepare(&path).unwrap();
+        let mut writer = file.begin(Format::of(&path).unwrap(), [5, 1], content, None).unwrap();
         writer.row(&colors).unwrap();
-        assert_eq!(writer.exceptional(), expected, "{name}");
+        assert_eq!(writer.exceptional, expected, "{name}");
         writer.finish().unwrap();
     }
     let floats = Floats::read(&folder, "a.exr").pixels;
@@ -315,9 +316,10 @@ fn a_warning_tells_of_colours_beyond_single_precision() {
 #[test]
 fn a_side_that_no_file_holds_is_an_error() {
     let folder = Folder::new();
-    for name in ["a.pfm", "a.exr"] {
-        let file = OutputFile::prepare(&folder.path().join(name)).unwrap();
-        let message = file.begin([65536, 1], None).map(drop).unwrap_err().to_string();
+    for format in [Format::Pfm, Format::Exr] {
+        let file = OutputFile::prepare(&folder.path().join("a")).unwrap();
+        let begun = file.begin(format, [65536, 1], Content::Colors, None);
+        let message = begun.map(drop).unwrap_err().to_string();
         assert!(message.ends_with("65536 x 1 is above 65535 pixels a side"), "{message}");
     }
 }

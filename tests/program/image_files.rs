@@ -129,7 +129,7 @@ fn a_target_that_becomes_a_folder_is_reported_and_leaves_no_file() {
     let path = folder.path().join("a.tga");
     let output = OutputFile::prepare(&path).unwrap();
     fs::create_dir(&path).unwrap();
-    assert!(matches!(output.write(&sample()), Err(ImageError::Io { .. })));
+    assert!(matches!(output.write(&sample()), Err(ImageError::File { .. })));
     assert_eq!(names(&folder), ["a.tga"]);
 }
 
@@ -146,7 +146,6 @@ fn unwritable_targets_are_reported_before_rendering() {
         // The folder is there, and makes no files.
         #[cfg(target_os = "linux")]
         ("/proc/a.tga", "cannot write `/proc/a.tga`: No such file or directory (os error 2)"),
-        ("a.jpg", "`F/a.jpg` ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
     ];
     for (name, expected) in rows {
         let error = OutputFile::prepare(&folder.path().join(name)).unwrap_err();
@@ -154,6 +153,18 @@ fn unwritable_targets_are_reported_before_rendering() {
         assert_eq!(shown.replace(MAIN_SEPARATOR, "/"), expected, "{name}");
     }
     assert_eq!(names(&folder), ["file", "folder.tga"]);
+}
+
+#[test]
+fn a_name_that_tells_no_format_is_an_error() {
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("a.jpg");
+    let message = write(&path, &sample()).unwrap_err().to_string();
+    assert!(
+        message.ends_with("a.jpg`: its name ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
+        "{message}"
+    );
+    assert!(names(&folder).is_empty());
 }
 
 #[test]
@@ -215,7 +226,7 @@ mod unix {
         let folder = tempdir().unwrap();
         let path = folder.path().join("a.tga");
         symlink("a.tga", &path).unwrap();
-        assert!(matches!(OutputFile::prepare(&path), Err(ImageError::Io { .. })));
+        assert!(matches!(OutputFile::prepare(&path), Err(ImageError::File { .. })));
     }
 
     #[test]

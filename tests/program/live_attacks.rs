@@ -21,20 +21,21 @@ const GLASS: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 
 const DEEP: &str = "-bounces 16 -random_samples 1024";
 const SECOND: Duration = Duration::from_secs(1);
 
-/// The time for which the workers of a server have used processors.
+/// The time for which a server has used processors, in seconds.
 fn work_of(server: &Server) -> f64 {
-    let is_worker = |stat: &Vec<String>| stat[1] == server.child.id().to_string();
-    let stats = fs::read_dir("/proc").expect("processes").filter_map(|entry| {
-        let stat = fs::read_to_string(entry.ok()?.path().join("stat")).ok()?;
-        Some(stat.rsplit(')').next()?.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
-    });
-    let ticks = |stat: Vec<String>| -> f64 {
-        stat[11..13].iter().map(|time| time.parse::<f64>().unwrap_or(0.0)).sum()
-    };
-    stats.filter(is_worker).map(ticks).sum::<f64>() / 100.0
+    let stat = fs::read_to_string(format!("/proc/{}/stat", server.child.id())).expect("a process");
+    let fields: Vec<&str> = stat.rsplit(')').next().expect("fields").split_whitespace().collect();
+    fields[11..13].iter().map(|time| time.parse::<f64>().expect("ticks")).sum::<f64>() / 100.0
 }
 
-/// Asks, and leaves after a while, while there is work to do. The workers must have nothing to do a second later.
+/// The most memory that a server has used, in kB.
+fn memory_of(server: &Server) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{}/status", server.child.id())).expect("a process");
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("the peak");
+    peak.split_whitespace().next().and_then(|number| number.parse().ok()).expect("a number")
+}
+
+/// Asks, and leaves after a while, while there is work to do. There must be nothing to do a second later.
 fn leave(server: &Server, path: &str, body: &[u8], after: Duration) {
     let mut stream = server.connect();
     stream.write_all(&server.request(&format!("POST {path}"), &[], body)).expect("a request");
@@ -95,23 +96,79 @@ fn work_ends_with_its_client_in_every_phase() {
         Duration::from_secs(3),
     );
     // A scene that takes long to be read and built, and its tree and its grid.
-    for name in ["a.obj", "b.obj", "c.obj"] {
-        folder.write(name, sheet(500));
+    for name in ["a.obj", "b.obj"] {
+        folder.write(name, sheet(300));
     }
     let mesh = |name: &str| format!("TriangleMesh {{ obj_file {name} }}");
-    let text = scene(3, &["a.obj", "b.obj", "c.obj"].map(mesh).concat());
+    let text = scene(2, &["a.obj", "b.obj"].map(mesh).concat());
     let typed = bytes(&json!({ "text": text }));
     leave(&server, "/scene", &typed, short);
     leave(&server, "/scene", &typed, 5 * short);
     let (said, _) = server.ask("/scene", &json!({ "text": text })).expect("a scene");
     let revision = said["scene"]["revision"].as_u64().expect("a revision");
-    for words in
-        ["-size 2048 2048", "-size 9 9 -grid 100 100 100", "-size 9 9 -grid 100 100 100 -visualize_grid"]
-    {
+    // What building a grid takes is bounded beforehand.
+    let cells = wanted(4, &view(revision, "-size 9 9 -grid 120 120 120"));
+    let (status, said) = server.ask("/picture", &cells).map(drop).expect_err("too large");
+    assert!(status == 422 && said.contains("choose fewer"), "{status} {said}");
+    for words in ["-size 2048 2048 -bounces 9", "-size 2048 2048 -bounces 9 -grid auto"] {
         leave(&server, "/picture", &bytes(&wanted(4, &view(revision, words))), short);
     }
-    leave(&server, "/objects", &bytes(&view(revision, "-size 9 9")), short);
+    leave(&server, "/objects", &bytes(&view(revision, "-size 2048 2048")), short);
     assert!(server.is_alive());
+}
+
+#[test]
+fn the_largest_pictures_at_once_take_less_than_a_gigabyte() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "-size 4 4");
+    thread::scope(|scope| {
+        for page in 0..8 {
+            let server = &server;
+            scope.spawn(move || {
+                let question = wanted(page, &view(0, "-size 2048 2048 -random_samples 4 -tent_filter 1"));
+                assert_eq!(server.ask("/picture", &question).expect("a picture").1.len(), 4 << 22);
+            });
+        }
+    });
+    let most = memory_of(&server);
+    assert!(most < 1_000_000, "{most} kB");
+}
+
+#[test]
+fn rays_that_meet_much_end_with_their_client() {
+    // Every ray meets half of the triangles, and casts a ray to each light.
+    let corner = |k: usize| format!("{} {} {}", (k * 7919) % 997, (k * 104_729) % 991, k % 13);
+    let triangles = (0..20_000).map(|k| {
+        let [a, b, c] = [k, k + 1, k + 2].map(corner);
+        format!("Triangle {{ vertex0 {a} vertex1 {b} vertex2 {c} }}")
+    });
+    let lights = "DirectionalLight { direction 0 0 -1 color 1 1 1 }".repeat(20);
+    let folder = Folder::with_scene(&format!(
+        "OrthographicCamera {{ center 500 500 100 direction 0 0 -1 up 0 1 0 size 900 }}
+        Lights {{ numLights 20 {lights} }}
+        Group {{ numObjects 20000 Material {{ diffuseColor 1 1 1 reflectiveColor 1 1 1 }} {} }}",
+        triangles.collect::<String>()
+    ));
+    let server = Server::start(folder.path(), "-size 4 4");
+    let wide = view(0, "-size 2048 2 -bounces 9 -shadows -shade_back -random_samples 99 -grid none");
+    leave(&server, "/picture", &bytes(&wanted(1, &wide)), SECOND);
+    leave(&server, "/trace", &bytes(&json!({ "view": wide, "pixel": [1000, 1] })), SECOND);
+    let adaptive = view(0, "-size 9 9 -bounces 9 -shadows -shade_back -adaptive_samples 1024 .1 -grid none");
+    leave(&server, "/trace", &bytes(&json!({ "view": adaptive, "pixel": [4, 4] })), SECOND);
+}
+
+#[test]
+fn a_later_question_of_its_kind_overtakes_an_earlier_one() {
+    let folder = Folder::with_scene(GLASS);
+    let server = Server::start(folder.path(), "-size 4 4");
+    let deep = view(0, &format!("-size 9 9 {DEEP}"));
+    let trace = |view: &Value| server.ask("/trace", &json!({ "page": 1, "view": view, "pixel": [4, 4] }));
+    thread::scope(|scope| {
+        let slow = scope.spawn(|| trace(&deep));
+        sleep(SECOND / 2);
+        assert!(trace(&view(0, "-size 9 9")).expect("rays").0["rays"].is_object());
+        assert_eq!(slow.join().expect("no panic").expect("an answer").0, json!({ "overtaken": true }));
+    });
 }
 
 #[test]
@@ -209,56 +266,13 @@ fn a_client_that_says_no_more_gets_its_answer() {
 }
 
 #[test]
-fn a_worker_that_dies_takes_nobody_with_it() {
+fn the_page_keeps_its_text_when_the_file_changes() {
     let folder = Folder::with_scene(&sphere());
     let server = Server::start(folder.path(), "-size 4 4");
-    let (said, _) = server.ask("/scene", &json!({ "text": GLASS })).expect("a scene");
-    let revision = said["scene"]["revision"].as_u64().expect("a revision");
-    // The file is another one now, but the page shows the text that it has shown before.
     let before = server.pixels(view(0, "-size 30 30"));
     folder.write("s.txt", "nothing");
-    let workers = || {
-        let found = std::process::Command::new("pgrep").args(["-P", &server.child.id().to_string()]).output();
-        String::from_utf8(found.expect("pgrep").stdout).expect("text")
-    };
-    let slow = bytes(&wanted(1, &view(revision, &format!("-size 2048 2048 {DEEP}"))));
-    let (status, said) = thread::scope(|scope| {
-        let asked = scope.spawn(|| server.post("/picture", &[], &slow).expect("an answer"));
-        sleep(SECOND);
-        for worker in workers().lines() {
-            assert!(
-                std::process::Command::new("kill").args(["-KILL", worker]).status().expect("kill").success()
-            );
-        }
-        asked.join().expect("no panic")
-    });
-    assert!(status == 422 && said.starts_with(b"the work on this has ended"), "{status}");
     assert_eq!(server.pixels(view(0, "-size 30 30")), before);
-    server.ask("/picture", &wanted(2, &view(revision, "-size 9 9"))).expect("a picture of the typed scene");
-}
-
-#[test]
-fn no_worker_outlives_the_program() {
-    for signal in ["-TERM", "-KILL"] {
-        let folder = Folder::with_scene(GLASS);
-        let mut server = Server::start(folder.path(), "-size 4 4");
-        let slow = wanted(1, &view(0, &format!("-size 2048 2048 {DEEP}")));
-        let mut stream = server.connect();
-        stream.write_all(&server.request("POST /picture", &[], &bytes(&slow))).expect("a request");
-        sleep(SECOND / 2);
-        let id = server.child.id().to_string();
-        let workers = std::process::Command::new("pgrep").args(["-P", &id]).output().expect("pgrep").stdout;
-        let workers = String::from_utf8(workers).expect("text");
-        assert!(!workers.is_empty());
-        std::process::Command::new("kill").args([signal, &id]).status().expect("kill");
-        let _ = server.child.wait();
-        sleep(SECOND);
-        for worker in workers.lines() {
-            let stat = fs::read_to_string(format!("/proc/{worker}/stat")).unwrap_or_default();
-            let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
-            assert!(matches!(state, None | Some('Z')), "{signal}: {stat}");
-        }
-    }
+    assert_eq!(server.ask("/start", &json!({})).expect("a start").0["text"], sphere());
 }
 
 #[test]

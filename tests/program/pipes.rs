@@ -157,31 +157,6 @@ fn by_shell(folder: &Folder, line: &str) -> crate::support::Run {
     finish(&mut shell)
 }
 
-#[cfg(unix)]
-#[test]
-fn a_closed_standard_output_is_an_error_before_anything_is_rendered() {
-    let folder = Folder::with_scene(&sphere());
-    for line in [
-        "-help",
-        "-version",
-        "-input s.txt -output o.tga -stats",
-        "-input s.txt -output o.tga -pixel 0 0",
-        "-input s.txt -output o.tga -json -",
-        "-input s.txt -output - tga -normals o.tga",
-        "-input s.txt -output o.tga -cost_map rays c.tga",
-    ] {
-        let message = by_shell(&folder, &format!("{line} >&-")).message(1);
-        assert_eq!(only_line(&message), "error: cannot write to standard output: it is closed", "{line}");
-    }
-    assert_eq!(folder.names(), ["s.txt"]);
-    // Where nothing is printed, nobody misses it. An open `/dev/null` is not a closed one.
-    for line in
-        ["-input s.txt -output o.tga >&-", "-input s.txt -stats > /dev/null", "-help <> /dev/null >&0"]
-    {
-        by_shell(&folder, line).ok();
-    }
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn devices_are_written() {

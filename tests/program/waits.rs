@@ -6,11 +6,11 @@
 use crate::live_server::{Server, view};
 #[cfg(feature = "gui")]
 use crate::support::scene;
-use crate::support::{Folder, only_line, sphere};
+use crate::support::{Folder, sphere};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::fs::OpenOptions;
-use std::io::{PipeWriter, Read, Write, pipe};
+use std::io::{PipeWriter, Write, pipe};
 use std::os::fd::AsFd;
 use std::os::unix::fs::OpenOptionsExt;
 use std::os::unix::process::ExitStatusExt;
@@ -177,23 +177,10 @@ fn a_run_that_is_told_to_outlive_its_terminal_does() {
 }
 
 #[test]
-fn no_signal_at_any_moment_leaves_a_temporary_file() {
+fn no_ending_signal_at_any_moment_leaves_a_temporary_file() {
     let folder = Folder::with_scene(&sphere());
     let line = "-input s.txt -size 9 9 -threads 2 -output a.tga -normals b.png -depth 1 9 c.exr -render_samples d.tga 2";
     let pictures = ["a.tga", "b.png", "c.exr", "d.tga", "s.txt"];
-    // Those that do not end a program, or cannot be caught.
-    let others = [
-        Signal::SIGKILL,
-        Signal::SIGSTOP,
-        Signal::SIGTSTP,
-        Signal::SIGTTIN,
-        Signal::SIGTTOU,
-        Signal::SIGCONT,
-        Signal::SIGCHLD,
-        Signal::SIGWINCH,
-        Signal::SIGURG,
-    ];
-    let signals: Vec<Signal> = Signal::iterator().filter(|signal| !others.contains(signal)).collect();
     let start = Instant::now();
     folder.run(line).ok();
     let whole = start.elapsed();
@@ -202,7 +189,7 @@ fn no_signal_at_any_moment_leaves_a_temporary_file() {
     for run in 0..runs {
         let mut child = folder.command(line).stderr(Stdio::null()).spawn().expect("the program starts");
         sleep(whole * (run % 50) / 40);
-        send(signals[run as usize % signals.len()], &child);
+        send(ENDING[run as usize % ENDING.len()].0, &child);
         let status = end(&mut child).expect("the run ends");
         ended += u32::from(status.signal().is_some() || status.code() != Some(0));
         let left = folder.names();
@@ -239,25 +226,4 @@ fn a_page_ends_by_a_signal_and_saves_no_picture_over_what_is_read() {
         assert_eq!(end(&mut server.child).and_then(|status| status.code()), Some(status));
         assert_eq!(folder.names(), ["m.obj", "n.png", "o.tga", "s.txt"]);
     }
-}
-
-#[test]
-fn a_closed_standard_input_is_said_to_be_closed() {
-    let folder = Folder::with_scene(&sphere());
-    let program = env!("CARGO_BIN_EXE_raytracer");
-    for line in ["-input - -output o.tga", "-input - -error_report er"] {
-        let script = format!("exec {program} {line} <&-");
-        let mut child = Command::new("sh")
-            .args(["-c", &script])
-            .current_dir(folder.path())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut message = String::new();
-        child.stderr.take().unwrap().read_to_string(&mut message).unwrap();
-        assert_eq!(end(&mut child).and_then(|status| status.code()), Some(1));
-        let expected = "standard input: error: cannot read the scene: it is closed";
-        assert_eq!(only_line(&message), expected, "{line}");
-    }
-    assert_eq!(folder.names(), ["s.txt"]);
 }

@@ -11,7 +11,7 @@ use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sample_packet::SamplePacket;
 use crate::stats::Counts;
 use glam::DVec2;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 /// What the rays through a row of corners of pixels see.
 struct Corners {
@@ -272,10 +272,10 @@ impl RenderSetting<'_> {
         tracer: &RowsTracer,
         unseen: &Unseen,
         [column, j]: [usize; 2],
+        tally: &Tally,
     ) -> Vec<DVec2> {
         let window = [column..column + 1, j..j + 1];
-        let tally = Tally::new(1, &|_| ControlFlow::Continue(()));
-        let Some(pilot) = Pilot::new(self, (tracer, unseen), settings, window, &tally) else { return vec![] };
+        let Some(pilot) = Pilot::new(self, (tracer, unseen), settings, window, tally) else { return vec![] };
         let index = (column * self.request.size[1] + j) as u64;
         let rng = self.request.sampler.rng().jumped(index * MultiJittered::draws(settings.most));
         MultiJittered::new(pilot.plan(j).strata(column), rng).collect()

@@ -31,12 +31,13 @@ pub use scenes::{OppositeFaces, SceneChange};
 
 use crate::caster::choose::{Rays, Structure};
 use crate::picture::{FloatPicture, Picture};
-use crate::render::{Layer, Request, Tracing};
+use crate::render::{Layer, Progress, Request, Tracing, Watch};
 use crate::renderer::{Prepared, Renderer};
-use crate::scene::Scene;
+use crate::scene::{Color, Scene};
 use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt;
+use std::ops::ControlFlow;
 
 /// A mistake that explains a difference. `Display` completes "this program's picture".
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -103,9 +104,9 @@ impl fmt::Display for Cause {
 }
 
 /// This program's picture, and what it was rendered from.
-#[derive(Debug)]
 pub struct Original<'a> {
     prepared: Prepared<'a>,
+    watch: Watch<'a>,
     structure: Structure,
     /// Its window is the part of the picture by which causes are judged.
     request: Request,
@@ -117,19 +118,37 @@ impl<'a> Original<'a> {
     /// Renders the request's first layer, or else its colours, with this structure; none where there is no memory for it.
     /// The renderer must have kept the meshes.
     pub fn new(renderer: &'a Renderer, structure: Structure, request: &Request) -> Option<Self> {
+        Self::watched(renderer, structure, request, &|_| ControlFlow::Continue(()))
+    }
+
+    /// The same for a search that soon ends, with any result, when the watch cancels it. None also if it does so before.
+    pub fn watched(
+        renderer: &'a Renderer,
+        structure: Structure,
+        request: &Request,
+        watch: Watch<'a>,
+    ) -> Option<Self> {
         let layer = request.layers.first().copied().unwrap_or(Layer::Color);
         let request = Request { layers: vec![layer], window: None, ..request.clone() };
         // The tracer casts all rays, also those that the renderer need not cast.
         let rays = request.camera_rays();
         let prepared = renderer.prepare_as(structure, Rays::cast(rays), Tracing::Fast).ok()?;
-        let colors = prepared.render(&request).ok()?.pop()?;
-        Some(Self { prepared, structure, request, colors })
+        let colors = rendered(&prepared, &request, watch)?;
+        Some(Self { prepared, watch, structure, request, colors })
+    }
+
+    /// Whether the watch has cancelled the search.
+    fn is_cancelled(&self) -> bool {
+        (self.watch)(Progress { done: 0, rows: 0, rays: 0 }).is_break()
     }
 
     /// The picture that is made by the mistake; none where it is a mistake that this scene or this request cannot
     /// show.
     pub fn picture(&self, cause: Cause) -> Option<Picture> {
-        let Self { prepared, request, .. } = self;
+        let Self { prepared, request, watch, .. } = self;
+        if self.is_cancelled() {
+            return None;
+        }
         let Renderer { scene, source, .. } = prepared.renderer();
         match cause {
             Cause::Unchanged => Some(self.colors_in_window().to_picture()),
@@ -138,7 +157,7 @@ impl<'a> Original<'a> {
             Cause::Request(change) if self.layer() != Layer::Color && !change.is_camera() => None,
             Cause::Request(change) => {
                 let request = change.apply(scene, request)?;
-                Some(prepared.render(&request).ok()?.pop()?.to_picture())
+                Some(rendered(prepared, &request, watch)?.to_picture())
             }
             Cause::Scene(change) if !change.shows_in(self.layer()) => None,
             Cause::Scene(change) => self.picture_of(change.apply(scene, &source.text)?, request),
@@ -153,7 +172,7 @@ impl<'a> Original<'a> {
     fn picture_of(&self, scene: Scene, request: &Request) -> Option<Picture> {
         let renderer = self.renderer().with_scene(scene).ok()?;
         let prepared = renderer.prepare_for(self.structure, request, Tracing::Fast).ok()?;
-        Some(prepared.render(request).ok()?.pop()?.to_picture())
+        Some(rendered(&prepared, request, self.watch)?.to_picture())
     }
 
     fn layer(&self) -> Layer {
@@ -178,4 +197,15 @@ impl<'a> Original<'a> {
             Some(window) => window::part(&picture, window),
         }
     }
+}
+
+/// The request's only layer; none where there is no memory for it, or where the watch cancels.
+fn rendered(prepared: &Prepared, request: &Request, watch: Watch) -> Option<FloatPicture> {
+    let mut picture = FloatPicture::with_room(request.layer_size(request.layers.first()?)).ok()?;
+    let mut take_row = |_: usize, row: &[Color]| {
+        picture.colors.extend_from_slice(row);
+        ControlFlow::Continue(())
+    };
+    prepared.render_rows_fast(request, watch, &mut take_row).ok()?;
+    Some(picture)
 }

@@ -18,12 +18,13 @@ use std::ops::Range;
 const ROWS: usize = 64;
 
 /// Paints the window of a picture. The rays run through points that are `shift` pixels to the right of the samples
-/// and above them.
+/// and above them. The rest is black as soon as `is_over` says so.
 pub fn paint(
     camera: &Camera,
     request: &Request,
     shift: DVec2,
     color: &(dyn Fn(&Ray) -> Color + Sync),
+    is_over: &(dyn Fn() -> bool + Sync),
 ) -> Result<FloatPicture, BadSize> {
     let Request { size, filter, sampler, .. } = *request;
     let [width, height] = size;
@@ -31,6 +32,7 @@ pub fn paint(
     let traced_columns = with_border(&columns, filter.support(), width);
     let traced_rows = with_border(&rows, filter.support(), height);
     let level = instructions::available()[0];
+    let color = |ray: &Ray| if is_over() { Color::ZERO } else { color(ray) };
     let row = |j: usize| {
         let mut spread = Spread::new(filter, level, j, size);
         let mut c_rand = sampler.c_rand([traced_columns.start, j], width);

@@ -258,12 +258,13 @@ fn has_pattern(scene: &Scene, is_meant: impl Fn(Pattern) -> bool) -> bool {
 }
 
 /// The colours of the first layer by the tracer with these rules, of which one is broken or none. The
-/// renderer must have kept the meshes.
+/// renderer must have kept the meshes. The rest is black as soon as `is_over` says so.
 pub fn colors(
     renderer: &Renderer,
     request: &Request,
     right: &impl Rules,
     rule: Option<Rule>,
+    is_over: &(dyn Fn() -> bool + Sync),
 ) -> Result<FloatPicture, BadSize> {
     let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
     let rules = Mistaken { right, rule, spaces: &spaces, lights: &renderer.scene.lights };
@@ -277,14 +278,20 @@ pub fn colors(
     let model = renderer.scene.model;
     let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
     match request.layers.first() {
-        Some(&Layer::Depth { near, far }) => paint(&camera, &centers(), shift, &|ray| {
-            seen(ray).map_or(Color::ZERO, |(t, _)| Color::splat(model.depths.grey(t, [near, far])))
-        }),
-        Some(Layer::Normals) => paint(&camera, &centers(), shift, &|ray| {
-            let normal = seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
-            model.normal_colors.color(normal)
-        }),
-        _ => paint(&camera, request, shift, &|ray| mistaken::color(&tracer, ray)),
+        Some(&Layer::Depth { near, far }) => {
+            let depth = |ray: &Ray| {
+                seen(ray).map_or(Color::ZERO, |(t, _)| Color::splat(model.depths.grey(t, [near, far])))
+            };
+            paint(&camera, &centers(), shift, &depth, is_over)
+        }
+        Some(Layer::Normals) => {
+            let normal = |ray: &Ray| {
+                let normal = seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
+                model.normal_colors.color(normal)
+            };
+            paint(&camera, &centers(), shift, &normal, is_over)
+        }
+        _ => paint(&camera, request, shift, &|ray| mistaken::color(&tracer, ray), is_over),
     }
 }
 
@@ -293,9 +300,10 @@ pub fn picture(original: &Original, rule: Option<Rule>) -> Option<Picture> {
     let Original { prepared, request, .. } = original;
     let renderer = prepared.renderer();
     let caster = prepared.caster();
+    let is_over = || original.is_cancelled();
     let colors = renderer.on_own_threads(|| match caster.world.is_of_course() {
-        true => colors(renderer, request, caster, rule).ok(),
-        false => colors(renderer, request, &ByModel(caster), rule).ok(),
+        true => colors(renderer, request, caster, rule, &is_over).ok(),
+        false => colors(renderer, request, &ByModel(caster), rule, &is_over).ok(),
     })?;
     Some(if rule == Some(Rule::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
 }

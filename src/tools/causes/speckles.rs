@@ -72,6 +72,9 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckle
     let count = |rays: SelfHitting| {
         let is_made = |&&at: &&usize| {
             let caster = original.prepared.caster();
+            if original.is_cancelled() {
+                return false;
+            }
             match caster.world.is_of_course() {
                 true => is_made(original, caster, &camera, (at, colors(a)[at]), rays),
                 false => is_made(original, &ByModel(caster), &camera, (at, colors(a)[at]), rays),

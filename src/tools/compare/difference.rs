@@ -42,7 +42,16 @@ pub struct LargestDifference {
 impl Comparison {
     /// Compares picture `a` with the reference `b`. Different sizes are an error.
     pub fn new(a: &Picture, b: &Picture) -> Result<Self, Diagnostic> {
-        let mean_flip = Some(Flip::default().mean(a, b)?);
+        Self::new_unless(a, b, &|| false)
+    }
+
+    /// Compares them, but takes no more than a moment, with any result, as soon as `is_over` says so.
+    pub fn new_unless(
+        a: &Picture,
+        b: &Picture,
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Diagnostic> {
+        let mean_flip = Some(Flip::default().mean_unless(a, b, is_over)?);
         Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b)) })
     }
 

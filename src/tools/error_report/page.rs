@@ -2,9 +2,9 @@
 
 use super::plot::{against_samples, against_time, marker};
 use super::{Answer, ErrorReport, MeasuredFilter, Measurement, SamplingKind, filter_flag};
-use crate::image_io::embedded::file;
 use crate::picture::Picture;
 use crate::tools::compare::{colors, largest_channel_difference};
+use crate::tools::embedded::file;
 use crate::tools::explain::color_scale::cubehelix;
 use askama::Template;
 

@@ -67,13 +67,17 @@ pub struct RayEnds {
     pub sees: Option<(u32, f64)>,
 }
 
-/// The primitives of the world with which a ray has a close call. Every primitive is looked at, one by one.
+/// The most close calls of a ray that are told of.
+const MAX_CLOSE_CALLS: usize = 1 << 8;
+
+/// The first primitives of the world with which a ray has a close call. Every primitive is looked at, one by one.
 pub fn close_primitives(world: &World, ray: &Ray, seen: RayEnds) -> Vec<(CloseCallKind, u32)> {
     let search = Search { world, ray, seen, shear: Shear::new(ray) };
     let count = world.finite_count() + world.planes.len();
     (0..count as u32)
         .filter(|&id| seen.leaves != Some(id))
         .filter_map(|id| search.close_call(id).map(|kind| (kind, id)))
+        .take(MAX_CLOSE_CALLS)
         .collect()
 }
 

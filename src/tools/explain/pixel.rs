@@ -10,7 +10,7 @@ use crate::escape::escape;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
-use crate::render::Request;
+use crate::render::{Progress, Request};
 use crate::renderer::Prepared;
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
@@ -106,6 +106,8 @@ pub struct SampleTree {
 
 /// How many rays of a pixel are kept.
 const MAX_RAYS: usize = 1 << 12;
+/// How many of these, of their rays to lights and of what those cross: a line of text and 400 bytes each.
+const MAX_LINES: usize = 1 << 17;
 /// How many samples of a pixel are kept.
 const MAX_SAMPLES: usize = 1 << 12;
 
@@ -146,20 +148,23 @@ impl<'p, 'r> Explainer<'p, 'r> {
         };
         let mut samples = vec![];
         let (mut more_samples, mut left_out) = (0, LeftOut::default());
-        let mut room = MAX_RAYS;
+        let lights = self.prepared.renderer().scene.lights.len();
+        let (mut room, mut lines) = (MAX_RAYS, MAX_LINES);
         let mut sum: Option<Sum> = None;
         for row in reached(target[1], height) {
             let mut row_sum = Sum::default();
             for column in reached(x, width) {
-                for (number, offset, weight, part) in self.samples(request, [column, row], target) {
+                for (number, offset, weight, part) in self.samples(request, [column, row], target, stop) {
                     let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
                     let is_kept = samples.len() < MAX_SAMPLES;
-                    let (color, rays, rest) = self.trace(request, &ray, if is_kept { room } else { 0 }, stop);
+                    let kept = if is_kept { room.min(lines / (1 + lights)) } else { 0 };
+                    let (color, rays, rest) = self.trace(request, &ray, kept, stop);
                     if stop.is_over() {
                         return Err(ExplainError::Stopped);
                     }
                     row_sum.add_for(weight, color, part);
                     room -= rays.len();
+                    lines = lines.saturating_sub(rays.iter().map(RayNode::lines).sum());
                     left_out.rays += rest.rays;
                     left_out.counts = left_out.counts.merge(rest.counts);
                     if is_kept {
@@ -191,9 +196,11 @@ impl<'p, 'r> Explainer<'p, 'r> {
         request: &Request,
         own: [usize; 2],
         target: [usize; 2],
+        stop: &Stop,
     ) -> impl Iterator<Item = (usize, DVec2, f64, f64)> {
         let filter = request.filter;
-        let samples = self.prepared.samples(request, own).into_iter();
+        let watch = |progress: Progress| stop.watch(progress);
+        let samples = self.prepared.samples(request, own, &watch).into_iter();
         samples.enumerate().filter_map(move |(number, (offset, part))| {
             let weight = weight_for(target, filter, own, offset);
             (weight != 0.0).then_some((number, offset, weight, part))
@@ -223,13 +230,13 @@ impl<'p, 'r> Explainer<'p, 'r> {
             for &child in &rays[place].children {
                 left[child] = rays[place].hit.map(|hit| hit.primitive);
             }
-            self.annotate(&mut rays[place], left[place]);
+            self.annotate(&mut rays[place], left[place], stop);
         }
         (color, rays, left_out)
     }
 
     /// Finds out what the tracer itself does not need to know.
-    fn annotate(&self, node: &mut RayNode, leaves: Option<u32>) {
+    fn annotate(&self, node: &mut RayNode, leaves: Option<u32>, stop: &Stop) {
         let world = self.prepared.caster().world;
         let sees = node.hit.map(|hit| (hit.primitive, hit.t));
         node.close_calls.extend(self.close_calls(&node.ray, RayEnds { leaves, sees }));
@@ -258,6 +265,9 @@ impl<'p, 'r> Explainer<'p, 'r> {
             node.close_calls.push(CloseCall { kind: CloseCallKind::Boundary, object: None });
         }
         for (index, light) in surface.lights.iter_mut().enumerate() {
+            if stop.is_over() {
+                return;
+            }
             let Some(shadow) = &mut light.shadow else { continue };
             self.annotate_shadow(shadow, index, hit.primitive);
             if is_about_zero(light.cosine) {

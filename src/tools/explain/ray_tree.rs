@@ -188,6 +188,14 @@ impl RayNode {
         let shadows = lights.filter_map(|light| light.shadow.as_ref());
         shadows.fold(self.counts, |sum, shadow| sum.merge(shadow.counts))
     }
+
+    /// About the number of lines that tell of this ray and of its rays towards the lights.
+    pub(super) fn lines(&self) -> usize {
+        let lights = self.surface.iter().flat_map(|surface| &surface.lights);
+        1 + lights
+            .map(|light| 1 + light.shadow.as_ref().map_or(0, |shadow| shadow.crossed.len()))
+            .sum::<usize>()
+    }
 }
 
 impl Recorder {

@@ -3,10 +3,12 @@
 use crate::caster::Caster;
 use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
+use crate::render::Progress;
 use crate::scene::model::Model;
 use crate::stats::Probe;
 use crate::trace::Rules;
 use crate::world::World;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -34,6 +36,11 @@ impl Stop {
             self.cancel();
         }
         self.is_over.load(Ordering::Relaxed)
+    }
+
+    /// Ends a render when it is time. This is a [`Watch`](crate::render::Watch).
+    pub fn watch(&self, _: Progress) -> ControlFlow<()> {
+        if self.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 

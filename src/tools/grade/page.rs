@@ -1,9 +1,9 @@
 //! The page of a grading: one file that needs nothing else. Its text stands in `templates/grade.html`.
 
 use super::{Cell, Column, Score, Table};
-use crate::image_io::embedded::{Embedded, file, thumbnail_file};
 use crate::picture::Picture;
 use crate::tools::compare::{Comparison, Tolerance};
+use crate::tools::embedded::{Embedded, file, thumbnail_file};
 use askama::Template;
 use rayon::prelude::*;
 

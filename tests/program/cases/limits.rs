@@ -41,12 +41,12 @@ pub const CASES: &[Case] = &[
     (
         "(ulimit -v 400000; r -input s.txt -size 1 5000 -threads 4096 -output o.tga)",
         1,
-        "error: `-threads`: the system does not start 4095 more threads: not enough memory: at least 8.9 GB are needed",
+        "error: `-threads`: the system does not start the threads: ",
     ),
     (
         "(ulimit -v 400000; r -threads 4096 -grade class -commands c.txt)",
         1,
-        "error: `-threads`: the system does not start 4095 more threads",
+        "error: `-threads`: the system does not start the threads: ",
     ),
     (
         "(ulimit -v 400000; r -input s.txt -size 65535 65535 -gaussian_filter 1000 -jittered_samples 2 -threads 2 -output o.tga)",
@@ -60,7 +60,7 @@ pub const CASES: &[Case] = &[
         1,
         "deep-open.txt:6:2: error: expected `}` at the end of `Transform`, found the end of the file",
     ),
-    ("(ulimit -n 4; r -input s.txt -size 3 3 -output o.tga)", 0, ""),
+    ("(ulimit -n 7; r -input s.txt -size 3 3 -output o.tga)", 0, ""),
     ("r -input s.txt -size 3 3 -output o.tga <&-", 0, ""),
     ("r -input s.txt -size 3 3 -output o.tga >&-", 0, ""),
     ("r -input s.txt -size 3 3 -output o.tga 2>&-", 0, ""),

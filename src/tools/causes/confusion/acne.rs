@@ -66,7 +66,7 @@ fn speckles_are_known_at_any_density() {
             let tracer = Tracer { rules: &rules, effects };
             let camera = case.renderer.camera(&case.request);
             let color = |ray: &Ray| tracer.color(ray, &mut Quiet);
-            let wrong = paint(&camera, &case.request, DVec2::ZERO, &color).unwrap().to_picture();
+            let wrong = paint(&camera, &case.request, DVec2::ZERO, &color, &|| false).unwrap().to_picture();
             let found = original.explain(&wrong, &right);
             println!("{name} {rays:?} {density}: {found}");
             let is_known = match found {

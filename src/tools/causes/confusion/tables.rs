@@ -111,7 +111,7 @@ fn both(case: &Case, mistakes: [Cause; 2]) -> Option<Picture> {
     let renderer = renderer.with_scene(scene).ok()?;
     let prepared = renderer.prepare_for(Structure::Any, &changed, Tracing::Fast).ok()?;
     let colors = match rule {
-        Some(_) => rules::colors(&renderer, &changed, prepared.caster(), rule).ok()?,
+        Some(_) => rules::colors(&renderer, &changed, prepared.caster(), rule, &|| false).ok()?,
         None => prepared.render(&changed).ok()?.pop()?,
     };
     Some(pixels.map_or_else(|| colors.to_picture(), |change| change.apply(&colors)))

@@ -66,9 +66,20 @@ impl Flip {
     /// Tiles are computed in parallel and summed in a fixed order: the result does not depend on the
     /// number of threads.
     pub fn mean(&self, a: &Picture, b: &Picture) -> Result<f64, Diagnostic> {
+        self.mean_unless(a, b, &|| false)
+    }
+
+    /// The same, of which the rest is left out, with any result, as soon as `is_over` says so.
+    pub(super) fn mean_unless(
+        &self,
+        a: &Picture,
+        b: &Picture,
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Result<f64, Diagnostic> {
         let [width, height] = common_size(a, b)?.map(|side| side as usize);
         let tiles: Vec<PictureTile> = tiles(width, height).collect();
-        let sums: Vec<f64> = tiles.par_iter().map(|tile| self.sum_of_errors(a, b, tile)).collect();
+        let sum = |tile: &PictureTile| if is_over() { 0.0 } else { self.sum_of_errors(a, b, tile) };
+        let sums: Vec<f64> = tiles.par_iter().map(sum).collect();
         Ok(sums.iter().sum::<f64>() / (width * height) as f64)
     }
 

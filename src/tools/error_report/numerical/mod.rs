@@ -58,8 +58,8 @@ pub fn measure(
     let request = affordable(renderer, request);
     let world = renderer.world();
     let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
-    let exact = mistaken_colors(renderer, &request, &brute_force, None)?;
-    let rough = mistaken_colors(renderer, &request, &single, Some(Rule::SinglePrecision))?;
+    let exact = mistaken_colors(renderer, &request, &brute_force, None, &|| false)?;
+    let rough = mistaken_colors(renderer, &request, &single, Some(Rule::SinglePrecision), &|| false)?;
     let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
     let own_hits = other_hits(renderer, &request, &brute_force, prepared.caster());
     let single_hits = other_hits(renderer, &request, &brute_force, &single);

@@ -1,0 +1,118 @@
+//! Memory that is asked for beforehand, so that too little of it is an error and not the end of the program.
+//!
+//! Where it is known before some work how much memory the work takes, and it may be much (a picture, the cells of a
+//! grid, a mesh by its file), the work asks for it once, and a refusal is an error that says how much is needed.
+//! Everything else simply allocates: the program's allocator ends the program with one line when an allocation fails.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::hint::black_box;
+use std::{fmt, io};
+
+/// Fewer bytes than this are not asked for. Such blocks are parts of a heap, and those that come and go leave gaps in
+/// it, which the program keeps.
+const WORTH_ASKING: u64 = 1 << 20;
+
+/// Returns an error if the system has less memory than this. Does not keep the memory.
+pub fn ask(bytes: u64) -> Result<(), NoMemory> {
+    if bytes < WORTH_ASKING {
+        return Ok(());
+    }
+    let refused = NoMemory { bytes };
+    let size = usize::try_from(bytes).map_err(|_| refused)?;
+    let layout = Layout::from_size_align(size, 1).map_err(|_| refused)?;
+    // SAFETY: the layout has at least `WORTH_ASKING` bytes, and what was allocated is freed with the same layout. The
+    // system's allocator is asked, since that of the program ends it when there is no memory.
+    unsafe {
+        // The compiler leaves out an allocation that it knows not to be used.
+        let block = black_box(System.alloc(layout));
+        if block.is_null() {
+            return Err(refused);
+        }
+        System.dealloc(block, layout);
+    }
+    Ok(())
+}
+
+/// Too little memory. The error is displayed as a part of a line that says how much was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoMemory {
+    /// How much was asked for at once, in bytes. More may be needed after it.
+    pub bytes: u64,
+}
+
+impl fmt::Display for NoMemory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "not enough memory: at least {} are needed", Bytes(self.bytes))
+    }
+}
+
+impl std::error::Error for NoMemory {}
+
+/// A number of bytes, displayed in units of a thousand.
+#[derive(Clone, Copy, Debug)]
+pub struct Bytes(pub u64);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const UNITS: [&str; 6] = ["kB", "MB", "GB", "TB", "PB", "EB"];
+        if self.0 < 1000 {
+            return write!(f, "{} bytes", self.0);
+        }
+        let (mut size, mut unit) = (self.0 as f64 / 1e3, 0);
+        // At 999.95 one decimal would be rounded to four digits.
+        while size >= 999.95 {
+            size /= 1e3;
+            unit += 1;
+        }
+        write!(f, "{size:.1} {}", UNITS[unit])
+    }
+}
+
+/// Returns an empty list with room for exactly `count` elements.
+pub fn with_room<T>(count: usize) -> Result<Vec<T>, NoMemory> {
+    ask((count as u64).saturating_mul(size_of::<T>() as u64))?;
+    Ok(Vec::with_capacity(count))
+}
+
+impl From<NoMemory> for io::Error {
+    fn from(refused: NoMemory) -> Self {
+        Self::new(io::ErrorKind::OutOfMemory, refused)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refusal_says_how_much_was_asked_for() {
+        let message = |refused: Result<(), NoMemory>| refused.unwrap_err().to_string();
+        let most = isize::MAX as usize;
+        assert_eq!(message(ask(most as u64)), "not enough memory: at least 9.2 EB are needed");
+        assert_eq!(with_room::<u64>(most / 8), Err(NoMemory { bytes: most as u64 - 7 }));
+        assert_eq!(ask(u64::MAX).unwrap_err().bytes, u64::MAX);
+    }
+
+    #[test]
+    fn what_is_given_has_room_for_all() {
+        assert_eq!(with_room::<u16>(1 << 20).unwrap().capacity(), 1 << 20);
+        assert_eq!(ask(1 << 20), Ok(()));
+    }
+
+    #[test]
+    fn sizes_have_one_decimal_and_at_most_three_digits_before_it() {
+        let shown = [0, 999, 1000, 1949, 999_949, 999_950, 48_000_000, 12_884_901_888, u64::MAX];
+        let expected = [
+            "0 bytes",
+            "999 bytes",
+            "1.0 kB",
+            "1.9 kB",
+            "999.9 kB",
+            "1.0 MB",
+            "48.0 MB",
+            "12.9 GB",
+            "18.4 EB",
+        ];
+        assert_eq!(shown.map(|bytes| Bytes(bytes).to_string()), expected);
+    }
+}

@@ -1,0 +1,49 @@
+//! The program's allocator: the system's, but an allocation that fails ends the program with one line, where Rust would
+//! abort it.
+//!
+//! What takes much memory asks for it beforehand ([`raytracer::memory`]), and a refusal there is an error as any other.
+
+use raytracer::memory::Bytes;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::{Write, stderr};
+use std::process::exit;
+
+#[global_allocator]
+static ALLOCATOR: Allocator = Allocator;
+
+struct Allocator;
+
+// SAFETY: the system's allocator does the work, and nothing here panics.
+unsafe impl GlobalAlloc for Allocator {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller keeps the contract of this method.
+        given(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as in `alloc`.
+        given(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: as in `alloc`.
+        given(unsafe { System.realloc(block, layout, size) }, size)
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: as in `alloc`.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[inline(always)]
+fn given(block: *mut u8, bytes: usize) -> *mut u8 {
+    if block.is_null() { end(bytes) } else { block }
+}
+
+/// Ends the program. Writing the line does not allocate.
+#[cold]
+fn end(bytes: usize) -> ! {
+    let _ = writeln!(stderr(), "error: not enough memory: at least {} more are needed", Bytes(bytes as u64));
+    exit(1)
+}

@@ -1,0 +1,134 @@
+//! Measures what settings cost and buy, and writes the page and the table of it.
+
+use super::log::Log;
+use super::progress::ProgressLine;
+use super::signals::Signals;
+use super::{End, Outcome, refused, threads, warnings};
+use cpu_time::ProcessTime;
+use rayon::ThreadPool;
+use raytracer::cli::{ErrorReporting, Options};
+use raytracer::diagnostic::Diagnostic;
+use raytracer::distinct_files::{Written, check_distinct};
+use raytracer::escape::quoted;
+use raytracer::image_io::{OutputFile, put_in_place};
+use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene::edition::Edition;
+use raytracer::scene_io;
+use raytracer::shell::Shell;
+use raytracer::tools::error_report::{
+    Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
+};
+use raytracer::tools::warnings::no_lights;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Measures and writes.
+pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
+    let ErrorReporting { options, target, .. } = reporting;
+    let many = threads::pool(options.threads, options.size[1])?;
+    let one = threads::pool(Some(1), 1)?;
+
+    let start = Instant::now();
+    let (renderer, settled) = open(reporting, &many, log)?;
+    let options = &settled;
+    let reading = start.elapsed();
+    let request = options.request();
+    let clock = || ProcessTime::now().as_duration();
+    // A file that cannot be written is no reason to wait for the measurements.
+    let [page_file, csv_file] = prepare(reporting)?;
+    signals.note_first();
+    let line = ProgressLine::new(options.progress);
+    let watch = |progress: SweepProgress| {
+        line.show(|passed| told(progress, passed));
+        signals.goes_on()
+    };
+    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
+    let own = Setting::of(&request, options.structure, options.edition.unwrap_or_default());
+    let report = Sweep::new(&renderer, &request, own, bench).run();
+    line.end();
+    let mut report = report?;
+    report.stages.insert(0, ("reading the scene", reading));
+
+    let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
+    let command = |setting: &Setting| command(options, setting);
+    let asked_for = command(&own).join(" ");
+    let command = |setting: &Setting| [command(setting), vec!["-output picture.png".into()]].concat();
+    let answers: Vec<Answer> =
+        targets.iter().filter_map(|&target| Answer::new(&report, target, command)).collect();
+    let page_file = page_file.text(&page(&report, &asked_for, &answers))?;
+    let csv_file = csv_file.text(&csv(&report))?;
+    if page_file.is_stream() || csv_file.is_stream() {
+        // The signal that has ended the measurements does not end this.
+        let _ = signals.end_at_once();
+    }
+    put_in_place(vec![page_file, csv_file])?;
+    if report.measured() < report.planned {
+        log.tell(Diagnostic::note("the run was ended; the report has what was measured until then"));
+    }
+    let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
+    let outcome = Outcome::of_text(text(&report, &answers, Shell::OF_SYSTEM));
+    Ok(Outcome { passes, ..outcome.tell_of(reporting.report_files(), options.progress) })
+}
+
+/// The page and the table in a folder, which is made if there is none.
+fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
+    let folder = &reporting.folder;
+    let unwritable = |error| Diagnostic::error(format!("cannot make the folder {}: {error}", quoted(folder)));
+    fs::create_dir_all(folder).map_err(unwritable)?;
+    let [page, table] = reporting.report_files().map(|file| OutputFile::prepare(&file));
+    Ok([page?, table?])
+}
+
+fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(Renderer, Options), End> {
+    let options = &reporting.options;
+    let input = options.input.as_deref().unwrap_or(Path::new(""));
+    let loaded = threads.install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))?;
+    let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
+    check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))
+        .map_err(refused)?;
+    let note = loaded.choice.note().map(Diagnostic::note);
+    let said = [no_lights(&loaded.scene), note, warnings::open_edition(&loaded.choice)];
+    said.into_iter().flatten().for_each(|found| log.tell(found));
+    let options = options.in_edition(loaded.choice.edition);
+    // Other octaves are other scenes with the same meshes.
+    let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
+    Ok((renderer?, options))
+}
+
+/// How far a sweep has come after this time, and how long the rest takes at this speed.
+fn told(progress: SweepProgress, elapsed: Duration) -> String {
+    let SweepProgress { share, doing } = progress;
+    let left = elapsed.as_secs_f64() * (1.0 - share) / share;
+    let left = if share > 0.0 { format!(", {left:.0} s left") } else { String::new() };
+    format!("{:.0}%{left}: {doing}", (100.0 * share).floor())
+}
+
+/// The program, and the flags of a setting, each with its values.
+fn command(options: &Options, setting: &Setting) -> Vec<String> {
+    let input = options.input.as_deref().unwrap_or(Path::new("")).to_string_lossy();
+    let [width, height] = options.size;
+    let mut words = vec![
+        "raytracer".into(),
+        format!("-input {}", Shell::OF_SYSTEM.word(&*input)),
+        format!("-size {width} {height}"),
+    ];
+    if setting.edition != Edition::default() {
+        words.push(format!("-edition {}", setting.edition));
+    }
+    words.extend(separate(&setting.flags().unwrap_or_default()));
+    words.extend(options.sampler.rng().seed().map(|seed| format!("-seed {seed}")));
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_is_that_of_the_rest() {
+        let after = |share, seconds| told(SweepProgress { share, doing: "x" }, Duration::from_secs(seconds));
+        assert_eq!([after(0.25, 10), after(0.999, 10)], ["25%, 30 s left: x", "99%, 0 s left: x"]);
+        assert_eq!(after(0.0, 10), "0%: x");
+    }
+}

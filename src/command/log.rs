@@ -1,0 +1,106 @@
+//! Messages on standard error, with colours on a terminal.
+
+use raytracer::diagnostic::Diagnostic;
+use raytracer::escape::quoted;
+use std::cell::RefCell;
+use std::io::{IsTerminal, Write, stderr};
+use std::path::Path;
+use std::time::Duration;
+
+/// The diagnostics of a run.
+#[derive(Default)]
+pub struct Log(RefCell<Vec<String>>);
+
+impl Log {
+    /// Writes a diagnostic to standard error, in colour on a terminal.
+    pub fn tell(&self, found: Diagnostic) {
+        let plain = found.to_string();
+        match has_reader() && has_color() {
+            true => self.say(&found.colored()),
+            false => self.say(&plain),
+        }
+        self.0.borrow_mut().push(plain);
+    }
+
+    /// Writes a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
+    pub fn say(&self, line: &str) {
+        let _ = writeln!(stderr(), "{line}");
+    }
+
+    /// Tells a person at a terminal which files a run wrote in this time.
+    pub fn tell_written(&self, written: &[impl AsRef<Path>], took: Duration) {
+        if has_reader() && !written.is_empty() {
+            self.say(&finished(written, took));
+        }
+    }
+
+    /// Returns the diagnostics so far, formatted without colours.
+    pub fn messages(&self) -> Vec<String> {
+        self.0.borrow().clone()
+    }
+}
+
+/// Whether messages go to a person, at a terminal that understands control sequences.
+pub fn has_reader() -> bool {
+    stderr().is_terminal() && understands_sequences()
+}
+
+/// Whether the terminal of standard error understands control sequences: every one does.
+#[cfg(not(windows))]
+fn understands_sequences() -> bool {
+    true
+}
+
+/// Whether the console of standard error understands control sequences: from Windows 10 on, if it is asked to.
+#[cfg(windows)]
+fn understands_sequences() -> bool {
+    use std::os::windows::io::AsRawHandle;
+    use windows_sys::Win32::System::Console::{
+        ENABLE_VIRTUAL_TERMINAL_PROCESSING, GetConsoleMode, SetConsoleMode,
+    };
+    let console = stderr().as_raw_handle();
+    let mut mode = 0;
+    // SAFETY: the handle is that of standard error, which the program does not close, and only `mode` is written.
+    unsafe {
+        GetConsoleMode(console, &mut mode) != 0
+            && SetConsoleMode(console, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING) != 0
+    }
+}
+
+/// Whether the user wants colours (no-color.org).
+fn has_color() -> bool {
+    let is_set = |name: &str, refusing: fn(&str) -> bool| {
+        std::env::var_os(name).is_some_and(|value| refusing(&value.to_string_lossy()))
+    };
+    !is_set("NO_COLOR", |value| !value.is_empty()) && !is_set("TERM", |value| value == "dumb")
+}
+
+/// Returns the line for a finished run.
+fn finished(written: &[impl AsRef<Path>], took: Duration) -> String {
+    let files: Vec<String> = written.iter().map(|file| quoted(file.as_ref())).collect();
+    format!("wrote {} in {}", files.join(", "), time(took))
+}
+
+/// A time in the unit in which people read it.
+fn time(time: Duration) -> String {
+    let seconds = time.as_secs();
+    match seconds {
+        // No run takes no time.
+        0 => format!("{:.0} ms", (time.as_secs_f64() * 1e3).ceil()),
+        1..60 => format!("{:.1} s", time.as_secs_f64()),
+        60..3600 => format!("{} min {} s", seconds / 60, seconds % 60),
+        _ => format!("{} h {} min", seconds / 3600, seconds / 60 % 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_the_unit_in_which_people_read_them() {
+        let shown = [12, 1_500, 61_000, 3_723_000].map(|ms| time(Duration::from_millis(ms)));
+        assert_eq!(shown, ["12 ms", "1.5 s", "1 min 1 s", "1 h 2 min"]);
+        assert_eq!(finished(&["a.png", "b c"], Duration::from_micros(7)), "wrote `a.png`, `b c` in 1 ms");
+    }
+}

@@ -1,0 +1,82 @@
+//! Warns about a scene and its flags, or ends the run for it as `-strict` asks.
+
+use super::End;
+use super::log::Log;
+use raytracer::cli::{Comparison, Options};
+use raytracer::diagnostic::{Diagnostic, Severity};
+use raytracer::render::{Layer, Request};
+use raytracer::scene::edition::{Choice, Edition};
+use raytracer::scene_io::{LoadedScene, Source};
+use raytracer::tools::warnings;
+use raytracer::trace::Effects;
+
+/// Tells these warnings. With `-strict` they are the errors that end the run.
+pub fn say(found: Vec<Diagnostic>, options: &Options, source: &Source, log: &Log) -> Result<(), End> {
+    let locate = |found: Diagnostic| if found.places.is_empty() { found } else { source.locate(found) };
+    let found = found.into_iter().map(locate);
+    if options.strict {
+        let errors: Vec<_> = found.map(|found| Diagnostic { severity: Severity::Error, ..found }).collect();
+        return if errors.is_empty() { Ok(()) } else { Err(End { errors, status: 1 }) };
+    }
+    found.for_each(|found| log.tell(found));
+    Ok(())
+}
+
+/// Returns the warnings about a scene and the flags that it is rendered with.
+pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
+    let scene = &loaded.scene;
+    // Nobody has asked for the bounces of an edition.
+    let effects = &Effects { bounces: options.given_bounces.unwrap_or(0), ..options.effects };
+    let mut found = std::mem::take(&mut loaded.warnings);
+    found.extend(open_edition(&loaded.choice));
+    let no_lights = warnings::no_lights(scene);
+    found.extend(match options.strict {
+        true => no_lights.map(|_| Diagnostic::error("the scene has no lights")),
+        false => no_lights,
+    });
+    if asks_for_nothing(options) {
+        found.push(Diagnostic::warning("no picture is asked for: add `-output file.tga`"));
+    }
+    found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
+    let request = Request { effects: *effects, ..options.request() };
+    if !shows_colors(options) {
+        found.extend(warnings::colors_not_asked_for(&request, options.edition.unwrap_or_default()));
+        return found;
+    }
+    // `-bounces 0` is meant. In later editions every material with a highlight mirrors if it is asked to, and is not
+    // doubtful without.
+    let is_meant = options.given_bounces == Some(0) || options.edition.unwrap_or_default() != Edition::Y2004;
+    // Where the cells of the grid are drawn no ray bounces.
+    if !options.visualize_grid {
+        found.extend(warnings::rays_without_effect(scene, effects, is_meant));
+        found.extend(warnings::rays_not_followed(scene, effects, is_meant));
+        found.extend(warnings::black_inside(scene, effects));
+    }
+    found.extend(warnings::sampling_without_effect(&request));
+    found.extend(warnings::narrow_filter(&request));
+    found
+}
+
+/// Warns if nothing tells the edition of a scene.
+pub fn open_edition(choice: &Choice) -> Option<Diagnostic> {
+    let [problem, hint] = choice.doubt()?;
+    Some(Diagnostic::warning(problem).with_hint(hint))
+}
+
+/// Whether the colours of pixels are computed for anything that the run leaves behind, or shows.
+fn shows_colors(options: &Options) -> bool {
+    let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
+    options.outputs.iter().any(|output| has_layer(&output.layer))
+        || options.comparison.as_ref().is_some_and(Comparison::needs_scene)
+        || options.stats
+        || options.pixel.is_some()
+        || options.page.is_some()
+        || options.outputs.is_empty()
+}
+
+/// Whether a run would leave nothing behind.
+fn asks_for_nothing(options: &Options) -> bool {
+    let prints =
+        options.stats || options.repeat.is_some() || options.pixel.is_some() || options.json.is_some();
+    options.outputs.is_empty() && options.comparison.is_none() && !prints && !options.preview
+}

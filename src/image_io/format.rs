@@ -1,0 +1,177 @@
+//! The formats of picture files. The end of a name decides what is written, the first bytes decide what is read.
+
+use super::error::ImageError;
+use super::header::TGA_HEADER;
+use crate::escape::quoted;
+use serde::Serialize;
+use std::path::Path;
+
+/// The format of a picture file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Format {
+    /// `.tga`, byte for byte as the course's program writes it.
+    Tga,
+    /// `.png`, 8 bits per channel, without alpha.
+    Png,
+    /// `.bmp`, 24 bits per pixel, with rows from the bottom.
+    Bmp,
+    /// `.ppm`, 8 bits per channel.
+    Ppm,
+    /// `.pfm`, single precision, without clamping.
+    Pfm,
+    /// `.exr`, OpenEXR in single precision, without clamping.
+    Exr,
+}
+
+impl Format {
+    const ALL: [(&'static [u8; 4], Self); 6] = [
+        (b".tga", Self::Tga),
+        (b".png", Self::Png),
+        (b".bmp", Self::Bmp),
+        (b".ppm", Self::Ppm),
+        (b".pfm", Self::Pfm),
+        (b".exr", Self::Exr),
+    ];
+
+    /// Returns the format of a file to write, by the last four bytes of its name, in upper or lower case.
+    pub fn of(path: &Path) -> Option<Self> {
+        let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
+        Self::ALL.into_iter().find(|(ending, _)| ending.eq_ignore_ascii_case(end)).map(|(_, format)| format)
+    }
+
+    /// Returns the format of a file to read. It may also have the ending of a relative of PPM.
+    pub fn of_input(path: &Path) -> Option<Self> {
+        let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
+        let is_relative =
+            [b".pbm", b".pgm", b".pnm", b".pam"].iter().any(|ending| ending.eq_ignore_ascii_case(end));
+        if is_relative { Some(Self::Ppm) } else { Self::of(path) }
+    }
+
+    /// Returns the format with this name, which is an ending without the dot.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::of(Path::new(&format!(".{name}"))).filter(|_| name.len() == 3)
+    }
+
+    /// True if its files can say which part of a larger picture they are.
+    pub fn has_parts(self) -> bool {
+        matches!(self, Self::Tga | Self::Png)
+    }
+
+    /// True if it holds numbers as they were rendered, and not bytes.
+    pub fn is_float(self) -> bool {
+        matches!(self, Self::Pfm | Self::Exr)
+    }
+
+    /// True if the first byte of a pixel is that of blue.
+    pub(super) fn is_blue_first(self) -> bool {
+        matches!(self, Self::Tga | Self::Bmp)
+    }
+}
+
+/// The mark at the start of a text in UTF-8.
+pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+/// The number of bytes at the start of a file by which its format is known.
+pub(super) const START: usize = 4096;
+/// How many bytes of an unknown file are shown.
+const SHOWN: usize = 24;
+
+/// The starts of files that are not read, and what to do with them.
+const FOREIGN: [(&[u8], &str, &str); 13] = [
+    (b"\xff\xd8\xff", "a JPEG file", CONVERT),
+    (b"GIF8", "a GIF file", CONVERT),
+    (b"II*\0", "a TIFF file", CONVERT),
+    (b"MM\0*", "a TIFF file", CONVERT),
+    (b"RIFF", "a WebP file", CONVERT),
+    (b"#?R", "a Radiance file", "convert it to PFM"),
+    (b"<", "a page or a file in XML", "save the picture in it as PNG"),
+    (b"PK\x03\x04", "a ZIP archive", "unpack it"),
+    (b"\x1f\x8b", "compressed with gzip", "unpack it"),
+    (b"version https://git-lfs", "a pointer of Git LFS", "`git lfs pull` fetches the picture"),
+    (b"\xff\xfe", WIDE, BYTES),
+    (b"\xfe\xff", WIDE, BYTES),
+    (b"P\x003\0", WIDE, BYTES),
+];
+const CONVERT: &str = "convert it to PNG";
+const WIDE: &str = "text in UTF-16, as `>` in PowerShell writes it";
+const BYTES: &str = "`>` in cmd.exe leaves the bytes as they are, and an editor can save it as UTF-8";
+
+/// Returns the format of a file by its first bytes. An error if its name has the ending of another format.
+pub(super) fn identify(path: &Path, bytes: &[u8]) -> Result<Format, ImageError> {
+    let start = &bytes[..bytes.len().min(START)];
+    let bad = |reason| Err(ImageError::new("read", path, reason));
+    let foreign = || FOREIGN.iter().find(|(mark, ..)| start.starts_with(mark));
+    match (known(start), Format::of_input(path)) {
+        (Some((format, _)), Some(named)) if format == named => Ok(format),
+        (Some((_, ending)), _) => {
+            let right = path.with_extension(ending);
+            let right = quoted(right.file_name().unwrap_or_default());
+            bad(format!("it is {}; name it {right}", named_file(ending)))
+        }
+        (None, named) => match (foreign(), named) {
+            (Some((_, name, advice)), _) => bad(format!("it is {name}; {advice}")),
+            (None, None) => Err(ImageError::ending("read", path)),
+            (None, Some(Format::Tga)) => Ok(Format::Tga),
+            (None, Some(named)) => bad(unknown(start, named)),
+        },
+    }
+}
+
+/// Returns a format, and the ending of its files' names.
+fn known(start: &[u8]) -> Option<(Format, &'static str)> {
+    match start {
+        [0x89, b'P', b'N', b'G', ..] => Some((Format::Png, "png")),
+        [b'B', b'M', ..] => Some((Format::Bmp, "bmp")),
+        [0x76, 0x2f, 0x31, 0x01, ..] => Some((Format::Exr, "exr")),
+        _ => netpbm(start.strip_prefix(BYTE_ORDER_MARK).unwrap_or(start))
+            .or_else(|| is_tga(start).then_some((Format::Tga, "tga"))),
+    }
+}
+
+fn netpbm(text: &[u8]) -> Option<(Format, &'static str)> {
+    let (&[b'P', kind], rest) = text.split_first_chunk()? else { return None };
+    if rest.first().is_some_and(|&byte| byte != b'#' && !byte.is_ascii_whitespace()) {
+        return None;
+    }
+    match kind {
+        b'1' | b'4' => Some((Format::Ppm, "pbm")),
+        b'2' | b'5' => Some((Format::Ppm, "pgm")),
+        b'3' | b'6' => Some((Format::Ppm, "ppm")),
+        b'7' => Some((Format::Ppm, "pam")),
+        b'F' | b'f' => Some((Format::Pfm, "pfm")),
+        _ => None,
+    }
+}
+
+/// True if the bytes can be a header of a TGA file, which has no mark.
+fn is_tga(start: &[u8]) -> bool {
+    let Some(header) = start.first_chunk::<TGA_HEADER>() else { return false };
+    let has_map = header[1] == 1;
+    header[1] <= 1
+        && matches!((header[2], has_map), (1 | 9, true) | (2 | 3 | 10 | 11, _))
+        && matches!(header[7], 0 | 15 | 16 | 24 | 32)
+        && matches!(header[16], 8 | 15 | 16 | 24 | 32)
+        && header[17] & 0xc0 == 0
+}
+
+/// Returns a name such as "a PNG file".
+fn named_file(ending: &str) -> String {
+    let article = if ending.eq_ignore_ascii_case("exr") { "an" } else { "a" };
+    format!("{article} {} file", ending.to_uppercase())
+}
+
+/// Returns why a file that is in no known format cannot be read.
+fn unknown(start: &[u8], named: Format) -> String {
+    let line = start.split(|&byte| byte == b'\n').next().unwrap_or_default().trim_ascii();
+    if start.len() < 2 {
+        return "it ends within its header".into();
+    }
+    let shown = quoted(&*String::from_utf8_lossy(&line[..line.len().min(SHOWN)]));
+    let mut rest = start.split_inclusive(|&byte| byte == b'\n').skip(1).zip(2..);
+    match rest.find(|(line, _)| netpbm(line).is_some()) {
+        Some((_, number)) if matches!(named, Format::Ppm | Format::Pfm) => format!(
+            "its picture begins in line {number}, after {shown}; messages belong to the standard error, as `std::cerr`"
+        ),
+        _ => format!("it is not {}, since it begins with {shown}", named_file(&format!("{named:?}"))),
+    }
+}

@@ -1,0 +1,298 @@
+//! Reading of PBM, PGM, PPM and PAM files, plain or raw, and of PFM files.
+//!
+//! Each is a header of words, then samples. The formats are described in <https://netpbm.sourceforge.net/doc/> and
+//! <https://www.pauldebevec.com/Research/HDR/PFM/>. The samples of a raw file follow one white space and fill the rest
+//! of the file. If the rest is longer, its pixels may be shifted, and the file is refused unless line feeds written as
+//! CR LF explain every byte.
+
+use super::error::ImageError;
+use super::format::BYTE_ORDER_MARK;
+use super::reader::{Reader, Remarks, fill_row, level};
+use crate::escape::quoted;
+use crate::picture::Picture;
+use crate::scene::Color;
+use std::borrow::Cow;
+
+/// Upper bound on the bytes of a word that are shown.
+const SHOWN: usize = 40;
+/// The largest sample that the formats allow for white.
+const LARGEST_WHITE: u32 = 65535;
+/// The hint for a word that is no number.
+const OTHER_TEXT: &str = "; messages belong to the standard error, as `std::cerr`";
+
+/// What the header says.
+#[derive(Clone, Copy, Default)]
+struct Header {
+    size: [u32; 2],
+    /// Samples for each pixel: grey, grey and alpha, RGB, or RGB and alpha.
+    channels: usize,
+    /// Bits of a raw sample: 1, 8, 16 or, in single precision, 32.
+    bits: usize,
+    /// The sample of white.
+    white: u32,
+    is_little_endian: bool,
+}
+
+impl Header {
+    fn set_white(&mut self, white: u32) {
+        (self.white, self.bits) = (white, if white > 255 { 16 } else { 8 });
+    }
+
+    /// Sets a pixel from its samples. Returns false if one of them is above that of white.
+    fn set(&self, pixel: &mut [u8; 3], sample: impl Fn(usize) -> u32) -> bool {
+        let has_color = usize::from(self.channels > 2);
+        let samples = [0, 1, 2].map(|channel| sample(channel * has_color));
+        *pixel = samples.map(|sample| level(sample.min(self.white), self.white));
+        samples.iter().all(|&sample| sample <= self.white)
+    }
+}
+
+/// Reads a picture from the start of a file.
+pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError> {
+    reader.bytes = reader.bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(reader.bytes);
+    let mut text = Text { start: reader.bytes, reader, size: None };
+    let kind = text.word()?;
+    let header = match kind {
+        b"P1" | b"P4" => text.header(1, 1)?,
+        b"P2" | b"P5" => text.header(1, 8)?,
+        b"P3" | b"P6" => text.header(3, 8)?,
+        b"PF" => text.header(3, 32)?,
+        b"Pf" => text.header(1, 32)?,
+        _ => text.pam_header()?,
+    };
+    text.size = Some(header.size);
+    match kind {
+        b"P1" | b"P2" | b"P3" => Ok((text.plain(&header)?, Remarks::default())),
+        _ => text.raw(&header),
+    }
+}
+
+/// A file, of which the header or all is text.
+struct Text<'a> {
+    /// The whole file.
+    start: &'a [u8],
+    /// The rest.
+    reader: Reader<'a>,
+    /// Width and height, once the header has been read.
+    size: Option<[u32; 2]>,
+}
+
+impl<'a> Text<'a> {
+    /// Reads the size, and the sample of white or the scale, whose sign is the order of bytes.
+    fn header(&mut self, channels: usize, bits: usize) -> Result<Header, ImageError> {
+        let size = [self.number(0, u32::MAX)?, self.number(0, u32::MAX)?];
+        let mut header = Header { size, channels, bits, white: 1, is_little_endian: false };
+        if bits == 8 {
+            header.set_white(self.number(1, LARGEST_WHITE)?);
+        } else if bits == 32 {
+            let word = self.word()?;
+            let scale = parse::<f64>(word).filter(|scale| scale.is_finite() && *scale != 0.0);
+            let scale = scale.ok_or_else(|| self.bad_word(word, "is no scale, a number other than 0"))?;
+            header.is_little_endian = scale < 0.0;
+        }
+        Ok(header)
+    }
+
+    fn pam_header(&mut self) -> Result<Header, ImageError> {
+        let mut header = Header::default();
+        loop {
+            match self.word()? {
+                b"WIDTH" => header.size[0] = self.number(0, u32::MAX)?,
+                b"HEIGHT" => header.size[1] = self.number(0, u32::MAX)?,
+                b"DEPTH" => header.channels = self.number(1, 4)? as usize,
+                b"MAXVAL" => header.set_white(self.number(1, LARGEST_WHITE)?),
+                b"TUPLTYPE" => drop(self.word()?),
+                b"ENDHDR" if header.channels > 0 && header.bits > 0 => return Ok(header),
+                word => return Err(self.bad_word(word, "is unknown, or comes before DEPTH or MAXVAL")),
+            }
+        }
+    }
+
+    /// Reads the samples of a plain picture, after which the file has no more words.
+    fn plain(&mut self, header: &Header) -> Result<Picture, ImageError> {
+        let [width, height] = header.size;
+        let mut picture = self.reader.black(header.size, self.start.len() as u64)?;
+        for pixel in picture.pixels_mut().as_chunks_mut().0 {
+            let mut samples = [0; 3];
+            for sample in &mut samples[..header.channels] {
+                *sample = if header.bits == 1 { self.bit()? } else { self.number(0, header.white)? };
+            }
+            header.set(pixel, |channel| samples[channel]);
+        }
+        let Some(word) = self.next_word() else { return Ok(picture) };
+        let hint = if parse::<f64>(word).is_some() { "" } else { OTHER_TEXT };
+        Err(self.bad_word(word, &format!("follows the last of {width} x {height} pixels{hint}")))
+    }
+
+    fn raw(mut self, header: &Header) -> Result<(Picture, Remarks), ImageError> {
+        let (Header { channels, bits, white, .. }, [width, height]) = (*header, header.size);
+        let row_bytes = (u64::from(width) * channels as u64 * bits as u64).div_ceil(8);
+        let needed = row_bytes.saturating_mul(height.into());
+        let is_long_enough = self.reader.bytes.len() as u64 >= needed;
+        let mut picture = self.reader.black(header.size, if is_long_enough { u64::MAX } else { 0 })?;
+        let (samples, has_line_end) = self.samples(needed as usize)?;
+        let mut clamped = 0;
+        for (bytes, y) in samples.chunks_exact(row_bytes as usize).zip(0..height as usize) {
+            // The rows of single precision are stored from the bottom.
+            let row = picture.row_mut(if bits == 32 { y } else { height as usize - 1 - y });
+            if (channels, bits, white) == (3, 8, 255) {
+                row.copy_from_slice(bytes);
+                continue;
+            }
+            if bits == 32 {
+                let number = |&bytes: &[u8; 4]| match header.is_little_endian {
+                    true => f64::from(f32::from_le_bytes(bytes)),
+                    false => f64::from(f32::from_be_bytes(bytes)),
+                };
+                let pixels = bytes.as_chunks().0.chunks_exact(channels);
+                let colors =
+                    pixels.map(|pixel| [0, channels / 2, channels - 1].map(|index| number(&pixel[index])));
+                clamped += fill_row(&colors.map(Color::from).collect::<Vec<_>>(), row);
+                continue;
+            }
+            let sample = |at: usize| match bits {
+                // A bit is set for black.
+                1 => u32::from(!bytes[at / 8] >> (7 - at % 8) & 1),
+                8 => bytes[at].into(),
+                _ => u16::from_be_bytes([bytes[2 * at], bytes[2 * at + 1]]).into(),
+            };
+            let mut pixels = row.as_chunks_mut().0.iter_mut().enumerate();
+            if !pixels.all(|(x, pixel)| header.set(pixel, |channel| sample(x * channels + channel))) {
+                return Err(self.reader.bad(format!("row {} has a sample above {white}, its white", y + 1)));
+            }
+        }
+        Ok((picture, Remarks { clamped, has_line_end }))
+    }
+
+    /// Returns the samples, which take `needed` bytes, and whether a line end follows them.
+    fn samples(&mut self, needed: usize) -> Result<(Cow<'a, [u8]>, bool), ImageError> {
+        let (rest, [width, height]) = (self.reader.bytes, self.size.unwrap_or_default());
+        let head = &self.start[..self.start.len() - rest.len()];
+        let surplus = rest.len() - needed;
+        // White space before the samples could be surplus just as well.
+        let is_next_white = rest.first().is_some_and(u8::is_ascii_whitespace);
+        let (in_crlf, all_in_crlf) = match rest.strip_prefix(b"\n").filter(|_| head.ends_with(b"\r")) {
+            Some(_) => line_ends(&self.start[..=head.len()]),
+            None => (false, false),
+        };
+        match surplus {
+            // All lines of the header end in CR LF. So does the last, and a byte is missing.
+            0 if all_in_crlf && head.contains(&b'\n') => Err(self.reader.short([width, height])),
+            0 => Ok((rest.into(), false)),
+            1 if in_crlf => Ok((rest[1..].into(), false)),
+            1 | 2 if !is_next_white && matches!(&rest[needed..], b"\n" | b"\r\n") => {
+                Ok((rest[..needed].into(), true))
+            }
+            _ => {
+                let samples = all_in_crlf.then(|| without_cr(&rest[1..])).flatten();
+                let samples = samples.filter(|samples| samples.len() == needed);
+                samples.map(|samples| (samples.into(), false)).ok_or_else(|| {
+                    let bytes = if surplus == 1 { "byte" } else { "bytes" };
+                    self.reader.bad(format!(
+                        "it is {surplus} {bytes} too long for {width} x {height} pixels, so that they may be \
+                         shifted; write it in binary mode, one picture in a file"
+                    ))
+                })
+            }
+        }
+    }
+
+    /// Reads a digit of a bitmap. Returns 1 for white.
+    fn bit(&mut self) -> Result<u32, ImageError> {
+        self.skip_space();
+        match self.reader.take(1) {
+            Some(b"0") => Ok(1),
+            Some(b"1") => Ok(0),
+            Some(other) => Err(self.bad_word(other, "is neither 0 nor 1")),
+            None => Err(self.cut()),
+        }
+    }
+
+    /// Reads a whole number within these bounds.
+    fn number(&mut self, least: u32, most: u32) -> Result<u32, ImageError> {
+        let word = self.word()?;
+        if let Some(number) = parse(word).filter(|number| (least..=most).contains(number)) {
+            return Ok(number);
+        }
+        let hint = match word {
+            _ if self.size.is_none() => "",
+            [b'-', ..] => "; a negative colour or NaN as an int gives it: clamp colours first",
+            word if word.iter().all(u8::is_ascii_digit) => "; clamp colours first",
+            word if parse::<f64>(word).is_some() => "; colours are whole numbers here, up to that of white",
+            _ => OTHER_TEXT,
+        };
+        Err(self.bad_word(word, &format!("is not a whole number from {least} to {most}{hint}")))
+    }
+
+    fn word(&mut self) -> Result<&'a [u8], ImageError> {
+        self.next_word().ok_or_else(|| self.cut())
+    }
+
+    /// Reads the next word, outside comments, and the white space or the comment that ends it. `None` at the end of the
+    /// file.
+    fn next_word(&mut self) -> Option<&'a [u8]> {
+        self.skip_space();
+        let is_end = |byte: &u8| *byte == b'#' || byte.is_ascii_whitespace();
+        let bytes = self.reader.bytes;
+        let word = self.reader.take(bytes.iter().position(is_end).unwrap_or(bytes.len()))?;
+        self.skip_one();
+        Some(word).filter(|word| !word.is_empty())
+    }
+
+    fn skip_space(&mut self) {
+        while self.skip_one() {}
+    }
+
+    /// Skips a white space or a comment, with the byte that ends its line. Returns false if there is none.
+    fn skip_one(&mut self) -> bool {
+        let bytes = self.reader.bytes;
+        let line_end = || bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n'));
+        let length = match bytes.first() {
+            Some(b'#') => line_end().map_or(bytes.len(), |end| end + 1),
+            Some(byte) if byte.is_ascii_whitespace() => 1,
+            _ => return false,
+        };
+        self.reader.take(length).is_some()
+    }
+
+    /// Returns the error of a file that ends too early.
+    fn cut(&self) -> ImageError {
+        match self.size {
+            Some(size) => self.reader.short(size),
+            None => self.reader.bad("it ends within its header"),
+        }
+    }
+
+    /// Returns the error of a word, which has just been read.
+    fn bad_word(&self, word: &[u8], problem: &str) -> ImageError {
+        let read = &self.start[..self.start.len() - self.reader.bytes.len()];
+        let read = read.strip_suffix(b"\n").or(read.strip_suffix(b"\r")).unwrap_or(read);
+        let is_end = |pair: &&[u8]| pair[1] == b'\n' || pair[0] == b'\r' && pair[1] != b'\n';
+        let lines = 1 + read.windows(2).filter(is_end).count();
+        let shown = String::from_utf8_lossy(&word[..word.len().min(SHOWN)]);
+        self.reader.bad(format!("line {lines}: {} {problem}", quoted(&*shown)))
+    }
+}
+
+fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
+    str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// Returns whether every CR in a header belongs to a CR LF, and whether every LF does too.
+fn line_ends(head: &[u8]) -> (bool, bool) {
+    let pairs = head.windows(2).filter(|pair| pair == b"\r\n").count();
+    let is_paired = |end: u8| head.iter().filter(|&&byte| byte == end).count() == pairs;
+    (is_paired(b'\r'), is_paired(b'\r') && is_paired(b'\n'))
+}
+
+/// Returns the bytes of a text with LF in place of CR LF, or `None` if LF occurs alone.
+fn without_cr(bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut kept = Vec::with_capacity(bytes.len());
+    for &byte in bytes {
+        if byte == b'\n' {
+            kept.pop_if(|last| *last == b'\r')?;
+        }
+        kept.push(byte);
+    }
+    Some(kept)
+}

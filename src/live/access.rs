@@ -1,0 +1,110 @@
+//! Who is let in: a request with the key that comes from the page itself, under a name of this machine.
+
+use super::http::{Answer, Head};
+use subtle::ConstantTimeEq;
+
+/// The number of random bits in the key.
+const BITS: usize = 128;
+
+/// A random number that only the address shows, in hexadecimal digits.
+pub struct Key(pub String);
+
+impl Key {
+    /// Returns a new key from the system's random numbers.
+    pub fn new() -> Result<Self, getrandom::Error> {
+        let mut bytes = [0; BITS / 8];
+        getrandom::fill(&mut bytes)?;
+        Ok(Self(bytes.map(|byte| format!("{byte:02x}")).concat()))
+    }
+
+    /// Returns true if `given` is the key. The time that this takes does not tell how much of it is right.
+    pub fn is(&self, given: &str) -> bool {
+        self.0.as_bytes().ct_eq(given.as_bytes()).into()
+    }
+
+    /// Lets a request in, or says why not. The reason does not depend on how wrong the key is.
+    ///
+    /// A page of another origin can send requests here, and a name of its own can be made to resolve to this machine
+    /// (DNS rebinding). The first has another `Origin`, the second another `Host`. Ports are not compared, since a tunnel
+    /// may have another one at its end.
+    pub fn admit(&self, head: &Head) -> Result<(), Answer> {
+        let host = head.host.as_deref().ok_or_else(|| Answer::text(400, "the request names no host"))?;
+        if !is_this_machine(host) {
+            return Err(Answer::text(403, "this page is served to this machine only"));
+        }
+        if head.origin.as_ref().is_some_and(|origin| origin.strip_prefix("http://") != Some(host)) {
+            return Err(Answer::text(403, "another page cannot use this one"));
+        }
+        // A form of another page can post to an address that it guesses, but cannot set a header.
+        let in_query = head.query.strip_prefix("key=").filter(|_| !head.is_post);
+        match head.key.as_deref().or(in_query) {
+            Some(given) if self.is(given) => Ok(()),
+            _ => Err(Answer::text(403, "open the address that the program prints: it has the key")),
+        }
+    }
+}
+
+/// Returns true for a loopback name with or without a port.
+fn is_this_machine(host: &str) -> bool {
+    let is_port = |port: &str| !port.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit());
+    ["127.0.0.1", "localhost", "[::1]"]
+        .into_iter()
+        .filter_map(|name| host.strip_prefix(name))
+        .any(|rest| rest.is_empty() || rest.strip_prefix(':').is_some_and(is_port))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn head(host: &str, origin: Option<&str>, key: &str) -> Head {
+        let text = |text: &str| Some(text.to_owned());
+        Head {
+            is_post: true,
+            host: text(host),
+            origin: origin.and_then(text),
+            key: text(key),
+            ..Head::default()
+        }
+    }
+
+    #[test]
+    fn names_of_this_machine_are_let_in_at_any_port() {
+        let key = Key::new().unwrap();
+        for host in ["127.0.0.1:80", "localhost:9000", "localhost", "[::1]:8"] {
+            assert_eq!(key.admit(&head(host, None, &key.0)), Ok(()), "{host}");
+            let origin = format!("http://{host}");
+            assert_eq!(key.admit(&head(host, Some(&origin), &key.0)), Ok(()), "{host}");
+        }
+    }
+
+    #[test]
+    fn everybody_else_stays_out() {
+        let (key, other) = (Key::new().unwrap(), Key::new().unwrap());
+        let right = &key.0;
+        for (host, origin) in [
+            ("evil.example", None),
+            ("evil.example:80", None),
+            ("localhost.evil.example:80", None),
+            ("127.0.0.1.evil.example", None),
+            ("localhost:80x", None),
+            ("localhost:", None),
+            ("", None),
+            ("localhost:80", Some("http://evil.example")),
+            ("localhost:80", Some("http://localhost:81")),
+            ("localhost:80", Some("https://localhost:80")),
+            ("localhost:80", Some("null")),
+            ("localhost:80", Some("")),
+        ] {
+            assert_eq!(key.admit(&head(host, origin, right)).unwrap_err().status, 403, "{host} {origin:?}");
+        }
+        assert_eq!(right.len(), BITS / 4);
+        for wrong in ["", "0", &right[..31], &format!("{right}0"), &other.0] {
+            assert!(key.admit(&head("localhost:80", None, wrong)).is_err(), "{wrong}");
+        }
+        let none = Head { host: None, ..head("", None, right) };
+        assert_eq!(key.admit(&none).unwrap_err().status, 400);
+        let form = Head { key: None, query: format!("key={right}"), ..head("localhost:80", None, "") };
+        assert_eq!(key.admit(&form).unwrap_err().status, 403);
+    }
+}

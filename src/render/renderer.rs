@@ -1,0 +1,304 @@
+//! The library's main interface: a scene is opened once, prepared once for each grid, and rendered any number
+//! of times.
+
+use crate::camera::Camera;
+use crate::caster::choose::{Layout, Rays, Resolution, Structure};
+use crate::caster::{Caster, Fullness, GridTooLarge};
+use crate::diagnostic::Diagnostic;
+use crate::math::aabb::Aabb;
+use crate::math::instructions;
+use crate::picture::{BadSize, FloatPicture};
+use crate::render::grid_view::Occupancy;
+use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
+use crate::scene::Color;
+use crate::scene::Scene;
+use crate::scene::mesh::Mesh;
+use crate::scene::model::Shows;
+use crate::scene_io::{self, LoadedScene, Source};
+use crate::stats::Counts;
+use crate::world::World;
+use glam::DVec2;
+use rayon::ThreadPool;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A scene with its meshes, in world space.
+#[derive(Debug)]
+pub struct Renderer {
+    /// The scene as parsed from its text.
+    pub scene: Scene,
+    /// The text of the scene, to show the position of an error in it.
+    pub source: Source,
+    world: World,
+    /// Kept only for the view of the grid's cells, for the objects behind a pixel, and for other scenes with the same
+    /// meshes.
+    meshes: Vec<Mesh>,
+    threads: Option<Arc<ThreadPool>>,
+}
+
+/// Whether the meshes are kept as they were read. The view of the grid's cells and [`Renderer::with_scene`] need them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meshes {
+    /// The meshes are moved into the world.
+    Moved,
+    /// The meshes are copied into the world, and kept.
+    Kept,
+}
+
+impl Renderer {
+    /// Reads the scene at `path` with its meshes. The work is done on rayon's current thread pool.
+    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
+        Self::new(scene_io::load(path)?, Meshes::Moved)
+    }
+
+    /// A renderer of a scene that has been read. An object that cannot be placed in world space
+    /// is an error.
+    pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, Diagnostic> {
+        let LoadedScene { scene, meshes, source, .. } = loaded;
+        let world = match kept {
+            Meshes::Moved => World::of_meshes(&scene, meshes).map(|world| (world, vec![])),
+            Meshes::Kept => World::new(&scene, &meshes).map(|world| (world, meshes)),
+        };
+        match world {
+            Ok((world, meshes)) => Ok(Self { scene, source, world, meshes, threads: None }),
+            Err(error) => Err(source.locate(error)),
+        }
+    }
+
+    /// Another scene that names the same meshes, in the same order. The renderer must have kept them, which the new
+    /// one does not.
+    pub fn with_scene(&self, scene: Scene) -> Result<Self, Diagnostic> {
+        let world = World::new(&scene, &self.meshes)?;
+        let (source, threads) = (self.source.clone(), self.threads.clone());
+        Ok(Self { scene, source, world, meshes: vec![], threads })
+    }
+
+    /// The meshes that the scene names, if they were kept.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
+    }
+
+    /// The same renderer, with its work done on this thread pool.
+    pub fn on_threads(self, threads: Arc<ThreadPool>) -> Self {
+        Self { threads: Some(threads), ..self }
+    }
+
+    /// The scene in world space.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The bounds of the finite primitives; none if there are no such primitives.
+    pub fn bounds(&self) -> Option<Aabb> {
+        (!self.world.bounds.is_empty()).then_some(self.world.bounds)
+    }
+
+    /// Builds the structure that is asked for, for a request that is traced in this way. Where any will do, it is the one
+    /// with the least total time: what the course's program counts is counted without a grid.
+    pub fn prepare_for(
+        &self,
+        structure: Structure,
+        request: &Request,
+        tracing: Tracing,
+    ) -> Result<Prepared<'_>, GridTooLarge> {
+        let cast = request.cast_rays(&self.camera(request), &self.world);
+        let mut prepared =
+            self.prepare_as(structure, Rays { camera: request.camera_rays(), cast }, tracing)?;
+        if structure == Structure::Any && !prepared.caster.is_selective() {
+            // Rasterization may find out that it leaves more rays to be cast.
+            prepared.caster.allow_grid(request.camera_rays());
+        }
+        Ok(prepared)
+    }
+
+    /// The same for about this number of rays.
+    pub fn prepare_as(
+        &self,
+        structure: Structure,
+        rays: Rays,
+        tracing: Tracing,
+    ) -> Result<Prepared<'_>, GridTooLarge> {
+        self.on_own_threads(|| {
+            let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
+            let build = |layout| Caster::with(&self.world, layout, instructions::available()[0]);
+            let caster = match build(layout) {
+                // Nobody has asked for the structure that does not fit into memory.
+                Err(_) if structure == Structure::Any => build(Layout::List),
+                caster => caster,
+            }?;
+            Ok(Prepared { renderer: self, caster, occupancy: None, cells: layout.cells(), tracing })
+        })
+    }
+
+    /// The camera that a request's pictures are seen with.
+    pub(crate) fn camera(&self, request: &Request) -> Camera {
+        let camera = request.camera.as_ref().unwrap_or(&self.scene.camera);
+        Camera::with_screen(camera, request.size, self.scene.model.screen)
+    }
+
+    /// Builds a grid, or a list of all primitives. `rays` is the approximate number of camera rays, by which an
+    /// automatic grid is chosen.
+    pub fn prepare(
+        &self,
+        grid: Option<Resolution>,
+        rays: usize,
+        tracing: Tracing,
+    ) -> Result<Prepared<'_>, GridTooLarge> {
+        self.prepare_as(grid.map_or(Structure::List, Structure::Grid), Rays::cast(rays), tracing)
+    }
+
+    /// Counts the primitives in each cell of a grid, so that the cells are drawn in place of the scene. The
+    /// renderer must have kept the scene's meshes.
+    pub fn prepare_cells(
+        &self,
+        grid: Resolution,
+        rays: usize,
+        tracing: Tracing,
+    ) -> Result<Prepared<'_>, GridTooLarge> {
+        self.on_own_threads(|| {
+            let is_counted = tracing == Tracing::Counted;
+            let cells = Structure::Grid(grid).layout(&self.world, Rays::cast(rays), is_counted).cells();
+            let caster = Caster::with(&self.world, Layout::List, instructions::available()[0])?;
+            let occupancy =
+                cells.map(|cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells));
+            Ok(Prepared { renderer: self, caster, occupancy: occupancy.transpose()?, cells, tracing })
+        })
+    }
+
+    /// Does some work on the renderer's threads.
+    pub(crate) fn on_own_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.threads {
+            Some(threads) => threads.install(work),
+            None => work(),
+        }
+    }
+}
+
+/// A scene that is ready to be rendered.
+#[derive(Debug)]
+pub struct Prepared<'r> {
+    renderer: &'r Renderer,
+    caster: Caster<'r>,
+    /// The cells that are drawn in place of the scene, if any.
+    occupancy: Option<Occupancy>,
+    cells: Option<[usize; 3]>,
+    tracing: Tracing,
+}
+
+impl Prepared<'_> {
+    /// How it is traced.
+    pub fn tracing(&self) -> Tracing {
+        self.tracing
+    }
+
+    /// The cells of the grid along each axis.
+    pub fn cells(&self) -> Option<[usize; 3]> {
+        self.cells
+    }
+
+    /// How full the cells of the grid are, with so many of the fullest; none without a grid.
+    pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
+        self.caster.fullness(fullest)
+    }
+
+    /// Renders the layers of a request into memory, in the order of the request. A picture without pixels, or
+    /// with more than there is memory for, is an error.
+    pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
+        let camera = self.camera(request);
+        let scene = (&camera, &self.caster);
+        let render = || render::render_in_memory(scene, self.view(), request, Tracing::Fast);
+        self.renderer.on_own_threads(render).map(|(pictures, _)| pictures)
+    }
+
+    /// Renders a request row by row, and returns what was counted. Rows are handed out from the top as soon as they
+    /// are finished.
+    pub fn render_rows(&self, request: &Request, watch: Watch, take_row: TakeRow) -> Result<Counts, Stopped> {
+        self.render_traced(request, self.tracing, watch, take_row)
+    }
+
+    /// The same without counting, which may be faster.
+    pub(crate) fn render_rows_fast(
+        &self,
+        request: &Request,
+        watch: Watch,
+        take_row: TakeRow,
+    ) -> Result<(), Stopped> {
+        self.render_traced(request, Tracing::Fast, watch, take_row).map(drop)
+    }
+
+    /// Renders the colours of these rows of a request's window, counted from the top, without counting.
+    pub(crate) fn render_some_rows(
+        &self,
+        request: &Request,
+        rows: &[usize],
+        watch: Watch,
+    ) -> Result<Vec<Color>, Stopped> {
+        let camera = self.camera(request);
+        let scene = (&camera, &self.caster);
+        let render = || render::render_some_rows(scene, self.view(), request, rows, watch);
+        self.renderer.on_own_threads(render)
+    }
+
+    fn render_traced(
+        &self,
+        request: &Request,
+        tracing: Tracing,
+        watch: Watch,
+        take_row: TakeRow,
+    ) -> Result<Counts, Stopped> {
+        let (camera, view) = (self.camera(request), self.view());
+        let scene = (&camera, &self.caster);
+        self.renderer.on_own_threads(|| render::render(scene, view, request, tracing, watch, take_row))
+    }
+
+    /// The cells of the grid along each axis, if they are drawn in place of the scene.
+    pub fn drawn_cells(&self) -> Option<[usize; 3]> {
+        self.occupancy.as_ref().and(self.cells)
+    }
+
+    /// Returns the renderer that it was prepared by.
+    pub fn renderer(&self) -> &Renderer {
+        self.renderer
+    }
+
+    /// Finds what rays hit.
+    pub(crate) fn caster(&self) -> &Caster<'_> {
+        &self.caster
+    }
+
+    /// The camera that a request's pictures are seen with.
+    pub(crate) fn camera(&self, request: &Request) -> Camera {
+        self.renderer.camera(request)
+    }
+
+    /// The samples of the pixel in this column and row from the bottom left: their offsets from its centre, and the
+    /// parts of the pixel that they stand for, up to a factor; none where the watch cancels.
+    pub(crate) fn samples(
+        &self,
+        request: &Request,
+        [column, row]: [usize; 2],
+        watch: Watch,
+    ) -> Vec<(DVec2, f64)> {
+        let Some(settings) = request.adaptive else {
+            if let Some(mut c_rand) = request.sampler.c_rand([column, row], request.size[0]) {
+                return vec![(c_rand.next_offset(), 1.0)];
+            }
+            let index = (column * request.size[1] + row) as u64;
+            return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
+        };
+        let camera = self.camera(request);
+        let scene = (&camera, &self.caster);
+        let offsets = render::adaptive_offsets(scene, self.view(), request, settings, [column, row], watch);
+        // Where only a pixel's own samples count, it makes no difference.
+        let part = if request.filter.support() == 0 { 1.0 } else { 1.0 / offsets.len() as f64 };
+        offsets.into_iter().map(|offset| (offset, part)).collect()
+    }
+
+    fn view(&self) -> View<'_> {
+        match (&self.occupancy, self.renderer.scene.model.shows) {
+            (Some(occupancy), _) => View::Cells(occupancy),
+            (None, Shows::Scene) => View::Scene,
+            (None, Shows::Places) => View::Places,
+        }
+    }
+}

@@ -1,0 +1,427 @@
+//! Reads a scene and its meshes from files.
+
+mod named_files;
+
+use crate::base::distinct_files::ReadFile;
+use crate::diagnostic::{Diagnostic, limited};
+use crate::escape::quoted;
+use crate::scene::edition::{Choice, Clues, Edition};
+use crate::scene::foreign_format::is_wide_text;
+use crate::scene::lexer::Lexer;
+use crate::scene::material::{Material, Paint};
+use crate::scene::mesh::{Mesh, ObjFile};
+use crate::scene::model::Shows;
+use crate::scene::near_names::nearest_file;
+use crate::scene::parser::{Places, Reading, read_in};
+use crate::scene::texels::{ImageFile, Texels};
+use crate::scene::{MeshFile, Object, Position, Scene};
+pub use named_files::mesh_places;
+use named_files::{find_texels, read_mesh};
+pub(crate) use named_files::{image_unreadable, in_mesh, mesh_unreadable};
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A scene with everything that it names.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    /// What the file says.
+    pub scene: Scene,
+    /// By the index in [`Scene::meshes`].
+    pub meshes: Vec<Mesh>,
+    /// Where each mesh was found.
+    pub mesh_files: Vec<PathBuf>,
+    /// What the scene was read from, to show where a later error lies.
+    pub source: Source,
+    /// Warnings about its text and its meshes, at most 20 of each kind and the number of the others.
+    pub warnings: Vec<Diagnostic>,
+    /// Where its text says what.
+    pub places: Places,
+    /// The edition of the course in whose language it was read.
+    pub choice: Choice,
+}
+
+impl LoadedScene {
+    /// The files of its meshes and pictures.
+    pub fn files(&self) -> Vec<ReadFile> {
+        let meshes = self.mesh_files.iter().map(|mesh| ("mesh", mesh.clone()));
+        let pictures = self.scene.images.iter().filter_map(|image| Some(("picture", image.file.clone()?)));
+        meshes.chain(pictures).collect()
+    }
+}
+
+/// What is known of a scene beside its words.
+#[derive(Clone, Debug, Default)]
+pub struct Hints {
+    /// The edition, if somebody has named it.
+    pub edition: Option<Edition>,
+    /// The endings of the pictures that are written of it, without the dot.
+    pub endings: Vec<String>,
+    /// Whether the places of pixels are shown in place of the scene.
+    pub shows_places: bool,
+}
+
+/// Those, and the files beside a scene.
+struct Around<'a> {
+    hints: &'a Hints,
+    folder: &'a Path,
+}
+
+impl Clues for Around<'_> {
+    fn has_face(&self, folder: &str, ending: &str) -> bool {
+        let name = format!("{folder}/right.{ending}");
+        mesh_places(&name, self.folder, Edition::Y2019).iter().any(|place| place.is_file())
+    }
+
+    fn writes(&self, ending: &str) -> bool {
+        self.hints.endings.iter().any(|written| written.eq_ignore_ascii_case(ending))
+    }
+}
+
+/// A scene's text, without a byte order mark, and the file that it comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file, as it was named.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+}
+
+impl Source {
+    /// Adds the file and the line of the text to an error or a warning.
+    pub fn locate(&self, found: Diagnostic) -> Diagnostic {
+        found.in_text(&self.path, &self.text)
+    }
+}
+
+/// Upper bound on the size of a scene that comes from a pipe or a device, which may have no end.
+const LONGEST_STREAM: u64 = 1 << 28;
+
+/// Reads the scene at `path` and every mesh that it names. `-` is standard input.
+///
+/// A mesh is looked for in the working directory and then beside the scene, and read once however
+/// often it is named. Errors: an unreadable or malformed scene, or mesh.
+pub fn load(path: &Path) -> Result<LoadedScene, Diagnostic> {
+    load_announcing(path, &Hints::default(), &|_| ())
+}
+
+/// The same, with what is known of the scene's edition. `announce` is told the size of each mesh's file, in bytes, before
+/// it is parsed.
+pub fn load_announcing(
+    path: &Path,
+    hints: &Hints,
+    announce: &dyn Fn(usize),
+) -> Result<LoadedScene, Diagnostic> {
+    let is_standard_input = path == Path::new("-");
+    let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
+    let path = if is_standard_input { Path::new("standard input") } else { path };
+    let bytes = bytes.map_err(|error| unreadable(path, &error))?;
+    load_source(Source { path: path.to_owned(), text: decode(path, bytes)? }, hints, announce)
+}
+
+/// Reads a scene from the text of its file.
+pub fn load_source(
+    source: Source,
+    hints: &Hints,
+    announce: &dyn Fn(usize),
+) -> Result<LoadedScene, Diagnostic> {
+    let path = source.path.clone();
+    let directory = path.parent().unwrap_or(Path::new(""));
+    let read =
+        |file: &MeshFile, edition, is_textured| read_mesh(file, (directory, edition), is_textured, announce);
+    let read_image = |image: &ImageFile, edition| find_texels(image, (directory, edition));
+    let readers = Readers { mesh: &read, image: &read_image };
+    load_text(source, hints, readers)
+}
+
+/// A mesh that a scene names.
+#[derive(Debug)]
+pub struct FoundMesh {
+    /// What its file has.
+    pub content: ObjFile,
+    /// The file.
+    pub file: PathBuf,
+    /// Warnings about the file.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// Reads a mesh that a scene of this edition names, with its texture coordinates if the last argument says so.
+pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile, Edition, bool) -> Result<FoundMesh, Diagnostic>;
+
+/// Reads a picture that a scene of this edition names, and tells its file.
+pub type ReadImage<'a> = &'a dyn Fn(&ImageFile, Edition) -> Result<(Arc<Texels>, PathBuf), Diagnostic>;
+
+/// Reads the files that a scene names.
+#[derive(Clone, Copy)]
+pub struct Readers<'a> {
+    /// Reads its meshes.
+    pub mesh: ReadMesh<'a>,
+    /// Reads its pictures.
+    pub image: ReadImage<'a>,
+}
+
+/// Reads a scene from its text, and the files that it names.
+pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, Diagnostic> {
+    let folder = source.path.parent().unwrap_or(Path::new(""));
+    let read = read_words(&source.text, Around { hints, folder }).and_then(|(choice, mut reading)| {
+        let found = read_files(&mut reading.scene, choice.edition, readers)?;
+        Ok((choice, reading, found))
+    });
+    match read {
+        Ok((choice, Reading { mut scene, mut warnings, places }, found)) => {
+            if hints.shows_places {
+                scene.model.shows = Shows::Places;
+            }
+            let (mut meshes, mut mesh_files, mut doubts) = (vec![], vec![], vec![]);
+            for (found, named) in found.into_iter().zip(&mut scene.meshes) {
+                named.vertices = found.content.vertices;
+                named.texture_coordinates = Arc::new(found.content.texture_coordinates);
+                meshes.push(found.content.mesh);
+                mesh_files.push(found.file);
+                doubts.extend(found.warnings);
+            }
+            warnings.extend(limited(doubts));
+            Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places, choice })
+        }
+        Err(error) => Err(source.locate(error)),
+    }
+}
+
+/// Reads a scene in the language of the edition that the hints name. Without one it is that of 2004, and if the scene is
+/// not written in it, that which its words and the files around it tell.
+fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), Diagnostic> {
+    let named = around.hints.edition;
+    let edition = named.unwrap_or_default();
+    let error = match read_in(edition, text) {
+        Ok(reading) => return Ok(told_by_pictures(text, &around, reading)),
+        Err(error) => error,
+    };
+    let found = if named.is_none() { Edition::of_words(text, &around) } else { None };
+    let Some(choice) = found else { return Err(error) };
+    match read_in(choice.edition, text) {
+        Ok(reading) => Ok((choice, reading)),
+        Err(error) => {
+            let because = choice.because.unwrap_or_default();
+            let read =
+                format!("the scene is read as one of `-edition {}`, because of {because}", choice.edition);
+            let hint = error.hint.as_ref().map_or(read.clone(), |hint| format!("{hint}; {read}"));
+            Err(error.with_hint(hint))
+        }
+    }
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
+    let near = if error.kind() == io::ErrorKind::NotFound { nearest_file(path) } else { None };
+    let hint = near.map(|near| format!("did you mean {}?", quoted(near)));
+    Diagnostic { hint, ..Diagnostic::error(format!("cannot read the scene: {error}")) }.in_file(path)
+}
+
+fn read_scene(path: &Path) -> io::Result<Vec<u8>> {
+    if fs::metadata(path)?.is_file() { fs::read(path) } else { read_stream(File::open(path)?) }
+}
+
+fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    match stream.take(LONGEST_STREAM + 1).read_to_end(&mut bytes)? as u64 {
+        0..=LONGEST_STREAM => Ok(bytes),
+        _ => Err(io::Error::other("it does not end after 256 MiB")),
+    }
+}
+
+/// A scene that has been read in the language of the edition that is named or, without one, of 2004. If later editions
+/// have its words too, the pictures that are written of it may tell which one is meant.
+fn told_by_pictures(text: &str, around: &Around, reading: Reading) -> (Choice, Reading) {
+    let choice = Choice { edition: around.hints.edition.unwrap_or_default(), ..Choice::default() };
+    // The pictures of 2004 are TGA.
+    let is_told = around.hints.edition.is_some() || around.hints.endings.is_empty() || around.writes("tga");
+    let is_of_2003 = |object: &Object| matches!(object, Object::Box { .. } | Object::Grid { .. });
+    if is_told || reading.scene.objects.iter().any(is_of_2003) {
+        return (choice, reading);
+    }
+    if around.writes("bmp")
+        && let Ok(reading) = read_in(Edition::Y2012A4, text)
+    {
+        let because = Some("the picture in BMP".to_owned());
+        return (Choice { edition: Edition::Y2012A4, because, ..choice }, reading);
+    }
+    let later = [Edition::Y2019, Edition::Y2012A4, Edition::Y2012A5];
+    let others = later.into_iter().filter(|&edition| read_in(edition, text).is_ok()).collect();
+    (Choice { others, ..choice }, reading)
+}
+
+/// Reads the meshes and the pictures that a scene names.
+fn read_files(scene: &mut Scene, edition: Edition, readers: Readers) -> Result<Vec<FoundMesh>, Diagnostic> {
+    let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image { .. }));
+    let is_textured = scene.materials.iter().any(is_image);
+    for image in &mut scene.images {
+        let (texels, file) = (readers.image)(image, edition)?;
+        (image.texels, image.file) = (texels, Some(file));
+    }
+    scene.meshes.iter().map(|file| (readers.mesh)(file, edition, is_textured)).collect()
+}
+
+/// The files that are read for the meshes and pictures of a scene, each in the first place where it is; none of a scene
+/// that is no regular file or cannot be read.
+pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
+    let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
+    let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
+    let text = bytes.and_then(|bytes| decode(scene, bytes).ok());
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let read = |text: String| read_words(&text, Around { hints, folder });
+    let Some(Ok((choice, Reading { scene: named, .. }))) = text.map(read) else { return vec![] };
+    let find =
+        |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));
+    let images = named.images.iter().map(|image| &image.name);
+    named.meshes.iter().map(|mesh| &mesh.name).chain(images).filter_map(find).collect()
+}
+
+/// The text in a scene's bytes, without a byte order mark. Comments may be in any encoding that contains ASCII: what is
+/// not UTF-8 in them is replaced.
+fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, Diagnostic> {
+    let not_utf8 = |at, hint| {
+        let error = Diagnostic::error("the scene is not UTF-8 text").with_hint(hint);
+        Err(error.at(at).in_file(path))
+    };
+    if is_wide_text(&bytes) {
+        let hint = "this looks like UTF-16; save the file as UTF-8";
+        return not_utf8(Position { line: 1, column: 1 }, hint);
+    }
+    let mut text = match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => {
+            let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+            if let Some(at) = Lexer::new(&text).first(char::REPLACEMENT_CHARACTER) {
+                return not_utf8(at, "save the file as UTF-8");
+            }
+            text
+        }
+    };
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::TempDir;
+
+    const CAMERA: &str = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }\n";
+
+    fn mesh_scene(names: &[&str]) -> String {
+        let meshes: String =
+            names.iter().map(|name| format!("TriangleMesh {{ obj_file {name} }}\n")).collect();
+        format!("{CAMERA}Group {{ numObjects {} Material {{ }}\n{meshes}}}", names.len())
+    }
+
+    /// A directory with these files, the first of which is the scene.
+    fn directory(files: &[(&str, &[u8])]) -> (TempDir, PathBuf) {
+        let directory = tempfile::tempdir().unwrap();
+        for (name, bytes) in files {
+            fs::write(directory.path().join(name), bytes).unwrap();
+        }
+        let scene = directory.path().join(files[0].0);
+        (directory, scene)
+    }
+
+    fn refuse(files: &[(&str, &[u8])]) -> String {
+        let (_directory, scene) = directory(files);
+        load(&scene).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn meshes_are_found_beside_the_scene_and_read_once() {
+        let text = mesh_scene(&["one.obj", "two.obj", "one.obj"]);
+        let one = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3";
+        let two = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1";
+        let (_directory, path) = directory(&[("a.txt", text.as_bytes()), ("one.obj", one), ("two.obj", two)]);
+        let loaded = load(&path).unwrap();
+        assert_eq!(loaded.meshes.iter().map(|mesh| mesh.triangles.len()).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!(loaded.source, Source { path, text });
+    }
+
+    #[test]
+    fn backslashes_are_slashes_where_no_file_has_them_in_its_name() {
+        let as_on_windows = mesh_scene(&["a\\m.obj"]);
+        let mesh = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3";
+        let (folder, scene) = directory(&[("s.txt", as_on_windows.as_bytes())]);
+        fs::create_dir(folder.path().join("a")).unwrap();
+        fs::write(folder.path().join("a/m.obj"), mesh).unwrap();
+        assert_eq!(load(&scene).unwrap().meshes[0].triangles.len(), 1);
+        assert_eq!(mesh_files(&scene, &Hints::default()), load(&scene).unwrap().mesh_files);
+        if cfg!(unix) {
+            let two = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1";
+            fs::write(folder.path().join("a\\m.obj"), two).unwrap();
+            assert_eq!(load(&scene).unwrap().meshes[0].triangles.len(), 2);
+        }
+    }
+
+    #[test]
+    fn a_missing_scene() {
+        let message = load(Path::new("no/such.txt")).unwrap_err().to_string();
+        assert!(message.starts_with("no/such.txt: error: cannot read the scene: "), "{message}");
+    }
+
+    #[test]
+    fn a_missing_mesh_is_shown_in_the_scene() {
+        let text = mesh_scene(&["no-such.obj"]);
+        let message = refuse(&[("a.txt", text.as_bytes())]);
+        for part in
+            ["a.txt:3:25: error: cannot read the mesh `no-such.obj`: tried `no-such.obj` (", ", then `", "^"]
+        {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_broken_mesh_names_both_files() {
+        let text = mesh_scene(&["bad.obj"]);
+        let message = refuse(&[("a.txt", text.as_bytes()), ("bad.obj", b"v 0 0 0\nf 1 1 2")]);
+        assert!(message.contains("a.txt:3:25: error: in the mesh `"), "{message}");
+        assert!(message.contains("bad.obj`: line 2: a face names a vertex"), "{message}");
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_skipped() {
+        let text = format!("\u{feff}{CAMERA}Grup");
+        let message = refuse(&[("a.txt", text.as_bytes())]);
+        assert!(message.contains("a.txt:2:1: error: expected"), "{message}");
+    }
+
+    #[test]
+    fn comments_may_be_in_any_encoding() {
+        let text = format!("{CAMERA}Group {{ numObjects 0 }}");
+        // Latin-1, GBK with a second byte that is a brace, Shift-JIS with one that is a backslash, and any bytes.
+        for comment in [&b"# caf\xe9"[..], b"// \x81\x7b \x81\x7d", b"# \x83\x5c", b"#\x00\xfe\xff\x80"] {
+            for end in [&b"\n"[..], b"\r", b"\r\n"] {
+                let (_folder, scene) =
+                    directory(&[("a.txt", &[comment, end, text.as_bytes(), comment].concat())]);
+                let found = load(&scene).unwrap();
+                assert_eq!(found.scene.objects.len(), 1);
+                assert_eq!(found.places.camera, Position { line: 2, column: 1 });
+            }
+        }
+    }
+
+    #[test]
+    fn words_of_other_encodings_are_refused() {
+        let message = refuse(&[("a.txt", b"# ok \xe9\nGroup { \xc3\xa9 \xc3\xa9\xe9 }\n")]);
+        let hint = "a.txt:2:12: error: the scene is not UTF-8 text\n  hint: save the file as UTF-8";
+        assert!(message.ends_with(hint), "{message}");
+        let words = |wide: fn(u16) -> [u8; 2], mark: &[u8]| {
+            let bytes: Vec<u8> = CAMERA.encode_utf16().flat_map(wide).collect();
+            refuse(&[("a.txt", &[mark, &bytes].concat())])
+        };
+        for message in [
+            words(u16::to_le_bytes, b"\xff\xfe"),
+            words(u16::to_be_bytes, b"\xfe\xff"),
+            words(u16::to_le_bytes, b""),
+            words(u16::to_be_bytes, b""),
+        ] {
+            assert!(message.contains("a.txt:1:1: error: the scene is not UTF-8 text"), "{message}");
+            assert!(message.ends_with("hint: this looks like UTF-16; save the file as UTF-8"), "{message}");
+        }
+    }
+}

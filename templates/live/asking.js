@@ -1,0 +1,96 @@
+'use strict';
+// Questions to the program. Every answer is a description in JSON and the bytes that it describes.
+
+const key = new URLSearchParams(location.search).get('key') || '';
+// Of the questions of one kind that a page asks, a later one overtakes the earlier ones; of pictures, by their turns.
+const page = Math.floor(Math.random() * 2 ** 50);
+let turn = 0;
+
+const find = (id) => document.getElementById(id);
+
+class Refused extends Error {
+  constructor(status, text) {
+    super(text);
+    this.status = status;
+  }
+}
+
+// Asks, and returns { meta, bytes }. A refusal is thrown, with its status and its reason.
+async function ask(path, question) {
+  const body = question instanceof Blob ? question : JSON.stringify({ page, ...question });
+  let answer;
+  try {
+    answer = await fetch(path, { method: 'POST', headers: { 'X-Key': key }, body, cache: 'no-store' });
+  } catch {
+    throw new Refused(0, OVER);
+  }
+  if (!answer.ok) throw new Refused(answer.status, (await answer.text()).trim());
+  const buffer = await answer.arrayBuffer();
+  const length = new DataView(buffer).getUint32(0, true);
+  const meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  if (meta.overtaken) throw new Refused(OVERTAKEN, '');
+  return { meta, bytes: new Uint8ClampedArray(buffer, 4 + length) };
+}
+
+const OVERTAKEN = 409;
+const CLOSED = 410;
+const OVER = 'The program has ended, or cannot be reached.';
+
+function complain(error) {
+  if (error.status === OVERTAKEN) return;
+  say(error.message);
+}
+
+// The question whose answer comes when the program ends.
+const ending = new AbortController();
+
+// Says when the program has ended, and when it can be reached again.
+async function listen() {
+  let failures = 0;
+  while (!ending.signal.aborted) {
+    try {
+      const answer = await fetch('/alive', { method: 'POST', headers: { 'X-Key': key }, body: '', signal: ending.signal });
+      const said = (await answer.text()).trim();
+      if (said === 'ended' || answer.status === 403) return showOver('The program has ended.');
+      failures = 0;
+      if (document.body.classList.contains('ended')) showOver('');
+    } catch {
+      if (ending.signal.aborted) return;
+      // A connection may break; the program has ended where a second one fails, too.
+      if (++failures === 2) showOver(OVER);
+      await new Promise((done) => { setTimeout(done, failures < 2 ? 200 : 3000); });
+    }
+  }
+}
+
+// Shows that the program is over; an empty text shows that it is not.
+function showOver(text) {
+  document.body.classList.toggle('ended', text !== '');
+  find('over').hidden = text === '';
+  find('over').textContent = text && `${text} This page keeps what it has shown last.`;
+}
+
+// A time in the unit in which it is short.
+function duration(milliseconds) {
+  if (milliseconds < 1000) return `${milliseconds.toFixed(milliseconds < 10 ? 1 : 0)} ms`;
+  const seconds = milliseconds / 1000;
+  if (seconds < 60) return `${seconds.toFixed(1)} s`;
+  return `${Math.floor(seconds / 60)} min ${Math.round(seconds % 60)} s`;
+}
+
+// A number with a gap after each three digits.
+const grouped = (number) => Math.round(number).toLocaleString('en').replaceAll(',', '\u202f');
+
+// A text with its long numbers grouped.
+const groupedIn = (text) => text.replace(/(?<![\d.])\d{5,}(?![\d.])/g, (digits) => grouped(Number(digits)));
+
+let silence = 0;
+
+// Shows a message for a while.
+function say(text) {
+  const message = find('message');
+  message.textContent = text;
+  message.hidden = text === '';
+  clearTimeout(silence);
+  silence = setTimeout(() => { message.hidden = true; }, 6000);
+}
