@@ -38,6 +38,7 @@
 //! Data flows one way: a module imports only from the modules before it in this list.
 
 pub mod base;
+pub mod diagnostic;
 #[doc(hidden)]
 pub mod math;
 pub mod scene;

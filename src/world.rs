@@ -13,12 +13,12 @@ mod point_error;
 mod resting_lights;
 mod surface;
 
+use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
 use crate::primitive::shape::{Form, Shape};
 use crate::primitive::{plane::Plane, triangle};
-use crate::scene::error::SceneError;
 use crate::scene::limits;
 use crate::scene::mesh::{Corners, Mesh};
 use crate::scene::model::Model;
@@ -104,16 +104,16 @@ pub enum Primitive {
 impl World {
     /// The world of a scene. `meshes` are those that the scene names, in its order. An object that cannot be placed in
     /// world space is an error, and so is too little memory for the copies of the meshes.
-    pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, SceneError> {
+    pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, Diagnostic> {
         Self::build(scene, meshes.iter().map(Cow::Borrowed).collect())
     }
 
     /// The same as [`World::new`], but a mesh that can be taken over is not copied.
-    pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, SceneError> {
+    pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, Diagnostic> {
         Self::build(scene, meshes.into_iter().map(Cow::Owned).collect())
     }
 
-    fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, SceneError> {
+    fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, Diagnostic> {
         limits::check(scene)?;
         let mut builder = Builder::new(Self::without_objects(scene), scene, meshes)?;
         placements(scene).try_for_each(|placement| builder.place(&placement))?;

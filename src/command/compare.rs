@@ -4,8 +4,9 @@ use super::complete_files::CompleteFiles;
 use super::log::Log;
 use super::report::Report;
 use super::signals::Signals;
-use super::{End, Outcome, failed, live, threads};
+use super::{End, Outcome, live, refused, threads};
 use raytracer::cli::{self, Options};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::{ReadFile, Written, check_distinct};
 use raytracer::escape::quoted;
 use raytracer::image_io::{Format, OutputFile, Remarks, read_remarked_picture};
@@ -15,17 +16,17 @@ use raytracer::render::{Layer, Request};
 use raytracer::renderer::Renderer;
 use raytracer::scene::model::Shows;
 use raytracer::tools::causes::{Finding, FinishedPicture, Original};
-use raytracer::tools::compare::{CompareError, Comparison, DifferencePicture};
+use raytracer::tools::compare::{Comparison, DifferencePicture, sizes_differ};
 use std::fmt::Display;
 use std::path::Path;
 
 /// Compares two pictures that need no scene.
 pub fn run(options: &Options, signals: &Signals, log: &Log) -> Result<Outcome, End> {
     threads::start(options.threads, options.size[1])?;
-    check_distinct(written(options), read(options))?;
+    check_distinct(written(options), read(options)).map_err(refused)?;
     let pair = Pair::open(options, log)?;
     let difference = open_difference(options)?;
-    let document = options.json_file().map(OutputFile::prepare).transpose().map_err(failed)?;
+    let document = options.json_file().map(OutputFile::prepare).transpose()?;
     let files = CompleteFiles::default();
     files.before_waiting(signals)?;
     let compared = pair.map(|pair| pair.compare(options, (None, None), difference, &files)).transpose()?;
@@ -62,10 +63,10 @@ pub fn read(options: &Options) -> impl Iterator<Item = ReadFile> {
 }
 
 /// Checks that the picture of the difference can be written, if one is asked for.
-pub fn open_difference(options: &Options) -> Result<Option<(OutputFile, Format)>, String> {
+pub fn open_difference(options: &Options) -> Result<Option<(OutputFile, Format)>, Diagnostic> {
     let path = options.comparison.as_ref().and_then(|wanted| wanted.difference.as_deref());
     let Some((path, format)) = path.and_then(|path| Some((path, Format::of(path)?))) else { return Ok(None) };
-    Ok(Some((OutputFile::prepare(path).map_err(failed)?, format)))
+    Ok(Some((OutputFile::prepare(path)?, format)))
 }
 
 /// The pictures of a comparison.
@@ -80,7 +81,7 @@ pub struct Pair<'o> {
 impl<'o> Pair<'o> {
     /// Reads the pictures, if a comparison is asked for. Returns an error if one cannot be read, or if their sizes
     /// differ; `None` if the live page is left to compare at the other size.
-    pub fn open(options: &'o Options, log: &Log) -> Result<Option<Self>, String> {
+    pub fn open(options: &'o Options, log: &Log) -> Result<Option<Self>, Diagnostic> {
         let Some(wanted) = &options.comparison else { return Ok(None) };
         let read =
             |path: &Option<_>| path.as_deref().map(|path| read_picture(path, "compared", log)).transpose();
@@ -94,9 +95,10 @@ impl<'o> Pair<'o> {
         {
             let only_shows = wanted.tolerance.is_none() && wanted.difference.is_none();
             if !(wanted.needs_scene() && only_shows && live::is_shown(options)) {
-                return Err(cannot_compare(wanted, options, CompareError::Sizes { a, b }));
+                return Err(cannot_compare(wanted, options, [a, b]));
             }
-            log.tell("note: the picture to compare with has another size, which only the page takes");
+            let note = "the picture to compare with has another size, which only the page takes";
+            log.tell(Diagnostic::note(note));
             return Ok(None);
         }
         Ok(Some(Self { wanted, picture, reference }))
@@ -110,18 +112,21 @@ impl<'o> Pair<'o> {
         (scene, own): (Option<&Renderer>, Option<&Picture>),
         difference: Option<(OutputFile, Format)>,
         files: &CompleteFiles,
-    ) -> Result<ComparisonResult, String> {
+    ) -> Result<ComparisonResult, Diagnostic> {
         let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
-            return Err(failed("there is no picture to compare with"));
+            return Err(Diagnostic::error("there is no picture to compare with"));
         };
         let comparison = Comparison::new(a, b);
-        let comparison = comparison.map_err(|error| cannot_compare(self.wanted, options, error))?;
+        let comparison = comparison.map_err(|_| {
+            let sizes = [a, b].map(|picture| [picture.width(), picture.height()]);
+            cannot_compare(self.wanted, options, sizes)
+        })?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
         let of_scene = || scene.and_then(|renderer| cause(options, renderer, a, b));
         let cause = if differs { of_scene().or_else(|| cause_of_pictures(a, b)) } else { None };
         if let Some((file, format)) = difference {
-            let shown = DifferencePicture::new(a, b).map_err(failed)?;
-            files.add(file.picture(format, &shown.picture).map_err(failed)?)?;
+            let shown = DifferencePicture::new(a, b)?;
+            files.add(file.picture(format, &shown.picture)?)?;
         }
         let passes = self.wanted.tolerance.map(|tolerance| tolerance.accepts(&comparison));
         Ok(ComparisonResult { comparison, cause, passes })
@@ -164,32 +169,30 @@ fn rendered_size(options: &Options) -> Option<[u32; 2]> {
     Some(options.request().layer_size(&layer).map(|n| n as u32))
 }
 
-fn cannot_compare(wanted: &cli::Comparison, options: &Options, error: CompareError) -> String {
+/// The error of a comparison of pictures with these widths and heights.
+fn cannot_compare(wanted: &cli::Comparison, options: &Options, [a, b]: [[u32; 2]; 2]) -> Diagnostic {
     let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
-    let hint = match (&error, &wanted.picture, &wanted.reference) {
-        _ if rendered_size(options) != Some(options.size.map(|n| n as u32)) => String::new(),
-        (CompareError::Sizes { a: [width, height], .. }, Some(_), None)
-        | (CompareError::Sizes { b: [width, height], .. }, None, Some(_)) => {
-            format!("; -size {width} {height} renders that size")
-        }
+    let [one, other] = [&wanted.picture, &wanted.reference].map(name);
+    let is_of_pixels = rendered_size(options) == Some(options.size.map(|n| n as u32));
+    let hint = match (&wanted.picture, &wanted.reference) {
+        (Some(_), None) if is_of_pixels => format!("; -size {} {} renders that size", a[0], a[1]),
+        (None, Some(_)) if is_of_pixels => format!("; -size {} {} renders that size", b[0], b[1]),
         _ => String::new(),
     };
-    let (one, other) = (name(&wanted.picture), name(&wanted.reference));
-    failed(format!("cannot compare {one} with {other}: {error}{hint}"))
+    Diagnostic::error(format!("cannot compare {one} with {other}: {}{hint}", sizes_differ(a, b).message))
 }
 
 /// Reads a picture. Notes say how many of its pixels are `done`, as in "compared", clamped, and whether a line end
 /// follows the last one.
-pub fn read_picture(path: &Path, done: &str, log: &Log) -> Result<Picture, String> {
-    let (picture, Remarks { clamped, has_line_end }) = read_remarked_picture(path).map_err(failed)?;
+pub fn read_picture(path: &Path, done: &str, log: &Log) -> Result<Picture, Diagnostic> {
+    let (picture, Remarks { clamped, has_line_end }) = read_remarked_picture(path)?;
     let shown = quoted(path);
     if clamped > 0 {
-        log.tell(&format!(
-            "note: {clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped"
-        ));
+        let message = format!("{clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped");
+        log.tell(Diagnostic::note(message));
     }
     if has_line_end {
-        log.tell(&format!("note: a line end follows the last pixel of {shown}; it is left out"));
+        log.tell(Diagnostic::note(format!("a line end follows the last pixel of {shown}; it is left out")));
     }
     Ok(picture)
 }

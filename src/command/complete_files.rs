@@ -1,9 +1,10 @@
 //! The complete files of a run. They get their names together at its end, or before a signal ends it.
 
+use super::End;
 use super::log::Log;
 use super::signals::Signals;
-use super::{End, failed};
 use raytracer::cli::Output;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{CompleteFile, ImageError, OutputFile, put_in_place};
 use std::io::ErrorKind;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,10 +16,10 @@ pub struct CompleteFiles(Arc<Mutex<Vec<CompleteFile>>>);
 impl CompleteFiles {
     /// Adds a file. A pipe, a device or standard output is written at once, which may wait for a reader; one that has
     /// gone away has seen enough.
-    pub fn add(&self, file: CompleteFile) -> Result<(), String> {
+    pub fn add(&self, file: CompleteFile) -> Result<(), Diagnostic> {
         match file.write_stream() {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
-            written => self.files().extend(written.map_err(failed)?),
+            written => self.files().extend(written?),
         }
         Ok(())
     }
@@ -28,17 +29,17 @@ impl CompleteFiles {
         let own = Self(self.0.clone());
         signals.before_end(move || {
             if let Err(error) = own.name_all() {
-                Log::default().tell(&failed(error));
+                Log::default().tell(error.into());
             }
         });
         let Err(end) = signals.end_at_once() else { return Ok(()) };
-        self.name_all().map_err(failed)?;
+        self.name_all()?;
         Err(end)
     }
 
     /// Gives the files their names, or none of them if that fails for one. An error if a signal was noted.
     pub fn finish(self, signals: &Signals) -> Result<(), End> {
-        self.name_all().map_err(failed)?;
+        self.name_all()?;
         signals.end_at_once()
     }
 
@@ -54,9 +55,9 @@ impl CompleteFiles {
 }
 
 /// Checks that a picture can be written.
-pub fn prepare(output: &Output) -> Result<OutputFile, String> {
+pub fn prepare(output: &Output) -> Result<OutputFile, Diagnostic> {
     match output.is_standard_output() {
         true => Ok(OutputFile::standard_output()),
-        false => OutputFile::prepare(&output.file).map_err(failed),
+        false => Ok(OutputFile::prepare(&output.file)?),
     }
 }

@@ -4,18 +4,19 @@ use super::compare::read_picture;
 use super::complete_files::{CompleteFiles, prepare};
 use super::log::Log;
 use super::signals::Signals;
-use super::{End, Outcome, failed};
+use super::{End, Outcome, refused};
 use raytracer::cli::Converting;
 use raytracer::distinct_files::{Written, check_distinct};
 
 /// Reads the picture and writes it.
 pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
     let output = &options.output;
-    check_distinct([Written::Named(output.file.clone())], [("picture", options.picture.clone())])?;
+    check_distinct([Written::Named(output.file.clone())], [("picture", options.picture.clone())])
+        .map_err(refused)?;
     let file = prepare(output)?;
     let picture = read_picture(&options.picture, "converted", log)?;
     let files = CompleteFiles::default();
-    files.add(file.picture(output.format, &picture).map_err(failed)?)?;
+    files.add(file.picture(output.format, &picture)?)?;
     files.finish(signals)?;
     Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], options.progress))
 }

@@ -3,10 +3,11 @@
 use super::log::Log;
 use super::progress::ProgressLine;
 use super::signals::Signals;
-use super::{End, Outcome, failed, threads};
+use super::{End, Outcome, refused, threads, warnings};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::{Written, check_distinct};
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, put_in_place};
@@ -17,7 +18,7 @@ use raytracer::shell::Shell;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
-use raytracer::tools::warnings::{Severity, Warning};
+use raytracer::tools::warnings::no_lights;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -46,7 +47,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let own = Setting::of(&request, options.structure, options.edition.unwrap_or_default());
     let report = Sweep::new(&renderer, &request, own, bench).run();
     line.end();
-    let mut report = report.map_err(failed)?;
+    let mut report = report?;
     report.stages.insert(0, ("reading the scene", reading));
 
     let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
@@ -55,15 +56,15 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let command = |setting: &Setting| [command(setting), vec!["-output picture.png".into()]].concat();
     let answers: Vec<Answer> =
         targets.iter().filter_map(|&target| Answer::new(&report, target, command)).collect();
-    let page_file = page_file.text(&page(&report, &asked_for, &answers)).map_err(failed)?;
-    let csv_file = csv_file.text(&csv(&report)).map_err(failed)?;
+    let page_file = page_file.text(&page(&report, &asked_for, &answers))?;
+    let csv_file = csv_file.text(&csv(&report))?;
     if page_file.is_stream() || csv_file.is_stream() {
         // The signal that has ended the measurements does not end this.
         let _ = signals.end_at_once();
     }
-    put_in_place(vec![page_file, csv_file]).map_err(failed)?;
+    put_in_place(vec![page_file, csv_file])?;
     if report.measured() < report.planned {
-        log.tell("note: the run was ended; the report has what was measured until then");
+        log.tell(Diagnostic::note("the run was ended; the report has what was measured until then"));
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let outcome = Outcome::of_text(text(&report, &answers, Shell::OF_SYSTEM));
@@ -71,35 +72,28 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
 }
 
 /// The page and the table in a folder, which is made if there is none.
-fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], String> {
+fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
     let folder = &reporting.folder;
-    let unwritable = |error| failed(format!("cannot make the folder {}: {error}", quoted(folder)));
+    let unwritable = |error| Diagnostic::error(format!("cannot make the folder {}: {error}", quoted(folder)));
     fs::create_dir_all(folder).map_err(unwritable)?;
     let [page, table] = reporting.report_files().map(|file| OutputFile::prepare(&file));
-    Ok([page.map_err(failed)?, table.map_err(failed)?])
+    Ok([page?, table?])
 }
 
 fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(Renderer, Options), End> {
     let options = &reporting.options;
     let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads
-        .install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))
-        .map_err(|error| error.to_string())?;
+    let loaded = threads.install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))?;
     let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
-    check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))?;
-    if loaded.scene.lights.is_empty() {
-        log.tell("WARNING:  No lights specified");
-    }
-    if let Some(note) = loaded.choice.note() {
-        log.tell(&format!("note: {note}"));
-    }
-    if let Some(doubt) = loaded.choice.doubt() {
-        log.tell(&Warning::OpenEdition(doubt).render(&loaded.source, Severity::Warning));
-    }
+    check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))
+        .map_err(refused)?;
+    let note = loaded.choice.note().map(Diagnostic::note);
+    let said = [no_lights(&loaded.scene), note, warnings::open_edition(&loaded.choice)];
+    said.into_iter().flatten().for_each(|found| log.tell(found));
     let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.
     let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
-    Ok((renderer.map_err(|error| error.to_string())?, options))
+    Ok((renderer?, options))
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

@@ -7,10 +7,11 @@ use super::complete_files::CompleteFiles;
 use super::log::Log;
 use super::progress::ProgressLine;
 use super::signals::Signals;
-use super::{End, Outcome, failed, threads};
+use super::{End, Outcome, refused, threads};
 use folder::Folder;
 use raytracer::cli;
 use raytracer::cli::Grading;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::{Written, check_distinct};
 use raytracer::escape::escape;
 use raytracer::image_io::OutputFile;
@@ -34,7 +35,8 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     };
     let submitted = references.names().flat_map(|name| folder.files(name, &references));
     let submitted = submitted.map(|file| ("picture", file));
-    check_distinct(written, commands.into_iter().chain(references.files()).chain(submitted))?;
+    check_distinct(written, commands.into_iter().chain(references.files()).chain(submitted))
+        .map_err(refused)?;
     // A file that cannot be written is no reason to wait for the comparison.
     let files = options.report_files().map(prepare).transpose()?;
 
@@ -56,21 +58,21 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
 
     let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
     problems.for_each(|(name, problem)| {
-        log.tell(&format!("warning: no reference for {}: {problem}", escape(name)));
+        log.tell(Diagnostic::warning(format!("no reference for {}: {problem}", escape(name))));
     });
     if columns.iter().all(|column| column.problem.is_some()) {
-        return Err(failed("there is no reference to grade by").into());
+        return Err(Diagnostic::error("there is no reference to grade by").into());
     }
     let notes = folder.notes(&references, &columns);
     let table = Table { tolerance: grader.tolerance, names: folder.shown_names(), columns, notes };
     tell_other_names(&table, log);
     if let (None, Some(hint)) = (options.tolerance, table.tolerance_hint()) {
-        log.tell(&format!("note: {hint}"));
+        log.tell(Diagnostic::note(hint));
     }
     if let (Some([page, values]), Some(shown)) = (files, grader.page) {
         let complete = CompleteFiles::default();
-        complete.add(page.text(&shown.finish(&table)).map_err(failed)?)?;
-        complete.add(values.text(&csv(&table)).map_err(failed)?)?;
+        complete.add(page.text(&shown.finish(&table))?)?;
+        complete.add(values.text(&csv(&table))?)?;
         complete.finish(signals)?;
     }
     let written = options.report_files().into_iter().flatten();
@@ -90,15 +92,15 @@ fn tell_other_names(table: &Table, log: &Log) {
             let (name, file, picture) = (escape(name), escape(file), escape(picture));
             let more =
                 if others.len() > 1 { format!(", and {} more", others.len() - 1) } else { String::new() };
-            log.tell(&format!("note: {name}: {file} is taken for {picture}{more}"));
+            log.tell(Diagnostic::note(format!("{name}: {file} is taken for {picture}{more}")));
         }
     }
 }
 
 /// The files of the page and of the table beside it.
-fn prepare(files: [PathBuf; 2]) -> Result<[OutputFile; 2], String> {
+fn prepare(files: [PathBuf; 2]) -> Result<[OutputFile; 2], Diagnostic> {
     let [page, values] = files.map(|file| OutputFile::prepare(&file));
-    Ok([page.map_err(failed)?, values.map_err(failed)?])
+    Ok([page?, values?])
 }
 
 /// Compares one picture of all names after the other.
@@ -111,7 +113,7 @@ struct Grader<'f> {
 }
 
 impl Grader<'_> {
-    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Result<Column, String> {
+    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Result<Column, Diagnostic> {
         let shown = name.to_string_lossy().into_owned();
         match reference {
             Ok(reference) => self.graded(name, shown, reference),
@@ -122,7 +124,7 @@ impl Grader<'_> {
         }
     }
 
-    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Result<Column, String> {
+    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Result<Column, Diagnostic> {
         let Reference { picture, mut source } = reference;
         let taken = self.folder.taken(name, self.references);
         let submissions = self.folder.submissions(&taken, [picture.width(), picture.height()]);

@@ -22,10 +22,9 @@ mod error_report;
 
 use log::Log;
 use raytracer::cli::{self, Command, Options, ShowProgress};
-use raytracer::distinct_files::SameFile;
+use raytracer::diagnostic::Diagnostic;
 use signals::Signals;
 use std::ffi::OsString;
-use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -39,28 +38,26 @@ const DIFFERENT: u8 = 3;
 /// Why a run ends before it is complete.
 #[derive(Debug)]
 pub struct End {
-    /// Goes to standard error, if there is one.
-    message: Option<String>,
+    errors: Vec<Diagnostic>,
     status: u8,
 }
 
 impl End {
     /// The end by a signal, with the status that shells give it.
     fn by_signal(signal: i32) -> Self {
-        Self { message: None, status: (128 + signal) as u8 }
+        Self { errors: vec![], status: (128 + signal) as u8 }
     }
 }
 
-impl From<String> for End {
-    fn from(message: String) -> Self {
-        Self { message: Some(message), status: 1 }
+impl<E: Into<Diagnostic>> From<E> for End {
+    fn from(error: E) -> Self {
+        Self { errors: vec![error.into()], status: 1 }
     }
 }
 
-impl From<SameFile> for End {
-    fn from(error: SameFile) -> Self {
-        Self { message: Some(failed(error)), status: REFUSED }
-    }
+/// The end of a run whose command line asks for something that is not done.
+fn refused(error: impl Into<Diagnostic>) -> End {
+    End { errors: vec![error.into()], status: REFUSED }
 }
 
 /// The result of a complete run.
@@ -91,8 +88,8 @@ pub fn run(argv: &[OsString]) -> ExitCode {
     match run_command(argv, &log) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(DIFFERENT),
-        Err(End { message, status }) => {
-            message.iter().for_each(|message| log.tell(message));
+        Err(End { errors, status }) => {
+            errors.into_iter().for_each(|error| log.tell(error));
             ExitCode::from(status)
         }
     }
@@ -101,8 +98,7 @@ pub fn run(argv: &[OsString]) -> ExitCode {
 /// Returns false if pictures differ by more than the tolerance.
 fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
     let start = Instant::now();
-    let signals = Signals::watch().map_err(failed)?;
-    let refused = |error| End { message: Some(failed(error)), status: REFUSED };
+    let signals = Signals::watch()?;
     let command = cli::parse(argv.iter().cloned()).map_err(refused)?;
     let Outcome { text, written, passes } = match &command {
         Command::Print(text) => Outcome::of_text(text.clone()),
@@ -126,7 +122,7 @@ fn render_or_compare(
     signals: &Signals,
     log: &Log,
 ) -> Result<Outcome, End> {
-    live::note(options).iter().for_each(|note| log.tell(note));
+    live::note(options).iter().for_each(|note| log.tell(Diagnostic::note(*note)));
     match &options.input {
         Some(input) => render::run(options, input, argv, signals, log),
         None => compare::run(options, signals, log),
@@ -134,17 +130,12 @@ fn render_or_compare(
 }
 
 /// Prints a text to standard output. A reader that went away has seen enough.
-fn print(text: &str) -> Result<(), String> {
+fn print(text: &str) -> Result<(), Diagnostic> {
     let mut output = io::stdout();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(failed(format!("cannot write to standard output: {error}")))
+            Err(Diagnostic::error(format!("cannot write to standard output: {error}")))
         }
         _ => Ok(()),
     }
-}
-
-/// The message of an error.
-fn failed(error: impl Display) -> String {
-    format!("error: {error}")
 }

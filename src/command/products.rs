@@ -1,6 +1,6 @@
 //! What becomes of the rows of each layer: a file, a picture that is kept, or a map of costs.
 
-use super::failed;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{
     CompleteFile, Content, Exceptional, Format, ImageError, OutputFile, Part, PictureWriter,
 };
@@ -51,20 +51,20 @@ impl Products {
         files: Vec<(OutputFile, Format)>,
         request: &Request,
         part: &dyn Fn(Layer) -> Option<Part>,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, Diagnostic> {
         let begin = |((file, format), layer): ((OutputFile, Format), &Layer)| match *layer {
             Layer::Cost(cost) => {
                 let [width, height] = request.window_size();
-                Ok(Product::Costs(file, format, cost, with_room(width * height).map_err(failed)?))
+                Ok(Product::Costs(file, format, cost, with_room(width * height)?))
             }
             layer => {
                 let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
                 let part = part(layer);
                 let writer = file.begin(format, request.layer_size(&layer), content, part.as_ref());
-                Ok(Product::File(Box::new(writer.map_err(failed)?)))
+                Ok(Product::File(Box::new(writer?)))
             }
         };
-        let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, String>>()?;
+        let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, Diagnostic>>()?;
         Ok(Self { layers, encoding: Duration::ZERO, blank: vec![], is_blank: false })
     }
 
@@ -79,8 +79,8 @@ impl Products {
     }
 
     /// Keeps one more layer, whose picture has this width and height in pixels.
-    pub fn keep(&mut self, size @ [width, height]: [usize; 2]) -> Result<(), String> {
-        self.layers.push(Product::Kept(size, with_room(width * height * CHANNELS).map_err(failed)?));
+    pub fn keep(&mut self, size @ [width, height]: [usize; 2]) -> Result<(), Diagnostic> {
+        self.layers.push(Product::Kept(size, with_room(width * height * CHANNELS)?));
         Ok(())
     }
 
@@ -110,14 +110,14 @@ impl Products {
         self,
         request: &Request,
         part: &dyn Fn(Layer) -> Option<Part>,
-    ) -> Result<Vec<KeptPart>, String> {
+    ) -> Result<Vec<KeptPart>, Diagnostic> {
         let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
-            (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
+            (Product::File(writer), Some(part)) => Ok(writer.write_part(&part)?),
             // The picture of a filter is complete before the first row is rendered. Nobody is waited for.
             (Product::File(writer), None) if matches!(layer, Layer::Filter { .. }) => {
-                let file = writer.complete().map_err(failed)?;
+                let file = writer.complete()?;
                 if !file.is_stream() {
-                    file.put_in_place().map_err(failed)?;
+                    file.put_in_place()?;
                 }
                 Ok(None)
             }
@@ -143,19 +143,19 @@ impl Products {
     }
 
     /// Completes the files. `size` is the width and height of a map of costs in pixels.
-    pub fn finish(self, size: [usize; 2]) -> Result<FinishedLayers, String> {
+    pub fn finish(self, size: [usize; 2]) -> Result<FinishedLayers, Diagnostic> {
         let mut finished = FinishedLayers::default();
         for product in self.layers {
             match product {
-                Product::File(writer) => finished.files.push(writer.complete().map_err(failed)?),
+                Product::File(writer) => finished.files.push(writer.complete()?),
                 Product::Kept(size, bytes) => {
                     let [width, height] = size.map(|n| n as u32);
                     finished.kept = Some(Picture::from_rgb(width, height, bytes));
                 }
                 Product::Costs(file, format, cost, counts) => {
                     let map = CostMap { cost, size, counts };
-                    let picture = map.draw().map_err(failed)?;
-                    finished.files.push(file.picture(format, &picture).map_err(failed)?);
+                    let picture = map.draw()?;
+                    finished.files.push(file.picture(format, &picture)?);
                     finished.costs = Some(map);
                 }
             }

@@ -9,9 +9,10 @@ use super::progress::{ProgressLine, rows_text};
 use super::report::Report;
 use super::signals::Signals;
 use super::stopped::{self, upper};
-use super::{End, Outcome, failed, threads, warnings};
+use super::{End, Outcome, refused, threads, warnings};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::distinct_files::{ReadFile, Written, check_distinct};
 use raytracer::image_io::{CompleteFile, Exceptional, Format, OutputFile, part_beside};
 use raytracer::memory::Bytes;
@@ -24,7 +25,7 @@ use raytracer::scene::parser::Places;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
-use raytracer::tools::warnings::{Warning, lights_without_effect, nothing_visible};
+use raytracer::tools::warnings::{lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::fmt::Display;
 use std::ops::ControlFlow;
@@ -49,13 +50,13 @@ pub fn run(
 
     // Load the scene.
     let mut clock = Clock(Instant::now());
-    let mut loaded = load_announcing(input, &options.hints(), &|_| ()).map_err(|error| error.to_string())?;
+    let mut loaded = load_announcing(input, &options.hints(), &|_| ())?;
 
     // Settle the options.
     let options = &options.in_edition(loaded.choice.edition);
-    check_distinct(written(options), read(input, options, &loaded))?;
+    check_distinct(written(options), read(input, options, &loaded)).map_err(refused)?;
     if let Some(note) = loaded.choice.note() {
-        log.tell(&format!("note: {note}"));
+        log.tell(Diagnostic::note(note));
     }
     let reading = clock.lap();
     let pair = Pair::open(options, log)?;
@@ -63,12 +64,12 @@ pub fn run(
     // Prepare.
     let mut doubts = warnings::about_scene(&mut loaded, options);
     let places = std::mem::take(&mut loaded.places);
-    let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
+    let renderer = Renderer::new(loaded, meshes(options))?;
     if !options.visualize_grid {
         doubts.extend(lights_without_effect(&renderer.scene, renderer.world(), &places, &options.effects));
     }
-    let warn = |doubts: &[Warning]| warnings::say(doubts, options, &renderer.source, log);
-    warn(&doubts)?;
+    let warn = |doubts: Vec<Diagnostic>| warnings::say(doubts, options, &renderer.source, log);
+    warn(doubts)?;
     let compared = options.comparison.as_ref().filter(|wanted| wanted.needs_scene());
     let compared = compared.and_then(|_| options.compared_layer());
     // A map of costs is drawn again when it is complete.
@@ -80,9 +81,9 @@ pub fn run(
 
     // Open the outputs.
     let open = |output: &Output| Ok((complete_files::prepare(output)?, output.format));
-    let pictures = options.outputs.iter().map(open).collect::<Result<_, String>>()?;
+    let pictures = options.outputs.iter().map(open).collect::<Result<_, Diagnostic>>()?;
     let difference = compare::open_difference(options)?;
-    let document = options.json_file().map(OutputFile::prepare).transpose().map_err(failed)?;
+    let document = options.json_file().map(OutputFile::prepare).transpose()?;
     let mut products = begin(pictures, kept, &prepared, &request)?;
 
     // Render rows.
@@ -95,9 +96,9 @@ pub fn run(
 
     // Finish.
     if products.shows_nothing() && !options.visualize_grid {
-        warn(run.nothing_visible().as_slice())?;
+        warn(run.nothing_visible().into_iter().collect())?;
     }
-    warn(&not_shown(&products.exceptional()))?;
+    warn(not_shown(&products.exceptional()))?;
     let encoding = products.encoding;
     let FinishedLayers { files: finished, kept, costs } = products.finish(options.picture_size())?;
     let files = CompleteFiles::default();
@@ -111,7 +112,7 @@ pub fn run(
     let report = stats::Report { standard_error: run.standard_error()?, ..run.report(counts, timings) };
     let repeats = options.repeat.map(|count| run.repeated(count, rendering)).transpose()?;
     let picture = match (compared, &costs) {
-        (Some(Layer::Cost(_)), Some(map)) => Some(map.draw().map_err(failed)?),
+        (Some(Layer::Cost(_)), Some(map)) => Some(map.draw()?),
         _ => kept,
     };
     let costs = costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
@@ -172,7 +173,7 @@ fn begin(
     kept: Option<Layer>,
     prepared: &Prepared,
     request: &Request,
-) -> Result<Products, String> {
+) -> Result<Products, Diagnostic> {
     let part = |layer| fingerprint::part(prepared, request, request.window?, layer);
     let mut products = Products::begin(files, request, &part)?;
     if let Some(layer) = kept {
@@ -197,7 +198,7 @@ struct Run<'r> {
 
 impl Run<'_> {
     /// Returns what was counted, or the number of complete rows if a signal came.
-    fn render_rows(&self, products: &mut Products) -> Result<Result<Counts, usize>, String> {
+    fn render_rows(&self, products: &mut Products) -> Result<Result<Counts, usize>, Diagnostic> {
         let mut failure = None;
         let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
             Ok(()) => ControlFlow::Continue(()),
@@ -216,9 +217,9 @@ impl Run<'_> {
         let rendered = self.prepared.render_rows(self.request, &watch, &mut take_row);
         progress.end();
         match (failure, rendered) {
-            (Some(error), _) => Err(failed(error)),
+            (Some(error), _) => Err(error.into()),
             (None, Err(Stopped::Cancelled { rows })) => Ok(Err(rows)),
-            (None, rendered) => rendered.map(Ok).map_err(failed),
+            (None, rendered) => Ok(Ok(rendered?)),
         }
     }
 
@@ -232,14 +233,16 @@ impl Run<'_> {
         match products.keep_parts(self.request, &part) {
             Ok(kept) => {
                 let lines = stopped::lines(self.argv, self.options, rows, &kept);
-                lines.iter().for_each(|line| self.log.tell(line));
-                self.signals.received().unwrap_or_else(|| failed("the rendering was stopped").into())
+                lines.iter().for_each(|line| self.log.say(line));
+                self.signals
+                    .received()
+                    .unwrap_or_else(|| Diagnostic::error("the rendering was stopped").into())
             }
             Err(error) => error.into(),
         }
     }
 
-    fn nothing_visible(&self) -> Option<Warning> {
+    fn nothing_visible(&self) -> Option<Diagnostic> {
         let signals = self.signals;
         nothing_visible(self.prepared, self.request, self.places, &|_| signals.goes_on())
     }
@@ -258,15 +261,15 @@ impl Run<'_> {
         }
     }
 
-    fn standard_error(&self) -> Result<Option<f64>, String> {
+    fn standard_error(&self) -> Result<Option<f64>, Diagnostic> {
         if !self.options.stats || !has_standard_error(self.request) {
             return Ok(None);
         }
-        standard_error(self.prepared, self.request, &|_| ControlFlow::Continue(())).map_err(failed)
+        Ok(standard_error(self.prepared, self.request, &|_| ControlFlow::Continue(()))?)
     }
 
     /// Returns the times of `count` renderings, of which the first took this time. The others leave nothing behind.
-    fn repeated(&self, count: u32, first: Duration) -> Result<Repeats, String> {
+    fn repeated(&self, count: u32, first: Duration) -> Result<Repeats, Diagnostic> {
         let progress = ProgressLine::new(self.options.progress);
         let mut times = vec![first];
         for number in 2..=count {
@@ -276,25 +279,26 @@ impl Run<'_> {
                 ControlFlow::Continue(())
             };
             let start = Instant::now();
-            self.prepared
-                .render_rows(self.request, &watch, &mut |_, _| ControlFlow::Continue(()))
-                .map_err(failed)?;
+            self.prepared.render_rows(self.request, &watch, &mut |_, _| ControlFlow::Continue(()))?;
             times.push(start.elapsed());
         }
         progress.end();
-        Repeats::of(times).ok_or_else(|| failed("nothing was rendered"))
+        Repeats::of(times).ok_or_else(|| Diagnostic::error("nothing was rendered"))
     }
 }
 
-/// What is to be said of pixels that the files do not show as they are.
-fn not_shown(exceptional: &Exceptional) -> Vec<Warning> {
+/// Warns about pixels that the files do not show as they are.
+fn not_shown(exceptional: &Exceptional) -> Vec<Diagnostic> {
     let Exceptional { black, nan, out_of_range } = *exceptional;
-    let all = [
-        (black, Warning::NotNumbers { pixels: black }),
-        (nan, Warning::NanInFile { pixels: nan }),
-        (out_of_range, Warning::BeyondSingle { pixels: out_of_range }),
-    ];
-    all.into_iter().filter(|&(pixels, _)| pixels > 0).map(|(_, warning)| warning).collect()
+    let black = match black {
+        0 => None,
+        1 => Some("the colour of 1 pixel is not a number; it is black".into()),
+        _ => Some(format!("the colours of {black} pixels are not numbers; they are black")),
+    };
+    let nan = (nan > 0).then(|| format!("pixels that are not numbers, also in the file: {nan}"));
+    let beyond = (out_of_range > 0)
+        .then(|| format!("pixels beyond single precision, infinite or 0 in the file: {out_of_range}"));
+    [black, nan, beyond].into_iter().flatten().map(Diagnostic::warning).collect()
 }
 
 /// The meshes are kept for the view of the grid's cells, for naming the objects behind a pixel, and for finding the
@@ -311,17 +315,17 @@ fn explanation(
     renderer: &Renderer,
     prepared: Prepared,
     pixel: [usize; 2],
-) -> Result<Option<PixelTree>, String> {
+) -> Result<Option<PixelTree>, Diagnostic> {
     let request = options.request();
     let prepared = match prepared.tracing() {
         Tracing::Counted => prepared,
         Tracing::Fast => prepare(options, renderer, &request, Tracing::Counted)?,
     };
-    let explainer = Explainer::new(&prepared).map_err(failed)?;
+    let explainer = Explainer::new(&prepared)?;
     let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
     match explainer.pixel(&request, pixel, &stop) {
         Err(ExplainError::Outside) => Ok(None),
-        explained => explained.map(Some).map_err(failed),
+        explained => Ok(Some(explained?)),
     }
 }
 
@@ -330,7 +334,7 @@ fn prepare<'r>(
     renderer: &'r Renderer,
     request: &Request,
     tracing: Tracing,
-) -> Result<Prepared<'r>, String> {
+) -> Result<Prepared<'r>, Diagnostic> {
     let prepared = match options.structure {
         Structure::Grid(grid) if options.visualize_grid => {
             renderer.prepare_cells(grid, request.camera_rays(), tracing)
@@ -341,9 +345,9 @@ fn prepare<'r>(
         Structure::Grid(Resolution::Cells(cells)) => {
             // Each cell has an entry, and a few lists are of the same length while the grid is built.
             let bytes = cells.iter().fold(4u64, |bytes, &n| bytes.saturating_mul(n as u64));
-            failed(format!("{error}; the entries of its cells alone are {}", Bytes(bytes)))
+            Diagnostic::error(format!("{error}; the entries of its cells alone are {}", Bytes(bytes)))
         }
-        _ => failed(error),
+        _ => error.into(),
     })
 }
 

@@ -6,7 +6,7 @@ use super::json::Document;
 use super::log::Log;
 use super::render::Rendered;
 use super::signals::Signals;
-use super::{End, Outcome, failed};
+use super::{End, Outcome};
 use raytracer::cli::Options;
 use raytracer::image_io::OutputFile;
 use std::io::{Write, stderr};
@@ -31,12 +31,10 @@ impl Report<'_> {
     ) -> Result<Outcome, End> {
         let json = || {
             let warnings = log.messages();
-            Document::new(options, &warnings, self.rendered.as_ref(), self.compared.as_ref())
-                .to_json()
-                .map_err(failed)
+            Document::new(options, &warnings, self.rendered.as_ref(), self.compared.as_ref()).to_json()
         };
         if let Some(file) = document {
-            files.add(file.text(&json()?).map_err(failed)?)?;
+            files.add(file.text(&json()?)?)?;
         }
         let mut text = if options.prints_json() { json()? } else { self.text(options) };
         files.finish(signals)?;

@@ -1,38 +1,41 @@
-//! Warns of what is doubtful about a scene and its flags, or ends the run for it as `-strict` asks.
+//! Warns about a scene and its flags, or ends the run for it as `-strict` asks.
 
+use super::End;
 use super::log::Log;
-
 use raytracer::cli::{Comparison, Options};
+use raytracer::diagnostic::{Diagnostic, Severity};
 use raytracer::render::{Layer, Request};
-use raytracer::scene::edition::Edition;
+use raytracer::scene::edition::{Choice, Edition};
 use raytracer::scene_io::{LoadedScene, Source};
-use raytracer::tools::warnings::{self, Severity, Warning};
+use raytracer::tools::warnings;
 use raytracer::trace::Effects;
 
-/// Prints these warnings. With `-strict` they are the error that ends the program.
-pub fn say(found: &[Warning], options: &Options, source: &Source, log: &Log) -> Result<(), String> {
-    let severity = if options.strict { Severity::Error } else { Severity::Warning };
-    let lines = warnings::render_all(found, source, severity);
-    if options.strict && !lines.is_empty() {
-        return Err(lines.join("\n"));
+/// Tells these warnings. With `-strict` they are the errors that end the run.
+pub fn say(found: Vec<Diagnostic>, options: &Options, source: &Source, log: &Log) -> Result<(), End> {
+    let locate = |found: Diagnostic| if found.places.is_empty() { found } else { source.locate(found) };
+    let found = found.into_iter().map(locate);
+    if options.strict {
+        let errors: Vec<_> = found.map(|found| Diagnostic { severity: Severity::Error, ..found }).collect();
+        return if errors.is_empty() { Ok(()) } else { Err(End { errors, status: 1 }) };
     }
-    lines.iter().for_each(|line| log.tell(line));
+    found.for_each(|found| log.tell(found));
     Ok(())
 }
 
-/// Returns what is doubtful about a scene and the flags that it is rendered with.
-pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> {
+/// Returns the warnings about a scene and the flags that it is rendered with.
+pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
     let scene = &loaded.scene;
     // Nobody has asked for the bounces of an edition.
     let effects = &Effects { bounces: options.given_bounces.unwrap_or(0), ..options.effects };
-    let mut found: Vec<Warning> =
-        std::mem::take(&mut loaded.warnings).into_iter().map(Warning::Text).collect();
-    found.extend(loaded.choice.doubt().map(Warning::OpenEdition));
-    if scene.lights.is_empty() {
-        found.push(Warning::NoLights);
-    }
+    let mut found = std::mem::take(&mut loaded.warnings);
+    found.extend(open_edition(&loaded.choice));
+    let no_lights = warnings::no_lights(scene);
+    found.extend(match options.strict {
+        true => no_lights.map(|_| Diagnostic::error("the scene has no lights")),
+        false => no_lights,
+    });
     if asks_for_nothing(options) {
-        found.push(Warning::NoPicture);
+        found.push(Diagnostic::warning("no picture is asked for: add `-output file.tga`"));
     }
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
     let request = Request { effects: *effects, ..options.request() };
@@ -48,11 +51,16 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Warning> 
         found.extend(warnings::rays_without_effect(scene, effects, is_meant));
         found.extend(warnings::rays_not_followed(scene, effects, is_meant));
         found.extend(warnings::black_inside(scene, effects));
-        found.extend(warnings::too_many_rays(scene, effects));
     }
     found.extend(warnings::sampling_without_effect(&request));
     found.extend(warnings::narrow_filter(&request));
     found
+}
+
+/// Warns if nothing tells the edition of a scene.
+pub fn open_edition(choice: &Choice) -> Option<Diagnostic> {
+    let [problem, hint] = choice.doubt()?;
+    Some(Diagnostic::warning(problem).with_hint(hint))
 }
 
 /// Whether the colours of pixels are computed for anything that the run leaves behind, or shows.

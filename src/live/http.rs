@@ -6,8 +6,8 @@
 //! request, is parsed by `httparse`, the parser of hyper; what is allowed and how long it may take is decided here.
 
 use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
+use crate::diagnostic::Diagnostic;
 use serde_json::Value;
-use std::error::Error;
 use std::fmt::Display;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
@@ -250,9 +250,9 @@ impl Answer {
     }
 }
 
-impl<E: Error> From<E> for Answer {
+impl<E: Into<Diagnostic>> From<E> for Answer {
     fn from(error: E) -> Self {
-        Self::impossible(error)
+        Self::impossible(error.into().message)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Which object of the scene's text each pixel shows.
 
+use crate::diagnostic::Diagnostic;
 use crate::render::Request;
 use crate::renderer::Prepared;
 use crate::scene::Camera;
-use crate::scene::error::SceneError;
 use crate::stats::Quiet;
 use crate::tools::explain::{Objects, Stop};
 use glam::DVec2;
@@ -35,7 +35,7 @@ impl ObjectMap {
         camera: Option<Camera>,
         [width, height]: [usize; 2],
         stop: &Stop,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, Diagnostic> {
         let objects = Objects::new(prepared.renderer())?;
         let view = prepared.camera(&Request { camera, ..Request::new([width, height]) });
         // Every ray is cast, also where a picture would be rasterized.
@@ -70,7 +70,6 @@ mod tests {
     use crate::render::Tracing;
     use crate::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
-    use crate::scene::error::Problem;
     use crate::scene::texels::ImageFile;
     use crate::scene_io::{Hints, Readers, Source, load_text};
     use std::time::{Duration, Instant};
@@ -82,8 +81,8 @@ mod tests {
             Sphere { center -1 1 0 radius .9 }
             Box { min 0 -2 -1 max 2 0 1 } }";
         let source = Source { path: "s.txt".into(), text: text.into() };
-        let no_mesh = |file: &MeshFile, _, _| Err(SceneError::new(file.at, Problem::NoNormal));
-        let no_image = |image: &ImageFile, _| Err(SceneError::new(image.at, Problem::NoNormal));
+        let no_mesh = |_: &MeshFile, _, _| Err(Diagnostic::error("no mesh"));
+        let no_image = |_: &ImageFile, _| Err(Diagnostic::error("no picture"));
         let readers = Readers { mesh: &no_mesh, image: &no_image };
         let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();

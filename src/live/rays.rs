@@ -184,11 +184,11 @@ fn cells_passed(lattice: &Lattice, tree: &PixelTree) -> Vec<DVec3> {
 mod tests {
     use super::*;
     use crate::caster::choose::{Resolution, Structure};
+    use crate::diagnostic::Diagnostic;
     use crate::render::Request;
     use crate::render::Tracing;
     use crate::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
-    use crate::scene::error::{Problem, SceneError};
     use crate::scene::texels::ImageFile;
     use crate::scene_io::{Hints, Readers, Source, load_text};
     use crate::tools::explain::{Explainer, Stop};
@@ -203,8 +203,8 @@ mod tests {
 
     fn rays(structure: Structure) -> (PixelTree, Rays) {
         let source = Source { path: "s.txt".into(), text: GLASS.into() };
-        let no_mesh = |file: &MeshFile, _, _| Err(SceneError::new(file.at, Problem::NoNormal));
-        let no_image = |image: &ImageFile, _| Err(SceneError::new(image.at, Problem::NoNormal));
+        let no_mesh = |_: &MeshFile, _, _| Err(Diagnostic::error("no mesh"));
+        let no_image = |_: &ImageFile, _| Err(Diagnostic::error("no picture"));
         let readers = Readers { mesh: &no_mesh, image: &no_image };
         let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();

@@ -1,14 +1,16 @@
 //! The scenes that are open: the one of the command line, and those that were typed in last.
 
 use super::limits::*;
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::memory;
 use crate::renderer::{Meshes, Renderer};
 use crate::scene::edition::{Choice, Edition};
-use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh::{ObjFile, memory_for, read_obj};
 use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
-use crate::scene_io::{self, FoundMesh, Hints, LoadError, LoadedScene, Readers, Source};
+use crate::scene_io::{
+    self, FoundMesh, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
+};
 use crate::tools::explain::Stop;
 use serde_json::{Value, json};
 use std::cell::Cell;
@@ -47,7 +49,7 @@ pub struct Scenes {
 
 impl Scenes {
     /// Opens the scene of the command line.
-    pub fn open(path: &Path, hints: Hints) -> Result<Self, LoadError> {
+    pub fn open(path: &Path, hints: Hints) -> Result<Self, Diagnostic> {
         let loaded = scene_io::load_announcing(path, &hints, &|_| ())?;
         let choice = loaded.choice.clone();
         let renderer = Renderer::new(loaded, Meshes::Kept)?;
@@ -125,25 +127,21 @@ impl Scenes {
                     texture_coordinates: known.texture_coordinates.to_vec(),
                     doubts: vec![],
                 }),
-                None => beside.read(&file.name, is_textured),
+                None => beside.read(file, is_textured),
             };
-            match content {
-                Ok(content) => Ok(FoundMesh { content, file: PathBuf::from(&file.name), warnings: vec![] }),
-                Err(problem) => Err(SceneError { at: file.at, hint: problem.mesh_hint(), problem }),
-            }
+            Ok(FoundMesh { content: content?, file: PathBuf::from(&file.name), warnings: vec![] })
         };
         let read_image = |image: &ImageFile, _| {
             let known = first.scene.images.iter().find(|known| known.name == image.name);
             let reason = "a page opens the pictures of the command line's scene only";
-            known.map(|known| (known.texels.clone(), PathBuf::from(&image.name))).ok_or_else(|| {
-                let (name, reason) = (image.name.clone(), reason.to_owned());
-                SceneError::new(image.at, Problem::ImageUnreadable { name, reason })
-            })
+            known
+                .map(|known| (known.texels.clone(), PathBuf::from(&image.name)))
+                .ok_or_else(|| image_unreadable(&image.name, image.at, reason))
         };
         let hints = Hints { edition: named, ..self.hints.clone() };
         let readers = Readers { mesh: &read, image: &read_image };
         let loaded = scene_io::load_text(source, &hints, readers).map_err(told)?;
-        let refused = |problem: String| Err(json!({ "problem": problem }));
+        let refused = |message: String| Err(told(Diagnostic::error(message)));
         let (primitives, lights) = (primitives(&loaded), loaded.scene.lights.len());
         if primitives > MAX_PRIMITIVES {
             return refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives"));
@@ -160,14 +158,9 @@ impl Scenes {
 }
 
 /// Returns what the page shows of an error: its place, if it has one, the problem in one line, and perhaps a hint.
-fn told(error: LoadError) -> Value {
-    match error {
-        LoadError::Scene { error, .. } => {
-            let SceneError { at, problem, hint } = *error;
-            json!({ "at": [at.line, at.column], "problem": problem.to_string(), "hint": hint })
-        }
-        other => json!({ "problem": other.to_string() }),
-    }
+fn told(error: Diagnostic) -> Value {
+    let at = error.position().map(|at| [at.line, at.column]);
+    json!({ "at": at, "problem": error.message, "hint": error.hint })
 }
 
 /// Counts triangles, shapes and planes, before the meshes are copied to where they stand.
@@ -192,11 +185,8 @@ struct MeshesBeside<'a> {
 }
 
 impl MeshesBeside<'_> {
-    fn read(&self, name: &str, is_textured: bool) -> Result<ObjFile, Problem> {
-        let refused = |reason: String| Problem::MeshUnreadable {
-            name: name.to_owned(),
-            tried: vec![(name.to_owned(), reason)],
-        };
+    fn read(&self, MeshFile { name, at, .. }: &MeshFile, is_textured: bool) -> Result<ObjFile, Diagnostic> {
+        let refused = |reason: String| mesh_unreadable(name, *at, &[(name.clone(), reason)]);
         let failed = |error: std::io::Error| refused(error.to_string());
         if self.stop.is_over() {
             return Err(refused("nobody waits for it".into()));
@@ -213,8 +203,9 @@ impl MeshesBeside<'_> {
         let found = fs::metadata(&file).map_err(failed)?;
         let bytes = self.bytes.get().checked_sub(found.len()).filter(|_| found.is_file());
         self.bytes.set(bytes.ok_or_else(|| refused("it is no file, or too large".into()))?);
-        memory::ask(memory_for(found.len())).map_err(Problem::Memory)?;
+        memory::ask(memory_for(found.len()))?;
         let bytes = fs::read(&file).map_err(failed)?;
-        read_obj(&bytes, is_textured).map_err(|error| Problem::of_mesh(name.to_owned(), error, &bytes))
+        read_obj(&bytes, is_textured)
+            .map_err(|error| in_mesh(error.diagnostic(Severity::Error), *at, name, &bytes))
     }
 }

@@ -11,6 +11,7 @@ use super::saving::save;
 use super::scenes::{OpenScene, Scenes};
 use super::settings::{Most, command_line};
 use crate::cli::{Options, Output};
+use crate::diagnostic::Diagnostic;
 use crate::image_io::{read_picture, read_picture_from};
 use crate::memory;
 use crate::picture::{CHANNELS, Picture};
@@ -104,14 +105,14 @@ type Found = Result<Answer, Answer>;
 type Work = Box<dyn Fn(&Session, &Stop) -> Found + Send + Sync>;
 
 impl Session {
-    /// Opens the scene of a command line, which has a page that starts with these words; an error is a message.
-    pub fn open(options: &Options, input: &Path, words: &[String]) -> Result<Self, String> {
+    /// Opens the scene of a command line, which has a page that starts with these words.
+    pub fn open(options: &Options, input: &Path, words: &[String]) -> Result<Self, Diagnostic> {
         let cores = || thread::available_parallelism().map_or(1, usize::from);
         let queue = Queue::new(options.threads.unwrap_or_else(cores));
         let (path, hints, endless) = (input.to_owned(), options.hints(), Instant::now() + FOREVER);
-        let open = move |_: &Stop| Scenes::open(&path, hints.clone()).map_err(|error| error.to_string());
+        let open = move |_: &Stop| Scenes::open(&path, hints.clone());
         let scenes = queue.run(0, endless, &mut || None, open);
-        let scenes = scenes.map_err(|answer| String::from_utf8_lossy(&answer.body).into_owned())??;
+        let scenes = scenes.map_err(|answer| Diagnostic::error(String::from_utf8_lossy(&answer.body)))??;
         let comparison = options.comparison.as_ref();
         let file = comparison.and_then(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
         // One that cannot be read has been complained about.
@@ -400,7 +401,7 @@ impl Session {
         }
         let options = options.in_edition(scene.choice.edition);
         let camera = view.camera.as_deref().map(parse_camera).transpose();
-        let camera = camera.map_err(|error| Answer::impossible(format!("the camera: {error}")))?;
+        let camera = camera.map_err(|error| Answer::impossible(format!("the camera: {}", error.message)))?;
         let cost = match view.show {
             Show::Color => None,
             Show::Rays => Some(Cost::Rays),

@@ -4,6 +4,7 @@
 use crate::camera::Camera;
 use crate::caster::choose::{Layout, Rays, Resolution, Structure};
 use crate::caster::{Caster, Fullness, GridTooLarge};
+use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::instructions;
 use crate::picture::{BadSize, FloatPicture};
@@ -11,10 +12,9 @@ use crate::render::grid_view::Occupancy;
 use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
 use crate::scene::Color;
 use crate::scene::Scene;
-use crate::scene::error::SceneError;
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Shows;
-use crate::scene_io::{self, LoadError, LoadedScene, Source};
+use crate::scene_io::{self, LoadedScene, Source};
 use crate::stats::Counts;
 use crate::world::World;
 use glam::DVec2;
@@ -47,13 +47,13 @@ pub enum Meshes {
 
 impl Renderer {
     /// Reads the scene at `path` with its meshes. The work is done on rayon's current thread pool.
-    pub fn open(path: &Path) -> Result<Self, LoadError> {
+    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         Self::new(scene_io::load(path)?, Meshes::Moved)
     }
 
     /// A renderer of a scene that has been read. An object that cannot be placed in world space
     /// is an error.
-    pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, LoadError> {
+    pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, Diagnostic> {
         let LoadedScene { scene, meshes, source, .. } = loaded;
         let world = match kept {
             Meshes::Moved => World::of_meshes(&scene, meshes).map(|world| (world, vec![])),
@@ -61,13 +61,13 @@ impl Renderer {
         };
         match world {
             Ok((world, meshes)) => Ok(Self { scene, source, world, meshes, threads: None }),
-            Err(error) => Err(LoadError::Scene { source, error: error.into() }),
+            Err(error) => Err(source.locate(error)),
         }
     }
 
     /// Another scene that names the same meshes, in the same order. The renderer must have kept them, which the new
     /// one does not.
-    pub fn with_scene(&self, scene: Scene) -> Result<Self, SceneError> {
+    pub fn with_scene(&self, scene: Scene) -> Result<Self, Diagnostic> {
         let world = World::new(&scene, &self.meshes)?;
         let (source, threads) = (self.source.clone(), self.threads.clone());
         Ok(Self { scene, source, world, meshes: vec![], threads })

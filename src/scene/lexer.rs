@@ -6,6 +6,7 @@
 //! and `cube#2.obj` work. Lines end with a line feed, a carriage return, or both.
 
 use super::Position;
+use crate::escape::quoted;
 
 /// A word of the scene text. Its text is empty only at the end of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +21,11 @@ impl Word<'_> {
     /// Whether this represents the end of the text.
     pub fn is_end(&self) -> bool {
         self.text.is_empty()
+    }
+
+    /// Returns the word as messages show it.
+    pub fn quoted(&self) -> String {
+        if self.is_end() { "the end of the file".to_owned() } else { quoted(self.text) }
     }
 }
 

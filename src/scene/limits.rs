@@ -4,9 +4,9 @@
 //! of lights and materials along the path of secondary rays and shadows. Within these limits all products
 //! stay below the largest f64.
 
-use super::error::{Problem, SceneError};
 use super::material::{Material, Paint, Phong, Texture};
-use super::{Camera, Color, Light, Position, Scene};
+use super::{Camera, Color, Light, Scene};
+use crate::diagnostic::Diagnostic;
 use glam::DVec3;
 
 /// The largest magnitude of a number in a scene, and of a coordinate in world space.
@@ -34,14 +34,13 @@ fn is_in_range(number: f64) -> bool {
 /// Checks the numbers of the camera, the lights, the background and the materials. This matters for scenes
 /// made by a program, since the reader refuses text with such numbers. Objects are checked when they are
 /// placed in the world.
-pub fn check(scene: &Scene) -> Result<(), SceneError> {
+pub fn check(scene: &Scene) -> Result<(), Diagnostic> {
     let is_valid = is_camera(&scene.camera)
         && is_color(scene.background.color)
         && is_color(scene.background.ambient)
         && scene.lights.iter().all(is_light)
         && scene.materials.iter().all(is_material);
-    let error = SceneError::new(Position { line: 1, column: 1 }, Problem::NumbersOutOfRange);
-    if is_valid { Ok(()) } else { Err(error) }
+    if is_valid { Ok(()) } else { Err(Diagnostic::error("a number in the scene is out of range")) }
 }
 
 fn is_camera(camera: &Camera) -> bool {

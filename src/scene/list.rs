@@ -1,8 +1,8 @@
 //! Reads lists whose length the scene announces.
 
 use super::Position;
-use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
+use crate::diagnostic::Diagnostic;
 
 /// The announced length of a list, to compare with the actual one.
 pub struct Announced {
@@ -34,16 +34,15 @@ impl Announced {
     /// Reads the closing brace of the block `name` that holds the list of `found` items. Errors: another length than the
     /// announced one.
     pub fn close(&self, reader: &mut Reader<'_>, name: &str, found: usize) -> Parsed<()> {
-        let (field, announced, end) = (self.field, self.length, reader.peek().at);
+        let end = reader.peek().at;
         reader.close(name)?;
-        let found = found as u64;
-        match self.first_surplus {
-            Some(at) => Err(SceneError::new(at, Problem::TooMany { field, announced, found })),
-            None if found < announced => {
-                Err(SceneError::new(end, Problem::TooFew { field, announced, found }))
-            }
-            None => Ok(()),
-        }
+        let (only, at) = match self.first_surplus {
+            Some(at) => ("", at),
+            None if (found as u64) < self.length => ("only ", end),
+            None => return Ok(()),
+        };
+        let message = format!("`{}` announces {}, but {only}{found} found", self.field, self.length);
+        Err(Diagnostic::error(message).at(at))
     }
 }
 

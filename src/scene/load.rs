@@ -1,23 +1,23 @@
 //! Reads a scene and its meshes from files.
 
-mod error;
 mod named_files;
 
 use crate::base::distinct_files::ReadFile;
+use crate::diagnostic::{Diagnostic, limited};
+use crate::escape::quoted;
 use crate::scene::edition::{Choice, Clues, Edition};
-use crate::scene::error::SceneError;
 use crate::scene::foreign_format::is_wide_text;
 use crate::scene::lexer::Lexer;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, ObjFile};
 use crate::scene::model::Shows;
+use crate::scene::near_names::nearest_file;
 use crate::scene::parser::{Places, Reading, read_in};
 use crate::scene::texels::{ImageFile, Texels};
-use crate::scene::warning::SceneWarning;
 use crate::scene::{MeshFile, Object, Position, Scene};
-pub use error::LoadError;
 pub use named_files::mesh_places;
-use named_files::{find_texels, hint_to_name, read_mesh};
+use named_files::{find_texels, read_mesh};
+pub(crate) use named_files::{image_unreadable, in_mesh, mesh_unreadable};
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -34,8 +34,8 @@ pub struct LoadedScene {
     pub mesh_files: Vec<PathBuf>,
     /// What the scene was read from, to show where a later error lies.
     pub source: Source,
-    /// What its text says without an error, but hardly on purpose.
-    pub warnings: Vec<SceneWarning>,
+    /// Warnings about its text and its meshes, at most 20 of each kind and the number of the others.
+    pub warnings: Vec<Diagnostic>,
     /// Where its text says what.
     pub places: Places,
     /// The edition of the course in whose language it was read.
@@ -89,9 +89,9 @@ pub struct Source {
 }
 
 impl Source {
-    /// The whole message for an error in this text, as [`SceneError::render`] gives it.
-    pub fn render(&self, error: &SceneError) -> String {
-        error.render(&self.path, &self.text)
+    /// Adds the file and the line of the text to an error or a warning.
+    pub fn locate(&self, found: Diagnostic) -> Diagnostic {
+        found.in_text(&self.path, &self.text)
     }
 }
 
@@ -102,7 +102,7 @@ const LONGEST_STREAM: u64 = 1 << 28;
 ///
 /// A mesh is looked for in the working directory and then beside the scene, and read once however
 /// often it is named. Errors: an unreadable or malformed scene, or mesh.
-pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
+pub fn load(path: &Path) -> Result<LoadedScene, Diagnostic> {
     load_announcing(path, &Hints::default(), &|_| ())
 }
 
@@ -112,11 +112,11 @@ pub fn load_announcing(
     path: &Path,
     hints: &Hints,
     announce: &dyn Fn(usize),
-) -> Result<LoadedScene, LoadError> {
+) -> Result<LoadedScene, Diagnostic> {
     let is_standard_input = path == Path::new("-");
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
-    let bytes = bytes.map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
+    let bytes = bytes.map_err(|error| unreadable(path, &error))?;
     load_source(Source { path: path.to_owned(), text: decode(path, bytes)? }, hints, announce)
 }
 
@@ -125,23 +125,12 @@ pub fn load_source(
     source: Source,
     hints: &Hints,
     announce: &dyn Fn(usize),
-) -> Result<LoadedScene, LoadError> {
+) -> Result<LoadedScene, Diagnostic> {
     let path = source.path.clone();
     let directory = path.parent().unwrap_or(Path::new(""));
-    let read = |file: &MeshFile, edition, is_textured| {
-        read_mesh(file, (directory, edition), is_textured, announce).map_err(|problem| SceneError {
-            at: file.at,
-            hint: problem.mesh_hint().or_else(|| hint_to_name(&problem, directory)),
-            problem,
-        })
-    };
-    let read_image = |image: &ImageFile, edition| {
-        find_texels(&image.name, (directory, edition)).map_err(|problem| SceneError {
-            at: image.at,
-            hint: hint_to_name(&problem, directory),
-            problem,
-        })
-    };
+    let read =
+        |file: &MeshFile, edition, is_textured| read_mesh(file, (directory, edition), is_textured, announce);
+    let read_image = |image: &ImageFile, edition| find_texels(image, (directory, edition));
     let readers = Readers { mesh: &read, image: &read_image };
     load_text(source, hints, readers)
 }
@@ -153,15 +142,15 @@ pub struct FoundMesh {
     pub content: ObjFile,
     /// The file.
     pub file: PathBuf,
-    /// What the file says without an error, but hardly on purpose.
-    pub warnings: Vec<SceneWarning>,
+    /// Warnings about the file.
+    pub warnings: Vec<Diagnostic>,
 }
 
 /// Reads a mesh that a scene of this edition names, with its texture coordinates if the last argument says so.
-pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile, Edition, bool) -> Result<FoundMesh, SceneError>;
+pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile, Edition, bool) -> Result<FoundMesh, Diagnostic>;
 
 /// Reads a picture that a scene of this edition names, and tells its file.
-pub type ReadImage<'a> = &'a dyn Fn(&ImageFile, Edition) -> Result<(Arc<Texels>, PathBuf), SceneError>;
+pub type ReadImage<'a> = &'a dyn Fn(&ImageFile, Edition) -> Result<(Arc<Texels>, PathBuf), Diagnostic>;
 
 /// Reads the files that a scene names.
 #[derive(Clone, Copy)]
@@ -173,7 +162,7 @@ pub struct Readers<'a> {
 }
 
 /// Reads a scene from its text, and the files that it names.
-pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, LoadError> {
+pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, Diagnostic> {
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let read = read_words(&source.text, Around { hints, folder }).and_then(|(choice, mut reading)| {
         let found = read_files(&mut reading.scene, choice.edition, readers)?;
@@ -184,23 +173,24 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
             if hints.shows_places {
                 scene.model.shows = Shows::Places;
             }
-            let (mut meshes, mut mesh_files) = (vec![], vec![]);
+            let (mut meshes, mut mesh_files, mut doubts) = (vec![], vec![], vec![]);
             for (found, named) in found.into_iter().zip(&mut scene.meshes) {
                 named.vertices = found.content.vertices;
                 named.texture_coordinates = Arc::new(found.content.texture_coordinates);
                 meshes.push(found.content.mesh);
                 mesh_files.push(found.file);
-                warnings.extend(found.warnings);
+                doubts.extend(found.warnings);
             }
+            warnings.extend(limited(doubts));
             Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places, choice })
         }
-        Err(error) => Err(LoadError::Scene { source, error: error.into() }),
+        Err(error) => Err(source.locate(error)),
     }
 }
 
 /// Reads a scene in the language of the edition that the hints name. Without one it is that of 2004, and if the scene is
 /// not written in it, that which its words and the files around it tell.
-fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), SceneError> {
+fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), Diagnostic> {
     let named = around.hints.edition;
     let edition = named.unwrap_or_default();
     let error = match read_in(edition, text) {
@@ -219,6 +209,12 @@ fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), SceneErro
             Err(error.with_hint(hint))
         }
     }
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
+    let near = if error.kind() == io::ErrorKind::NotFound { nearest_file(path) } else { None };
+    let hint = near.map(|near| format!("did you mean {}?", quoted(near)));
+    Diagnostic { hint, ..Diagnostic::error(format!("cannot read the scene: {error}")) }.in_file(path)
 }
 
 fn read_scene(path: &Path) -> io::Result<Vec<u8>> {
@@ -255,7 +251,7 @@ fn told_by_pictures(text: &str, around: &Around, reading: Reading) -> (Choice, R
 }
 
 /// Reads the meshes and the pictures that a scene names.
-fn read_files(scene: &mut Scene, edition: Edition, readers: Readers) -> Result<Vec<FoundMesh>, SceneError> {
+fn read_files(scene: &mut Scene, edition: Edition, readers: Readers) -> Result<Vec<FoundMesh>, Diagnostic> {
     let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image { .. }));
     let is_textured = scene.materials.iter().any(is_image);
     for image in &mut scene.images {
@@ -282,17 +278,21 @@ pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
 
 /// The text in a scene's bytes, without a byte order mark. Comments may be in any encoding that contains ASCII: what is
 /// not UTF-8 in them is replaced.
-fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, LoadError> {
-    let not_utf8 = |at, is_wide| Err(LoadError::NotUtf8 { path: path.to_owned(), at, is_wide });
+fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, Diagnostic> {
+    let not_utf8 = |at, hint| {
+        let error = Diagnostic::error("the scene is not UTF-8 text").with_hint(hint);
+        Err(error.at(at).in_file(path))
+    };
     if is_wide_text(&bytes) {
-        return not_utf8(Position { line: 1, column: 1 }, true);
+        let hint = "this looks like UTF-16; save the file as UTF-8";
+        return not_utf8(Position { line: 1, column: 1 }, hint);
     }
     let mut text = match String::from_utf8(bytes) {
         Ok(text) => text,
         Err(error) => {
             let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
             if let Some(at) = Lexer::new(&text).first(char::REPLACEMENT_CHARACTER) {
-                return not_utf8(at, false);
+                return not_utf8(at, "save the file as UTF-8");
             }
             text
         }

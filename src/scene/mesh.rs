@@ -2,11 +2,11 @@
 //!
 //! Files of positions and triangles only take a faster path, in `plain_obj`. All others are read by `obj_reader`.
 
-use super::excerpt::with_caret;
 use super::foreign_format::foreign;
 pub use super::plain_obj::memory_for;
 use super::{Position, obj_reader, plain_obj};
 use crate::base::shortcut::Shortcut;
+use crate::diagnostic::{Diagnostic, Severity, with_caret};
 use glam::{DVec2, DVec3};
 use std::fmt;
 
@@ -54,6 +54,14 @@ pub struct MeshError {
     pub message: String,
     /// Advice in one line.
     pub hint: Option<String>,
+}
+
+impl MeshError {
+    /// Returns the error, or the warning, with its position in the mesh.
+    pub(crate) fn diagnostic(self, severity: Severity) -> Diagnostic {
+        let Self { at, message, hint } = self;
+        Diagnostic { severity, hint, ..Diagnostic::error(message) }.at(at.unwrap_or_default())
+    }
 }
 
 impl std::error::Error for MeshError {}

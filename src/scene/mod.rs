@@ -5,7 +5,6 @@
 //! thousand levels deep is built, traversed and dropped without recursion.
 
 pub mod edition;
-pub mod error;
 mod filled_cells;
 pub(crate) mod foreign_format;
 mod keyword;
@@ -30,32 +29,21 @@ pub mod parser;
 mod plain_obj;
 mod polygon;
 mod reader;
-pub(crate) mod excerpt;
 pub mod texels;
 mod transform;
-pub mod warning;
 
+pub use crate::diagnostic::Position;
 use glam::DVec3;
 use material::Material;
 use mesh::Corners;
 use model::Model;
 pub use object::Object;
-use serde::Serialize;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
 pub(crate) use transform::is_transformation;
 
 /// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
 pub type Color = DVec3;
-
-/// A position in the scene text. Lines and columns start with 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Position {
-    /// The line.
-    pub line: u32,
-    /// The column, counted in characters.
-    pub column: u32,
-}
 
 /// A scene, with everything that its file contains.
 #[derive(Clone, Debug)]

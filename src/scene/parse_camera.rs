@@ -1,8 +1,8 @@
 //! Reads cameras.
 
 use super::Camera;
-use super::error::{Problem, SceneError};
 use super::reader::{Parsed, Reader};
+use crate::diagnostic::Diagnostic;
 use crate::math::robust::unit;
 use glam::DVec3;
 
@@ -34,7 +34,7 @@ fn parse_view(reader: &mut Reader<'_>) -> Parsed<(DVec3, DVec3, DVec3)> {
     let at = reader.peek().at;
     let up = reader.nonzero_vector("up")?;
     if are_parallel(direction, up) {
-        return Err(SceneError::new(at, Problem::UpAlongDirection));
+        return Err(Diagnostic::error("`up` must not be parallel to `direction`").at(at));
     }
     Ok((center, direction, up))
 }

@@ -1,11 +1,10 @@
 //! Reads lights.
 
 use super::edition::Edition;
-use super::error::{Problem, SceneError};
 use super::list::counted_list;
-use super::reader::{Parsed, Reader};
-use super::warning;
+use super::reader::{Parsed, Reader, is_byte_like};
 use super::{Color, Light, Position};
+use crate::diagnostic::Diagnostic;
 use glam::DVec3;
 
 const LIGHTS: [&str; 2] = ["DirectionalLight", "PointLight"];
@@ -79,9 +78,10 @@ fn parse_later_point_light(reader: &mut Reader<'_>) -> Parsed<Light> {
     reader.close(word.text)?;
     let constant = if reader.edition == Edition::Y2019 { 0.0 } else { 1.0 };
     if constant == 0.0 && falloff == 0.0 {
-        let problem = Problem::NoFalloff { edition: reader.edition };
+        let message =
+            format!("without `falloff` the light is infinitely bright in the edition {}", reader.edition);
         let hint = "`-edition 2012a4` and `-edition 2012a5` take such a light to be the same everywhere";
-        return Err(SceneError::new(word.at, problem).with_hint(hint));
+        return Err(Diagnostic::error(message).at(word.at).with_hint(hint));
     }
     Ok(Light::Point { position, color, attenuation: [constant, 0.0, falloff] })
 }
@@ -95,7 +95,7 @@ fn parse_light_color(reader: &mut Reader<'_>) -> Parsed<(Color, Position)> {
 /// Records a light whose colour looks like bytes. A bright light is no mistake in itself.
 fn warn_if_bytes(reader: &mut Reader<'_>, at: Position, color: Color) {
     const LEAST_BYTE: f64 = 16.0;
-    if color.max_element() >= LEAST_BYTE && warning::is_byte_like(color) {
+    if color.max_element() >= LEAST_BYTE && is_byte_like(color) {
         reader.warn_if_above_one(at, "color", color);
     }
 }

@@ -1,12 +1,12 @@
 //! Reads materials.
 
 use super::edition::Edition;
-use super::error::{Problem, SceneError};
 use super::list::counted_list;
 use super::material::{Material, Paint, Pattern, Phong, Texture};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, Position};
+use crate::diagnostic::Diagnostic;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::rounded_affine::RoundedAffine;
 use glam::{DAffine3, DMat3, DVec3};
@@ -229,7 +229,10 @@ fn parse_child(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<MaterialId> {
     let at = reader.peek().at;
     let index = reader.whole("materialIndex")?;
     let earlier = usize::try_from(index).ok().filter(|&index| index < own);
-    earlier.ok_or_else(|| SceneError::new(at, Problem::NotAnEarlierMaterial { index, own }))
+    earlier.ok_or_else(|| {
+        let message = format!("texture {own} may mix only materials before it, found index {index}");
+        Diagnostic::error(message).at(at)
+    })
 }
 
 /// Reads the optional `size` of a checkerboard's squares from the 2003 edition, and returns the scale that

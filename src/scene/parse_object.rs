@@ -1,6 +1,5 @@
 //! Reads groups and the objects in them, without recursion, so that any depth of nesting works.
 
-use super::error::{Problem, SceneError};
 use super::list::Announced;
 use super::material::Material;
 use super::open_object::{Open, close_transform, open_group, open_transform};
@@ -9,6 +8,7 @@ use super::parse_primitive::{OBJECTS, PRIMITIVES, parse_primitive};
 use super::reader::{Parsed, Reader, bad_value};
 use super::transform::transformations;
 use super::{MaterialId, MeshFile, Object, ObjectId, Position};
+use crate::diagnostic::Diagnostic;
 use std::collections::HashMap;
 
 /// The objects of a scene that have been read so far, with the meshes and materials that they use.
@@ -112,8 +112,11 @@ impl ObjectTree {
             return self.parse_object(reader, "an object", &OBJECTS);
         }
         if is_full && before != reader.peek() {
-            let word = before.text.into();
-            return Err(SceneError::new(before.at, Problem::MaterialAfterLastObject { word }));
+            let message = format!(
+                "{} must stand before an object, but the group's last object is past",
+                before.quoted()
+            );
+            return Err(Diagnostic::error(message).at(before.at));
         }
         announced.close(reader, "Group", children.len())?;
         Ok(Step::Closed(Object::Group(std::mem::take(children)), at))
@@ -145,7 +148,14 @@ impl ObjectTree {
         let at = reader.peek().at;
         let (index, declared) = (reader.whole("MaterialIndex")?, self.declared);
         let known = usize::try_from(index).ok().filter(|&index| index < declared);
-        known.ok_or_else(|| SceneError::new(at, Problem::NoSuchMaterial { index, declared }))
+        known.ok_or_else(|| {
+            let all = match declared {
+                0 => "none is declared".to_owned(),
+                1 => "only material 0 is declared".to_owned(),
+                _ => format!("materials 0 to {} are declared", declared - 1),
+            };
+            Diagnostic::error(format!("there is no material {index}: {all}")).at(at)
+        })
     }
 
     fn parse_transformed_object(&mut self, reader: &mut Reader<'_>) -> Parsed<Step> {
@@ -174,8 +184,8 @@ impl ObjectTree {
     fn parse_primitive(&mut self, reader: &mut Reader<'_>) -> Parsed<Object> {
         let word = reader.peek();
         let material = self.current_material.ok_or_else(|| {
-            let problem = Problem::NoMaterial { object: word.text.into() };
-            SceneError::new(word.at, problem).with_hint("put a `MaterialIndex` before it")
+            let error = Diagnostic::error(format!("the {} has no material", word.quoted()));
+            error.at(word.at).with_hint("put a `MaterialIndex` before it")
         })?;
         let name = reader.open()?.text;
         let object = match name {

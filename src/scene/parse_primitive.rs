@@ -1,7 +1,6 @@
 //! Reads the fields of primitives.
 
 use super::edition::Edition;
-use super::error::{Problem, SceneError};
 use super::filled_cells::{FilledCells, MOST};
 use super::limits::SMALLEST_RADIUS;
 use super::reader::{Parsed, Reader, bad_value};
@@ -92,6 +91,5 @@ fn parse_grid(reader: &mut Reader<'_>, material: MaterialId) -> Parsed<Object> {
     let (center, radius) = parse_center_and_radius(reader)?;
     reader.close(word.text)?;
     let surface = FilledCells { min, max, counts, center, radius }.surface();
-    let surface = surface.map_err(|refused| SceneError::new(word.at, Problem::Memory(refused)))?;
-    Ok(Object::Grid { surface: Arc::new(surface), material })
+    Ok(Object::Grid { surface: Arc::new(surface?), material })
 }

@@ -1,7 +1,6 @@
 //! Parses scene text to a [`Scene`]: the course's grammar of 2004, and the forms of 2003 that differ from it.
 
 use super::edition::Edition;
-use super::error::{Problem, SceneError};
 use super::model::{Model, Shows};
 use super::parse_camera::{parse_orthographic_camera, parse_perspective_camera};
 use super::parse_light::parse_lights;
@@ -9,8 +8,8 @@ use super::parse_material::parse_materials;
 use super::parse_object::ObjectTree;
 use super::reader::{Parsed, Reader};
 use super::texels::{CubeFaces, FACES};
-use super::warning::{self, Doubt, SceneWarning};
 use super::{Background, Camera, Light, Object, ObjectId, Position, Scene};
+use crate::diagnostic::Diagnostic;
 
 const BLOCKS: [&str; 6] =
     ["OrthographicCamera", "PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
@@ -24,8 +23,8 @@ const BACKGROUND_FIELDS: [&str; 3] = ["color", "ambientLight", "cubeMap"];
 pub struct Reading {
     /// The scene. Its mesh files are named in it, but not opened.
     pub scene: Scene,
-    /// What the text says without an error, but hardly on purpose.
-    pub warnings: Vec<SceneWarning>,
+    /// Warnings about the text, with their positions in it.
+    pub warnings: Vec<Diagnostic>,
     /// Where the text says it.
     pub places: Places,
 }
@@ -40,7 +39,7 @@ pub struct Places {
 }
 
 /// Parses a scene of 2004, as [`read_in`] does.
-pub fn parse(text: &str) -> Result<Scene, SceneError> {
+pub fn parse(text: &str) -> Result<Scene, Diagnostic> {
     Ok(read_in(Edition::Y2004, text)?.scene)
 }
 
@@ -48,18 +47,18 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
 ///
 /// Blocks may come in any order, except that `Materials` must precede the `Group`, and a later block replaces
 /// an earlier one of its kind. Errors: the first violation of the grammar or of a rule for values, with its position.
-pub fn read_in(edition: Edition, text: &str) -> Result<Reading, SceneError> {
+pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Diagnostic> {
     let mut reader = Reader::of(edition, text);
     let mut blocks = Blocks::default();
     while !reader.peek().is_end() {
         blocks.parse_block(&mut reader)?;
     }
     let (scene, places) = blocks.into_scene(&mut reader)?;
-    Ok(Reading { scene, warnings: warning::merged(reader.warnings), places })
+    Ok(Reading { scene, warnings: reader.into_warnings(), places })
 }
 
 /// Parses the block of a camera alone. Errors: anything else, or anything after it.
-pub fn parse_camera(text: &str) -> Result<Camera, SceneError> {
+pub fn parse_camera(text: &str) -> Result<Camera, Diagnostic> {
     let mut reader = Reader::of(Edition::Y2004, text);
     let camera = match reader.peek().text {
         "OrthographicCamera" => parse_orthographic_camera(&mut reader)?,
@@ -107,14 +106,15 @@ impl Blocks {
         let at = reader.peek().at;
         let Some(kind) = KINDS.iter().position(|kind| reader.peek().text.ends_with(kind)) else { return };
         if let Some(earlier) = self.places[kind].replace(at) {
-            let doubt = Doubt::Replaces { block: NOUNS[kind], earlier: earlier.line };
-            reader.warnings.push(SceneWarning { at, doubt });
+            let message = format!("a second {}: it replaces the one in line {}", NOUNS[kind], earlier.line);
+            reader.replaced.push(Diagnostic::warning(message).at(at));
         }
     }
 
     fn parse_materials(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
         if self.root.is_some() {
-            return Err(SceneError::new(reader.peek().at, Problem::MaterialsAfterGroup));
+            let error = Diagnostic::error("`Materials` must come before the `Group`");
+            return Err(error.at(reader.peek().at));
         }
         self.tree.declare(parse_materials(reader)?);
         Ok(())
@@ -123,7 +123,7 @@ impl Blocks {
     /// Returns the scene. Errors: a missing block.
     fn into_scene(mut self, reader: &mut Reader<'_>) -> Parsed<(Scene, Places)> {
         let end = reader.peek().at;
-        let missing = |block| SceneError::new(end, Problem::Missing { block });
+        let missing = |block| Diagnostic::error(format!("the scene has no {block}")).at(end);
         let camera = self.camera.ok_or_else(|| missing("camera"))?;
         // A scene of Aalto's may have no objects. Its program shows the places of pixels instead.
         let shows = if self.root.is_some() { Shows::Scene } else { Shows::Places };
@@ -155,7 +155,7 @@ impl Blocks {
     }
 }
 
-fn unknown_block(reader: &Reader<'_>) -> SceneError {
+fn unknown_block(reader: &Reader<'_>) -> Diagnostic {
     let error = reader.unexpected("a camera, `Background`, `Lights`, `Materials` or `Group`", &BLOCKS);
     match reader.peek().text {
         "}" => error.with_hint("this brace closes nothing"),

@@ -1,17 +1,16 @@
 //! Reads the small parts of the grammar, each with its checks: braces, keywords, numbers and vectors.
 
 use super::edition::{Edition, editions_of};
-use super::error::{Problem, SceneError};
 use super::keyword::{is_keyword, nearest};
 use super::lexer::{Lexer, Word};
 use super::limits::{BRIGHTEST, LARGEST};
 use super::texels::ImageFile;
-use super::warning::SceneWarning;
 use super::{Color, Position};
+use crate::diagnostic::{Diagnostic, limited};
 use glam::DVec3;
 use std::collections::HashMap;
 
-pub type Parsed<T> = Result<T, SceneError>;
+pub type Parsed<T> = Result<T, Diagnostic>;
 
 /// Reads the words of a scene with one word of lookahead.
 ///
@@ -22,7 +21,10 @@ pub struct Reader<'a> {
     ahead: Word<'a>,
     /// The last word taken that is no number, and how many numbers were taken after it.
     values: (&'a str, usize),
-    pub(super) warnings: Vec<SceneWarning>,
+    /// Warnings about blocks that replace earlier ones.
+    pub(super) replaced: Vec<Diagnostic>,
+    /// A warning about the first colour above 1, and the number of the others.
+    bright: Option<(Diagnostic, usize)>,
     /// The edition whose words are read.
     pub(super) edition: Edition,
     /// The pictures that have been named, each once.
@@ -43,7 +45,8 @@ impl<'a> Reader<'a> {
             lexer,
             ahead,
             values: ("", 0),
-            warnings: vec![],
+            replaced: vec![],
+            bright: None,
             edition,
             images: vec![],
             image_indices: HashMap::new(),
@@ -105,10 +108,10 @@ impl<'a> Reader<'a> {
 
     /// The error that the next word is not `what`. The hint suggests the nearest of `keywords`, or lists them
     /// all.
-    pub fn unexpected(&self, what: &str, keywords: &[&str]) -> SceneError {
+    pub fn unexpected(&self, what: &str, keywords: &[&str]) -> Diagnostic {
         let found = self.ahead.text;
-        let error =
-            SceneError::new(self.ahead.at, Problem::Expected { what: what.into(), found: found.into() });
+        let message = format!("expected {what}, found {}", self.ahead.quoted());
+        let error = Diagnostic::error(message).at(self.ahead.at);
         if found.starts_with("/*") {
             return error.with_hint("a comment starts with `#` or `//` and ends with the line");
         }
@@ -172,19 +175,15 @@ impl<'a> Reader<'a> {
         let word = self.ahead;
         let number = parse_number(word.text).ok_or_else(|| self.not_a_number("a number", field))?;
         if number.abs() > LARGEST {
-            return Err(SceneError::new(word.at, Problem::NumberTooLarge { found: word.text.into() }));
+            let message = format!("the number {} is too large: the largest is 1e100", word.quoted());
+            return Err(Diagnostic::error(message).at(word.at));
         }
         self.take_number();
         Ok(number)
     }
 
     /// Takes a number for which `holds` is true; `rule` describes the condition, as in "must be positive".
-    pub fn number_that(
-        &mut self,
-        field: &str,
-        rule: &'static str,
-        holds: impl Fn(f64) -> bool,
-    ) -> Parsed<f64> {
+    pub fn number_that(&mut self, field: &str, rule: &str, holds: impl Fn(f64) -> bool) -> Parsed<f64> {
         let word = self.ahead;
         let number = self.number(field)?;
         if holds(number) { Ok(number) } else { Err(bad_value(word, field, rule)) }
@@ -234,9 +233,30 @@ impl<'a> Reader<'a> {
 
     /// Records a colour above 1.
     pub fn warn_if_above_one(&mut self, at: Position, field: &str, color: Color) {
-        if color.max_element() > 1.0 {
-            self.warnings.push(SceneWarning::color_above_one(at, field, color));
+        if color.max_element() <= 1.0 {
+            return;
         }
+        match &mut self.bright {
+            Some((_, others)) => *others += 1,
+            None => {
+                let message = format!("`{field}` is above 1, the brightest that a picture shows");
+                let hint = is_byte_like(color).then(|| "is it meant as 0 to 255?".to_owned());
+                self.bright = Some((Diagnostic { hint, ..Diagnostic::warning(message) }.at(at), 0));
+            }
+        }
+    }
+
+    /// Returns the warnings about what was read.
+    pub fn into_warnings(self) -> Vec<Diagnostic> {
+        let bright = self.bright.map(|(mut first, others)| {
+            first.message += &match others {
+                0 => String::new(),
+                1 => "; so is another colour".into(),
+                _ => format!("; so are {others} more colours"),
+            };
+            first
+        });
+        limited(self.replaced).into_iter().chain(bright).collect()
     }
 
     /// Takes three numbers that are not all zero.
@@ -244,7 +264,7 @@ impl<'a> Reader<'a> {
         let at = self.ahead.at;
         let vector = self.vector(field)?;
         if vector == DVec3::ZERO {
-            return Err(SceneError::new(at, Problem::ZeroVector { field: field.into() }));
+            return Err(Diagnostic::error(format!("`{field}` must not be the zero vector")).at(at));
         }
         Ok(vector)
     }
@@ -274,15 +294,15 @@ impl<'a> Reader<'a> {
     }
 
     fn component(&mut self, field: &str) -> Parsed<f64> {
-        self.number(field).map_err(|error| match error.problem {
-            Problem::Expected { .. } if error.hint.is_none() => {
+        self.number(field).map_err(|error| match error.hint {
+            None if parse_number(self.ahead.text).is_none() => {
                 error.with_hint(format!("`{field}` takes three numbers"))
             }
             _ => error,
         })
     }
 
-    fn not_a_number(&self, kind: &str, field: &str) -> SceneError {
+    fn not_a_number(&self, kind: &str, field: &str) -> Diagnostic {
         let error = self.unexpected(&format!("{kind} for `{field}`"), &[]);
         let word = self.ahead.text;
         if word.contains('#') || word.contains("//") {
@@ -299,8 +319,13 @@ impl<'a> Reader<'a> {
 }
 
 /// The error that the value `word` of `field` violates `rule`.
-pub fn bad_value(word: Word<'_>, field: &str, rule: &'static str) -> SceneError {
-    SceneError::new(word.at, Problem::BadValue { field: field.into(), rule, found: word.text.into() })
+pub fn bad_value(word: Word<'_>, field: &str, rule: &str) -> Diagnostic {
+    Diagnostic::error(format!("`{field}` {rule}, found {}", word.quoted())).at(word.at)
+}
+
+/// Whether a colour has whole numbers up to 255.
+pub fn is_byte_like(color: Color) -> bool {
+    color.to_array().iter().all(|channel| (0.0..=255.0).contains(channel) && channel.fract() == 0.0)
 }
 
 /// A number in the syntax of C's scanf: `1`, `+1`, `-.3`, `0.` or `1e-3`, but not `inf` or `nan`. A number
@@ -350,7 +375,7 @@ mod tests {
     fn numbers_beyond_the_largest_are_refused() {
         for word in ["1e999", "-1e999", "1.01e100", "-1.01e100"] {
             let error = Reader::new(word).number("x").unwrap_err();
-            assert_eq!(error.problem, Problem::NumberTooLarge { found: word.into() });
+            assert!(error.message.contains(word) && error.message.contains("too large"), "{error}");
         }
         assert_eq!(Reader::new("1e100").number("x").unwrap(), 1e100);
         assert_eq!(Reader::new("1e-999").number("x").unwrap(), 0.0);
@@ -417,12 +442,9 @@ mod tests {
 
     #[test]
     fn fractional_and_negative_numbers_have_different_errors() {
-        let rule = |word| match Reader::new(word).whole("x").unwrap_err().problem {
-            Problem::BadValue { rule, .. } => rule,
-            _ => "",
-        };
-        assert_eq!(["-1", "-0.5"].map(rule), ["must not be negative"; 2]);
-        assert_eq!(["0.0", "-0", "2.5"].map(rule), ["must be a whole number"; 3]);
+        let message = |word| Reader::new(word).whole("x").unwrap_err().message;
+        assert!(["-1", "-0.5"].iter().all(|word| message(word).contains("negative")));
+        assert!(["0.0", "-0", "2.5"].iter().all(|word| message(word).contains("whole number")));
     }
 
     #[test]

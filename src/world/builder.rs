@@ -7,12 +7,12 @@ use super::placement::Placement;
 use super::planes::{PlacedPlane, PlacedPlanes};
 use super::point_error::{BoundaryWidth, Finite, PlacementError};
 use super::resting_lights::RestingLights;
+use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::memory::{self, NoMemory};
 use crate::primitive::shape::{Form, Shape};
 use crate::primitive::{ellipsoid::Ellipsoid, sphere::Sphere, triangle};
-use crate::scene::error::{Problem, SceneError};
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::{Corners, Mesh};
 use crate::scene::{MaterialId, MeshFile, Object, Scene};
@@ -57,9 +57,9 @@ impl<'a> Builder<'a> {
     }
 
     /// Places an object. An error tells the position of the object or of the transform around it.
-    pub fn place(&mut self, placement: &Placement) -> Result<(), SceneError> {
+    pub fn place(&mut self, placement: &Placement) -> Result<(), Diagnostic> {
         if !placement.matrix.is_finite() {
-            return Err(placement.error(Problem::TransformOverflow));
+            return Err(placement.error("the transformation's numbers grow too large"));
         }
         let map = |p: DVec3| placement.world_point(p);
         match *placement.object {
@@ -85,13 +85,20 @@ impl<'a> Builder<'a> {
             Object::Plane { normal, offset, material } => self.plane(normal, offset, placement, material),
             Object::Group(_) | Object::Transform { .. } => Ok(()),
         }?;
-        if self.ids_fit() { Ok(()) } else { Err(placement.error(Problem::TooManyPrimitives)) }
+        if self.ids_fit() {
+            Ok(())
+        } else {
+            Err(placement.error("the scene has too many primitives for 32-bit ids"))
+        }
     }
 
     /// An error in a mesh, with the position where the scene names the mesh if no transform is around it.
-    fn at_mesh(&self, error: SceneError, mesh: usize, placement: &Placement) -> SceneError {
+    fn at_mesh(&self, error: Diagnostic, mesh: usize, placement: &Placement) -> Diagnostic {
         let file = self.files.get(mesh).filter(|_| placement.transform.is_none());
-        file.map_or(error.clone(), |file| SceneError { at: file.at, ..error })
+        match file {
+            Some(file) => error.at(file.at),
+            None => error,
+        }
     }
 
     /// Whether 32-bit indices suffice for the vertices and the primitives.
@@ -106,7 +113,7 @@ impl<'a> Builder<'a> {
         faces: &[[u32; 3]],
         placement: &Placement,
         (material, error): (MaterialId, PlacementError),
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), Diagnostic> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
         world.vertices.extend(vertices);
@@ -115,7 +122,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Places a mesh. The last use of the first mesh takes its lists over instead of copying them.
-    fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
+    fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), Diagnostic> {
         let map = |p: DVec3| placement.world_point(p);
         let mesh = mem::take(&mut self.meshes[id]);
         self.appearance(id, &mesh, placement);
@@ -178,7 +185,7 @@ impl<'a> Builder<'a> {
         first: usize,
         placement: &Placement,
         (material, error): (MaterialId, PlacementError),
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), Diagnostic> {
         push_run(&mut self.materials[0], first, material);
         self.world.flattening_errors.push(Finite::Triangles, first, error);
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
@@ -199,11 +206,11 @@ impl<'a> Builder<'a> {
         radius: f64,
         placement: &Placement,
         material: MaterialId,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), Diagnostic> {
         let linear = placement.matrix.matrix3;
         let center_in_world = placement.world_point(center);
         if placement.is_singular() {
-            return Err(placement.error(Problem::SingularTransform));
+            return Err(placement.singular());
         }
         let shape = match robust::similarity_scale(linear) {
             Some(scale) => Shape::Sphere(Sphere { center: center_in_world, radius: scale * radius }),
@@ -213,7 +220,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Records a placed shape.
-    fn shape(&mut self, shape: Shape, placement: &Placement, material: MaterialId) -> Result<(), SceneError> {
+    fn shape(&mut self, shape: Shape, placement: &Placement, material: MaterialId) -> Result<(), Diagnostic> {
         let of_object = placement.object.shape_box().unwrap_or(Aabb::EMPTY);
         let reach = of_object.min.abs().max(of_object.max.abs());
         let (index, error) = (self.world.shapes.len(), PlacementError::new(placement, reach));
@@ -222,7 +229,7 @@ impl<'a> Builder<'a> {
         let (Aabb { min, max }, [smallest, largest]) = (shape.bounds(), shape.half_extents());
         self.world.shapes.push(shape);
         if smallest < SMALLEST_RADIUS {
-            return Err(placement.error(Problem::RadiusTooSmall));
+            return Err(placement.error("the object has a radius below 1e-100"));
         }
         let is_in_range = are_in_range(0.5 * (min + max)) && are_in_range(DVec3::splat(largest));
         self.grow(placement.course_box(of_object), is_in_range, placement)
@@ -234,7 +241,7 @@ impl<'a> Builder<'a> {
         offset: f64,
         placement: &Placement,
         material: MaterialId,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), Diagnostic> {
         push_run(&mut self.materials[2], self.world.planes.len(), material);
         let PlacedPlane { plane, direction, error } = self.planes.place(placement, (normal, offset))?;
         self.world.flattening_errors.push_plane(error);
@@ -242,17 +249,17 @@ impl<'a> Builder<'a> {
         self.world.plane_directions.push(direction);
         self.world.triangles_before_planes.push(self.world.triangles.len() as u32);
         if !plane.normal.is_finite() {
-            return Err(placement.error(Problem::NoNormal));
+            return Err(placement.error("the plane has no normal"));
         }
         let is_in_range = plane.offset.abs() <= LARGEST;
-        if is_in_range { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
+        if is_in_range { Ok(()) } else { Err(placement.too_large()) }
     }
 
     /// Extends the world's bounds by those of a new object, which is an error unless its coordinates are in
     /// range.
-    fn grow(&mut self, bounds: Aabb, is_in_range: bool, placement: &Placement) -> Result<(), SceneError> {
+    fn grow(&mut self, bounds: Aabb, is_in_range: bool, placement: &Placement) -> Result<(), Diagnostic> {
         self.world.bounds = self.world.bounds.union(bounds);
-        if is_in_range { Ok(()) } else { Err(placement.error(Problem::CoordinatesTooLarge)) }
+        if is_in_range { Ok(()) } else { Err(placement.too_large()) }
     }
 
     /// The finished world, in which the primitives have their ids.

@@ -1,9 +1,9 @@
 //! The leaves of the object tree, each with the matrix of all transforms around it.
 
+use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::robust::{self, UNIT_ROUNDOFF};
 use crate::math::rounded_affine::{RoundedAffine, absolute};
-use crate::scene::error::{Problem, SceneError};
 use crate::scene::{Object, ObjectId, Position, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -65,8 +65,18 @@ impl Placement<'_> {
     }
 
     /// An error at the transform, or at the start of the text where there is none.
-    pub(super) fn error(&self, problem: Problem) -> SceneError {
-        SceneError::new(self.transform.unwrap_or(Position { line: 1, column: 1 }), problem)
+    pub(super) fn error(&self, message: &str) -> Diagnostic {
+        Diagnostic::error(message).at(self.transform.unwrap_or(Position { line: 1, column: 1 }))
+    }
+
+    /// The error of an object that needs the inverse of a singular transform.
+    pub(super) fn singular(&self) -> Diagnostic {
+        self.error("the transformation is singular: it flattens the object")
+    }
+
+    /// The error of an object with coordinates beyond [`LARGEST`](crate::scene::limits::LARGEST).
+    pub(super) fn too_large(&self) -> Diagnostic {
+        self.error("the object has coordinates beyond 1e100")
     }
 }
 

@@ -7,10 +7,10 @@
 use super::coincidence::WRITTEN_ROUNDINGS;
 use super::placement::Placement;
 use super::point_error::PlaneError;
+use crate::diagnostic::Diagnostic;
 use crate::math::double_double::{Dd, dot};
 use crate::math::robust::{self, UNIT_ROUNDOFF};
 use crate::primitive::plane::Plane;
-use crate::scene::error::{Problem, SceneError};
 use glam::{DAffine3, DVec3};
 
 /// The largest sine of the angle between unit normals that may have been written as parallel: of each one
@@ -42,7 +42,7 @@ impl PlacedPlanes {
         &mut self,
         placement: &Placement,
         (normal, offset): (DVec3, f64),
-    ) -> Result<PlacedPlane, SceneError> {
+    ) -> Result<PlacedPlane, Diagnostic> {
         let matrix = placement.transform.map(|_| placement.matrix);
         let mut written = WrittenPlane { matrix, plane: Plane { normal: robust::unit(normal), offset } };
         let with_same_matrix = || self.0.iter().filter(|(earlier, _)| earlier.matrix == matrix);
@@ -98,13 +98,13 @@ fn facing(plane: Plane, direction: DVec3) -> Plane {
 }
 
 /// A plane under the transforms around it. `normal` is the one of the text, which may have any length.
-fn placed(placement: &Placement, normal: DVec3, plane: Plane) -> Result<PlacedPlane, SceneError> {
+fn placed(placement: &Placement, normal: DVec3, plane: Plane) -> Result<PlacedPlane, Diagnostic> {
     if placement.transform.is_none() {
         let error = PlaneError::as_written(normal);
         return Ok(PlacedPlane { plane, direction: robust::rescaled(normal), error });
     }
     if placement.is_singular() {
-        return Err(placement.error(Problem::SingularTransform));
+        return Err(placement.singular());
     }
     let in_world =
         |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);

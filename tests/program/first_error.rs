@@ -12,7 +12,8 @@ const BALL: &str = "Sphere { center 0 0 0 radius 1 }";
 fn check(marked: &str) {
     let (text, line, column) = unmark(marked);
     let error = parser::parse(&text).map(|_| ()).expect_err(marked);
-    assert_eq!((error.at.line as usize, error.at.column as usize), (line, column), "{marked}\n{error}");
+    let at = error.position().expect("a position");
+    assert_eq!((at.line as usize, at.column as usize), (line, column), "{marked}\n{error}");
 }
 
 #[test]
@@ -48,7 +49,7 @@ fn the_first_of_several_errors_is_reported() {
 fn a_wrong_number_names_the_count() {
     let text =
         |number: u32| format!("{CAMERA}{WHITE}Group {{ numObjects {number} MaterialIndex 0 {BALL} {BALL} }}");
-    let error = |number| parser::parse(&text(number)).map(|_| ()).unwrap_err().problem.to_string();
+    let error = |number| parser::parse(&text(number)).map(|_| ()).unwrap_err().message;
     assert_eq!(error(0), "`numObjects` announces 0, but 2 found");
     assert_eq!(error(1), "`numObjects` announces 1, but 2 found");
     assert_eq!(error(5), "`numObjects` announces 5, but only 2 found");

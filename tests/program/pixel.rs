@@ -261,5 +261,5 @@ fn without_its_meshes_a_renderer_explains_nothing() {
     folder.write("m.obj", OBJ);
     let renderer = Renderer::open(&folder.path().join("s.txt")).expect("a world");
     let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
-    assert_eq!(Explainer::new(&prepared).expect_err("no meshes").to_string(), "the meshes were not kept");
+    assert_eq!(Explainer::new(&prepared).expect_err("no meshes").message, "the meshes were not kept");
 }

@@ -1,8 +1,8 @@
 //! Malformed scenes: each has an error at the right position and with the right message.
 
 use crate::support::unmark;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::scene::Position;
-use raytracer::scene::error::SceneError;
 use raytracer::scene::parser::parse;
 use std::path::Path;
 
@@ -234,7 +234,7 @@ const OBJECTS: &[(&str, &str)] = &[
     ),
 ];
 
-fn refuse(text: &str) -> SceneError {
+fn refuse(text: &str) -> Diagnostic {
     parse(text).map(|_| ()).expect_err(text)
 }
 
@@ -242,9 +242,9 @@ fn check(marked: &str, fragment: &str) {
     let (text, line, column) = unmark(marked);
     let at = Position { line: line as u32, column: column as u32 };
     let error = refuse(&text);
-    assert_eq!(error.at, at, "place of: {error}\n{text}");
-    assert!(error.problem.to_string().contains(fragment), "{error}\nshould contain: {fragment}\n{text}");
-    let rendered = error.render(Path::new("scene.txt"), &text);
+    assert_eq!(error.position(), Some(at), "place of: {error}\n{text}");
+    assert!(error.message.contains(fragment), "{error}\nshould contain: {fragment}\n{text}");
+    let rendered = error.in_text(Path::new("scene.txt"), &text).to_string();
     assert!(rendered.starts_with(&format!("scene.txt:{}:{}: error: ", at.line, at.column)), "{rendered}");
 }
 
@@ -303,5 +303,5 @@ fn the_rendered_message_in_full() {
     let text = format!("{CAMERA}\nGroup {{ numObjects 1\n\tMaterial {{ }}\n\tSphre {{ }}\n}}\n");
     let wanted = "my scene.txt:4:2: error: expected an object, found `Sphre`\n    \
                   4 |  Sphre { }\n      |  ^\n  hint: did you mean `Sphere`?";
-    assert_eq!(refuse(&text).render(Path::new("my scene.txt"), &text), wanted);
+    assert_eq!(refuse(&text).in_text(Path::new("my scene.txt"), &text).to_string(), wanted);
 }

@@ -1,8 +1,8 @@
 //! No scene makes the reader panic, hang or exhaust memory, however damaged, deeply nested or long it is.
 
 use rayon::prelude::*;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::scene::edition::Edition;
-use raytracer::scene::error::SceneError;
 use raytracer::scene::parser::{parse, read_in};
 use std::fmt::Write;
 use std::fs;
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }";
 
-fn refuse(text: &str) -> SceneError {
+fn refuse(text: &str) -> Diagnostic {
     parse(text).map(|_| ()).expect_err("the scene should be refused")
 }
 
@@ -50,7 +50,7 @@ fn no_truncation_panics() {
     for end in 0..EVERYTHING.trim_end().len() {
         let at = parse(&EVERYTHING[..end]).map(|_| ());
         assert!(at.is_err(), "a scene cut off at {end} was accepted");
-        assert!(end < group || at.unwrap_err().at.line > 12);
+        assert!(end < group || at.unwrap_err().position().is_some_and(|at| at.line > 12));
     }
 }
 
@@ -75,7 +75,7 @@ fn no_deleted_doubled_or_replaced_word_panics() {
         ] {
             let text = format!("{before}{changed}{behind}");
             if let Err(error) = parse(&text) {
-                let _ = error.render(Path::new("a"), &text);
+                let _ = error.in_text(Path::new("a"), &text).to_string();
             }
         }
     }
@@ -103,7 +103,8 @@ Group { num_objects 2 Material { } Grid { min 0 0 0 max 1 1 1 numCells 2 2 2 ras
 fn read_in_all(text: &str) {
     for edition in Edition::ALL {
         if let Err(error) = read_in(edition, text) {
-            assert!(error.at.line as usize <= text.matches('\n').count() + 1, "{edition}: {error}");
+            let line = error.position().expect("a position").line as usize;
+            assert!(line <= text.matches('\n').count() + 1, "{edition}: {error}");
         }
     }
 }
@@ -205,7 +206,7 @@ fn words_and_lines_of_a_megabyte_give_short_messages() {
     for text in
         ["x".repeat(1 << 20), format!("{}x", " ".repeat(1 << 20)), "}".repeat(1 << 20), "\n".repeat(1 << 20)]
     {
-        let rendered = refuse(&text).render(Path::new("a"), &text);
+        let rendered = refuse(&text).in_text(Path::new("a"), &text).to_string();
         assert!(rendered.len() < 2_000, "{} bytes", rendered.len());
     }
 }

@@ -1,16 +1,15 @@
 //! The files that a scene names: where its meshes and its pictures lie, and what is in them.
 
 use super::FoundMesh;
-use crate::escape::escape;
+use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::escape::{escape, quoted};
 use crate::image_io::read_picture;
-use crate::memory;
-use crate::scene::MeshFile;
+use crate::memory::{self, NoMemory};
 use crate::scene::edition::Edition;
-use crate::scene::error::Problem;
-use crate::scene::mesh::{memory_for, read_obj};
+use crate::scene::mesh::{self, memory_for, read_obj};
 use crate::scene::near_names::nearest_file;
-use crate::scene::texels::Texels;
-use crate::scene::warning::SceneWarning;
+use crate::scene::texels::{ImageFile, Texels};
+use crate::scene::{MeshFile, Position};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,21 +36,46 @@ pub fn mesh_places(name: &str, scene_directory: &Path, edition: Edition) -> Vec<
 
 /// Reads a picture that a scene names from the first place where there is one.
 pub fn find_texels(
-    name: &str,
+    ImageFile { name, at, .. }: &ImageFile,
     (folder, edition): (&Path, Edition),
-) -> Result<(Arc<Texels>, PathBuf), Problem> {
+) -> Result<(Arc<Texels>, PathBuf), Diagnostic> {
     let places = mesh_places(name, folder, edition);
     let place = places.iter().find(|place| place.symlink_metadata().is_ok()).or(places.first());
     let file = place.map(PathBuf::as_path).unwrap_or(Path::new(name));
-    Ok((Arc::new(read_texels(name, file, edition)?), file.to_owned()))
+    let picture = read_picture(file).map_err(|error| Diagnostic {
+        hint: hint_to_name(name, folder),
+        ..image_unreadable(name, *at, &error.to_string())
+    })?;
+    let size = [picture.width(), picture.height()].map(|n| n as usize);
+    let rgb = picture.pixels().to_vec();
+    Ok((Arc::new(Texels { size, rgb, divides_last: edition.divides_texels_last() }), file.to_owned()))
 }
 
-/// Reads the picture that a scene calls `name`.
-fn read_texels(name: &str, file: &Path, edition: Edition) -> Result<Texels, Problem> {
-    let unreadable = |reason: String| Problem::ImageUnreadable { name: name.to_owned(), reason };
-    let picture = read_picture(file).map_err(|error| unreadable(error.to_string()))?;
-    let size = [picture.width(), picture.height()].map(|n| n as usize);
-    Ok(Texels { size, rgb: picture.pixels().to_vec(), divides_last: edition.divides_texels_last() })
+/// The error of a picture that the scene names at a position.
+pub fn image_unreadable(name: &str, at: Position, reason: &str) -> Diagnostic {
+    Diagnostic::error(format!("cannot read the picture {}: {}", quoted(name), escape(reason))).at(at)
+}
+
+/// The error of a mesh that the scene names at a position, with the paths that were tried and the reason for each.
+pub fn mesh_unreadable(name: &str, at: Position, tried: &[(String, String)]) -> Diagnostic {
+    let tried: Vec<String> =
+        tried.iter().map(|(path, reason)| format!("{} ({})", quoted(path), escape(reason))).collect();
+    Diagnostic::error(format!("cannot read the mesh {}: tried {}", quoted(name), tried.join(", then ")))
+        .at(at)
+}
+
+/// An error or a warning about the contents of a mesh file, which the scene names at a position.
+pub fn in_mesh(found: Diagnostic, named_at: Position, file: &str, bytes: &[u8]) -> Diagnostic {
+    let line = found.position().map(|at| format!("line {}: ", at.line)).unwrap_or_default();
+    let message = format!("in the mesh {}: {line}{}", quoted(file), found.message);
+    let of_mesh = |place: Place| Place {
+        file: file.into(),
+        excerpt: place.at.map(|at| mesh::excerpt(bytes, at)).unwrap_or_default(),
+        ..place
+    };
+    let scene = Place { at: Some(named_at), ..Place::default() };
+    let places = [scene].into_iter().chain(found.places.into_iter().map(of_mesh)).collect();
+    Diagnostic { message, places, ..found }
 }
 
 /// Reads the mesh that a scene names from the first place where it can be read.
@@ -60,42 +84,42 @@ pub fn read_mesh(
     (scene_directory, edition): (&Path, Edition),
     is_textured: bool,
     announce: &dyn Fn(usize),
-) -> Result<FoundMesh, Problem> {
+) -> Result<FoundMesh, Diagnostic> {
     let mut tried = Vec::new();
     for place in mesh_places(name, scene_directory, edition) {
         match read_mesh_file(&place)? {
             Ok(bytes) => {
                 announce(bytes.len());
-                let content = read_obj(&bytes, is_textured)
-                    .map_err(|error| Problem::of_mesh(lossy(&place), error, &bytes))?;
-                let warning = |doubt: &_| SceneWarning::in_mesh(*at, lossy(&place), doubt, &bytes);
-                let warnings = content.doubts.iter().map(warning).collect();
+                let in_mesh = |found| in_mesh(found, *at, &lossy(&place), &bytes);
+                let mut content = read_obj(&bytes, is_textured)
+                    .map_err(|error| in_mesh(error.diagnostic(Severity::Error)))?;
+                let warnings = std::mem::take(&mut content.doubts)
+                    .into_iter()
+                    .map(|doubt| in_mesh(doubt.diagnostic(Severity::Warning)))
+                    .collect();
                 return Ok(FoundMesh { content, file: place, warnings });
             }
             Err(reason) => tried.push((lossy(&place), reason)),
         }
     }
-    Err(Problem::MeshUnreadable { name: name.to_owned(), tried })
+    Err(Diagnostic { hint: hint_to_name(name, scene_directory), ..mesh_unreadable(name, *at, &tried) })
 }
 
 /// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the
 /// program and a device may have no end. Too little memory for the mesh is an error.
-fn read_mesh_file(place: &Path) -> Result<Result<Vec<u8>, String>, Problem> {
+fn read_mesh_file(place: &Path) -> Result<Result<Vec<u8>, String>, NoMemory> {
     let length = match fs::metadata(place) {
         Ok(found) if found.is_file() => found.len(),
         Ok(found) if found.is_dir() => return Ok(Err("it is a folder".into())),
         Ok(_) => return Ok(Err("it is a pipe or a device, not a regular file".into())),
         Err(error) => return Ok(Err(error.to_string())),
     };
-    memory::ask(memory_for(length)).map_err(Problem::Memory)?;
+    memory::ask(memory_for(length))?;
     Ok(fs::read(place).map_err(|error| error.to_string()))
 }
 
 /// Advice on the name of a mesh or a picture for which there is no file: the name of one that is there.
-pub fn hint_to_name(problem: &Problem, scene_directory: &Path) -> Option<String> {
-    let (Problem::MeshUnreadable { name, .. } | Problem::ImageUnreadable { name, .. }) = problem else {
-        return None;
-    };
+fn hint_to_name(name: &str, scene_directory: &Path) -> Option<String> {
     let is_there = |place: &PathBuf| place.symlink_metadata().is_ok();
     let places = mesh_places(name, scene_directory, Edition::Y2004);
     if places.iter().any(is_there) {

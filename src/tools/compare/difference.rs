@@ -1,7 +1,8 @@
 //! The measures of a difference, and the block that shows them.
 
 use super::edges::EdgeMap;
-use super::{CompareError, Flip, Rgb, colors, common_size, largest_channel_difference, sum_of_squares};
+use super::{Flip, Rgb, colors, common_size, largest_channel_difference, sum_of_squares};
+use crate::diagnostic::Diagnostic;
 use crate::picture::Picture;
 use crate::stats::RULE;
 use rayon::prelude::*;
@@ -40,7 +41,7 @@ pub struct LargestDifference {
 
 impl Comparison {
     /// Compares picture `a` with the reference `b`. Different sizes are an error.
-    pub fn new(a: &Picture, b: &Picture) -> Result<Self, CompareError> {
+    pub fn new(a: &Picture, b: &Picture) -> Result<Self, Diagnostic> {
         Self::new_unless(a, b, &|| false)
     }
 
@@ -49,13 +50,13 @@ impl Comparison {
         a: &Picture,
         b: &Picture,
         is_over: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Self, CompareError> {
+    ) -> Result<Self, Diagnostic> {
         let mean_flip = Some(Flip::default().mean_unless(a, b, is_over)?);
         Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b)) })
     }
 
     /// Compares each of these pictures with the reference `b`, without FLIP.
-    pub fn of_each(pictures: &[Picture], b: &Picture) -> Result<Vec<Self>, CompareError> {
+    pub fn of_each(pictures: &[Picture], b: &Picture) -> Result<Vec<Self>, Diagnostic> {
         pictures.iter().try_for_each(|a| common_size(a, b).map(drop))?;
         let edges = EdgeMap::new(b);
         Ok(pictures.par_iter().map(|a| Self::without_flip(a, b, &edges)).collect())

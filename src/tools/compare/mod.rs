@@ -6,17 +6,16 @@
 mod difference;
 mod difference_picture;
 mod edges;
-mod error;
 mod flip;
 mod tolerance;
 
 pub use difference::{Comparison, LargestDifference};
 pub use difference_picture::DifferencePicture;
 pub(crate) use edges::EdgeMap;
-pub use error::CompareError;
 pub use flip::{Flip, PIXELS_PER_DEGREE};
 pub use tolerance::Tolerance;
 
+use crate::diagnostic::Diagnostic;
 use crate::picture::Picture;
 
 /// A pixel's red, green and blue byte.
@@ -38,11 +37,13 @@ pub(crate) fn sum_of_squares(a: Rgb, b: Rgb) -> u64 {
     a.iter().zip(b).map(|(&a, b)| u64::from(a.abs_diff(b)).pow(2)).sum()
 }
 
-/// Width and height of both, which must be the same.
-fn common_size(a: &Picture, b: &Picture) -> Result<[u32; 2], CompareError> {
+/// Returns the width and height of both pictures. Different sizes are an error.
+pub(crate) fn common_size(a: &Picture, b: &Picture) -> Result<[u32; 2], Diagnostic> {
     let [a, b] = [a, b].map(|picture| [picture.width(), picture.height()]);
-    match a == b {
-        true => Ok(a),
-        false => Err(CompareError::Sizes { a, b }),
-    }
+    if a == b { Ok(a) } else { Err(sizes_differ(a, b)) }
+}
+
+/// The error of two pictures with these widths and heights.
+pub fn sizes_differ([aw, ah]: [u32; 2], [bw, bh]: [u32; 2]) -> Diagnostic {
+    Diagnostic::error(format!("the pictures differ in size: {aw} x {ah} pixels against {bw} x {bh}"))
 }

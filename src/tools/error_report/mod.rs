@@ -23,7 +23,7 @@ pub use csv::csv;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
 pub use setting::{Axis, Samples, SamplingKind, Setting, filter_flag, separate};
-pub use sweep::{Bench, Sweep, SweepError, SweepProgress};
+pub use sweep::{Bench, Sweep, SweepProgress};
 pub use text::text;
 
 use crate::picture::Picture;

@@ -5,7 +5,7 @@ use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
 use super::setting::{Axis, Samples, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
-use crate::caster::GridTooLarge;
+use crate::diagnostic::Diagnostic;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::{Layer, Request, Stopped, Tracing};
 use crate::renderer::{Prepared, Renderer};
@@ -13,7 +13,6 @@ use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::tools::compare::Comparison;
 use rayon::ThreadPool;
-use std::fmt;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -37,41 +36,6 @@ pub struct SweepProgress<'a> {
     pub share: f64,
     /// What is done now.
     pub doing: &'a str,
-}
-
-/// Why nothing can be measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SweepError {
-    /// The grid that is asked for does not fit into memory.
-    Grid(GridTooLarge),
-    /// The picture does not.
-    Size(BadSize),
-    /// The rays of a pixel split without end.
-    Rays(Stopped),
-}
-
-impl fmt::Display for SweepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Grid(error) => error.fmt(f),
-            Self::Size(error) => error.fmt(f),
-            Self::Rays(stopped) => stopped.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SweepError {}
-
-impl From<GridTooLarge> for SweepError {
-    fn from(error: GridTooLarge) -> Self {
-        Self::Grid(error)
-    }
-}
-
-impl From<BadSize> for SweepError {
-    fn from(error: BadSize) -> Self {
-        Self::Size(error)
-    }
 }
 
 /// A setting is repeated until it took this time, but at least [`FEWEST`] and at most [`MOST`] times.
@@ -123,7 +87,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Measures. If the watch ends it, what is finished is reported.
-    pub fn run(mut self) -> Result<ErrorReport, SweepError> {
+    pub fn run(mut self) -> Result<ErrorReport, Diagnostic> {
         let mut plan = plan(&self.renderer.scene, self.renderer.world(), self.request, self.own);
         plan.truncate(if self.all_filters { plan.len() } else { 1 });
         let planned = plan.iter().map(|group| group.settings.len()).sum();
@@ -162,7 +126,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// None if it was ended.
-    fn reference(&mut self, filter: Filter) -> Result<Option<Reference>, SweepError> {
+    fn reference(&mut self, filter: Filter) -> Result<Option<Reference>, Diagnostic> {
         let own = Request { adaptive: None, filter, layers: vec![Layer::Color], ..self.request.clone() };
         let mut halves = Vec::new();
         for sampler in reference::samplers(self.request.sampler.rng()) {
@@ -181,7 +145,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// What roundings do to the request's samples.
-    fn numerical(&self) -> Result<Option<Numerical>, SweepError> {
+    fn numerical(&self) -> Result<Option<Numerical>, Diagnostic> {
         let request = Request { layers: vec![Layer::Color], ..self.request.clone() };
         self.bench.many.install(|| {
             let prepared = self.renderer.prepare_for(self.own.structure, &request, Tracing::Fast)?;
@@ -194,7 +158,7 @@ impl<'a> Sweep<'a> {
         &mut self,
         settings: &[Setting],
         reference: &Reference,
-    ) -> Result<Vec<Measurement>, SweepError> {
+    ) -> Result<Vec<Measurement>, Diagnostic> {
         let mut measurements: Vec<Measurement> = Vec::new();
         for setting in settings {
             let Some(mut measured) = self.measure(setting, reference)? else { break };
@@ -218,7 +182,7 @@ impl<'a> Sweep<'a> {
         &mut self,
         setting: &Setting,
         reference: &Reference,
-    ) -> Result<Option<Measurement>, SweepError> {
+    ) -> Result<Option<Measurement>, Diagnostic> {
         let of_other_octaves = setting.octaves.map(|most| with_octaves(&self.renderer.scene, most));
         // The same objects stand in the same places, so that this scene makes a world, too.
         let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
@@ -246,7 +210,7 @@ impl<'a> Sweep<'a> {
         setting: &Setting,
         prepared: &Prepared,
         request: &Request,
-    ) -> Result<Option<(FloatPicture, u64, Vec<Duration>)>, SweepError> {
+    ) -> Result<Option<(FloatPicture, u64, Vec<Duration>)>, Diagnostic> {
         let (label, mut times) = (setting.label(), Vec::new());
         loop {
             let start = (self.bench.clock)();
@@ -270,7 +234,7 @@ impl<'a> Sweep<'a> {
         request: &Request,
         work: f64,
         doing: &str,
-    ) -> Result<Option<(FloatPicture, u64)>, SweepError> {
+    ) -> Result<Option<(FloatPicture, u64)>, Diagnostic> {
         let mut picture = FloatPicture::with_room(request.window_size())?;
         let mut take_row = |_: usize, row: &[Color]| {
             picture.colors.extend_from_slice(row);
@@ -284,7 +248,7 @@ impl<'a> Sweep<'a> {
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
             Ok(counts) => Ok(Some((picture, counts.rays()))),
             Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
-            Err(Stopped::Rays) => Err(SweepError::Rays(Stopped::Rays)),
+            Err(stopped @ Stopped::Rays) => Err(Diagnostic::error(stopped.to_string())),
             Err(Stopped::Memory(_)) => {
                 let [width, height] = request.window_size();
                 Err(BadSize { width, height }.into())

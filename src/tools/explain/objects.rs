@@ -1,10 +1,10 @@
 //! Which object of the scene's text a primitive of the world comes from.
 
+use crate::diagnostic::Diagnostic;
 use crate::escape::escape;
 use crate::math::instructions::Level;
 use crate::math::rounded_point::RoundedPoint;
 use crate::renderer::Renderer;
-use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::{MaterialId, Object, Position, Scene};
 use crate::shading::texture::first_weight;
@@ -73,7 +73,7 @@ pub struct Objects<'r> {
 
 impl<'r> Objects<'r> {
     /// The objects of a renderer that has kept its meshes.
-    pub fn new(renderer: &'r Renderer) -> Result<Self, SceneError> {
+    pub fn new(renderer: &'r Renderer) -> Result<Self, Diagnostic> {
         let scene = &renderer.scene;
         let mut copy = scene.clone();
         for (id, object) in copy.objects.iter_mut().enumerate() {

@@ -5,6 +5,7 @@ use super::objects::{MaterialPart, Objects};
 use super::ray_tree::{LeftOut, LightBlocker, RayNode, Recorder, Shadow, Surface};
 use super::stoppable::{Stop, Stoppable};
 use crate::caster::Caster;
+use crate::diagnostic::Diagnostic;
 use crate::escape::escape;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -13,7 +14,6 @@ use crate::render::{Progress, Request};
 use crate::renderer::Prepared;
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
-use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Paint};
 use crate::scene::model::{Highlight, Model};
 use crate::scene::texels::{FACES, face};
@@ -37,10 +37,6 @@ pub struct Explainer<'p, 'r> {
 /// Why no pixel can be explained.
 #[derive(Clone, Debug)]
 pub enum ExplainError {
-    /// The renderer has not kept its meshes.
-    NoMeshes,
-    /// The objects do not fit into a world.
-    Scene(Box<SceneError>),
     /// The picture has no such pixel.
     Outside,
     /// It takes too long, or was cancelled.
@@ -117,17 +113,16 @@ const MAX_SAMPLES: usize = 1 << 12;
 
 impl<'p, 'r> Explainer<'p, 'r> {
     /// For a scene whose renderer has kept its meshes.
-    pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, ExplainError> {
+    pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, Diagnostic> {
         let renderer = prepared.renderer();
         let uses_mesh = |object: &Object| match *object {
             Object::Mesh { mesh, .. } => mesh >= renderer.meshes().len(),
             _ => false,
         };
         if renderer.scene.objects.iter().any(uses_mesh) {
-            return Err(ExplainError::NoMeshes);
+            return Err(Diagnostic::error("the meshes were not kept"));
         }
-        let objects = Objects::new(renderer).map_err(|error| ExplainError::Scene(Box::new(error)))?;
-        Ok(Self { prepared, objects })
+        Ok(Self { prepared, objects: Objects::new(renderer)? })
     }
 
     /// Explains a pixel, by column and row from the top left, of the colours that a request shows. An error where the
@@ -359,8 +354,6 @@ fn is_about_to_change(channel: f64) -> bool {
 impl fmt::Display for ExplainError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoMeshes => f.write_str("the meshes were not kept"),
-            Self::Scene(error) => error.fmt(f),
             Self::Outside => f.write_str("outside the picture"),
             Self::Stopped => f.write_str("the rays behind the pixel take too long"),
         }

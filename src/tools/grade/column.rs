@@ -2,7 +2,7 @@
 
 use crate::picture::Picture;
 use crate::tools::causes::Finding;
-use crate::tools::compare::{CompareError, Comparison, Tolerance};
+use crate::tools::compare::{Comparison, Tolerance, common_size};
 use std::fmt::Write;
 
 /// What was handed in.
@@ -220,11 +220,10 @@ fn place(submission: Submission, reference: &Picture, waiting: &mut Vec<Picture>
         Submission::Missing => Place::Decided(Cell::Missing),
         Submission::Unusable(reason) => Place::Decided(Cell::Unusable(reason)),
         Submission::Picture(picture) if picture == *reference => Place::Decided(Cell::Equal),
-        Submission::Picture(picture) if size(&picture) != size(reference) => {
-            let sizes = CompareError::Sizes { a: size(&picture), b: size(reference) };
-            Place::Decided(Cell::Unusable(sizes.to_string()))
-        }
         Submission::Picture(picture) => {
+            if let Err(error) = common_size(&picture, reference) {
+                return Place::Decided(Cell::Unusable(error.message));
+            }
             let at = waiting.iter().position(|other| *other == picture).unwrap_or_else(|| {
                 waiting.push(picture);
                 waiting.len() - 1
@@ -232,10 +231,6 @@ fn place(submission: Submission, reference: &Picture, waiting: &mut Vec<Picture>
             Place::Wrong(settled + at)
         }
     }
-}
-
-fn size(picture: &Picture) -> [u32; 2] {
-    [picture.width(), picture.height()]
 }
 
 #[cfg(test)]

@@ -9,42 +9,25 @@
 //! pixel is far outside of the colours that they have: between 0 and 1 it stays within (1 - M) / 2 and (1 + M) / 2, where
 //! M is the sum of |w| divided by |the sum of w|.
 
-use super::Warning;
+use crate::diagnostic::Diagnostic;
 use crate::render::Request;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use glam::DVec2;
 use std::collections::VecDeque;
-use std::fmt;
 use std::ops::Range;
 
-/// The pixels that get no sample.
+/// The pixels that are wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lost {
-    /// All of them.
+enum Lost {
+    /// All get no sample.
     All,
-    /// Some, as the random numbers fall.
+    /// Some get no sample, as the random numbers fall.
     Some,
-    /// This number of them.
+    /// This number of them get no sample.
     Number(usize),
-    /// None, but in some the weights of their samples nearly cancel.
+    /// In some the weights of their samples nearly cancel.
     Cancelled,
-}
-
-impl fmt::Display for Lost {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::All => f.write_str("no sample is within the filter, and every pixel is black"),
-            Self::Some => f.write_str("a pixel may have no sample within the filter, and is black then"),
-            Self::Number(1) => f.write_str("1 pixel has no sample within the filter, and is black"),
-            Self::Number(pixels) => {
-                write!(f, "{pixels} pixels have no sample within the filter, and are black")
-            }
-            Self::Cancelled => {
-                f.write_str("weights nearly cancel in some pixels, which are far too dark or too bright")
-            }
-        }
-    }
 }
 
 /// The flag that asks for a filter.
@@ -58,8 +41,23 @@ pub(super) fn flag_of(filter: &Filter) -> String {
     format!("{name} {}", filter.size())
 }
 
-/// A warning if the filter is too narrow for the samples.
-pub fn too_narrow(request: &Request) -> Option<Warning> {
+/// Warns about a filter that is too narrow for the samples.
+pub fn narrow_filter(request: &Request) -> Option<Diagnostic> {
+    let (lost, smallest) = too_narrow(request)?;
+    let lost = match lost {
+        Lost::All => "no sample is within the filter, and every pixel is black",
+        Lost::Some => "a pixel may have no sample within the filter, and is black then",
+        Lost::Number(1) => "1 pixel has no sample within the filter, and is black",
+        Lost::Number(pixels) => &format!("{pixels} pixels have no sample within the filter, and are black"),
+        Lost::Cancelled => "weights nearly cancel in some pixels, which are far too dark or too bright",
+    };
+    let message = format!("`{}` is too narrow for the samples: {lost}", flag_of(&request.filter));
+    let hint = format!("`{}` is the smallest that is wide enough", flag_of(&smallest));
+    Some(Diagnostic::warning(message).with_hint(hint))
+}
+
+/// Returns which pixels are wrong, and the smallest filter of the kind with which none is.
+fn too_narrow(request: &Request) -> Option<(Lost, Filter)> {
     let Request { filter, sampler, .. } = *request;
     let (farthest, lost) = match sampler.pattern() {
         Pattern::Uniform => (nearest(filter, sampler.offsets(0))?, Lost::All),
@@ -76,8 +74,7 @@ pub fn too_narrow(request: &Request) -> Option<Warning> {
     }
     let (size, lost) =
         if is_lost { (smallest(filter, farthest), lost) } else { (filter.size(), Lost::Cancelled) };
-    let smallest = filter.with_size(smallest_that_adds_up(request, size));
-    Some(Warning::NarrowFilter { filter, lost, smallest })
+    Some((lost, filter.with_size(smallest_that_adds_up(request, size))))
 }
 
 /// The smallest radius from the given one on whose weights do not cancel, in thousandths of a pixel.
@@ -239,10 +236,7 @@ mod tests {
 
     /// The size that is named for a filter that is far too narrow.
     fn named(pattern: Pattern, count: u32, filter: fn(f64) -> Filter) -> f64 {
-        match too_narrow(&request(pattern, count, filter(1e-5))) {
-            Some(Warning::NarrowFilter { smallest, .. }) => smallest.size(),
-            other => unreachable!("{other:?}"),
-        }
+        too_narrow(&request(pattern, count, filter(1e-5))).expect("it is far too narrow").1.size()
     }
 
     #[test]
@@ -336,8 +330,7 @@ mod tests {
     fn the_named_radius_is_the_smallest_whose_weights_do_not_cancel() {
         for (pattern, count) in [(Pattern::Random, 1), (Pattern::Random, 4), (Pattern::Jittered, 4)] {
             let of = |radius: f64| request(pattern, count, Filter::Mitchell { radius });
-            let Some(Warning::NarrowFilter { lost: Lost::Cancelled, smallest, .. }) = too_narrow(&of(0.9))
-            else {
+            let Some((Lost::Cancelled, smallest)) = too_narrow(&of(0.9)) else {
                 unreachable!("weights cancel")
             };
             let radius = smallest.size();
@@ -375,18 +368,11 @@ mod tests {
                 request.sampler.offsets(*pixel).all(|offset| filter.weight(offset) < f64::MIN_POSITIVE)
             };
             let expected = (0..1200).filter(is_lost).count();
-            let Some(Warning::NarrowFilter { lost, .. }) = too_narrow(&request) else {
-                unreachable!("a narrow filter")
-            };
-            assert_eq!(lost, Lost::Number(expected));
+            assert_eq!(too_narrow(&request).map(|(lost, _)| lost), Some(Lost::Number(expected)));
             // Those of one column and five rows.
             let window = Some(Window { x: 7, y: 3, width: 1, height: 5 });
             let expected = (7 * 30 + 22..7 * 30 + 27).filter(is_lost).count();
-            let warning = too_narrow(&Request { window, ..request });
-            let lost = warning.map(|warning| match warning {
-                Warning::NarrowFilter { lost, .. } => lost,
-                other => unreachable!("{other:?}"),
-            });
+            let lost = too_narrow(&Request { window, ..request }).map(|(lost, _)| lost);
             assert_eq!(lost, (expected > 0).then_some(Lost::Number(expected)));
         }
     }

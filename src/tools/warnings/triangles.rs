@@ -1,31 +1,35 @@
 //! Triangles without an area, which no ray hits.
 
-use super::{Warning, known};
+use super::have;
+use crate::diagnostic::{Diagnostic, limited};
 use crate::math::exact_product::exact_product;
 use crate::scene::mesh::Mesh;
-use crate::scene::{Object, Scene};
+use crate::scene::{Object, Position, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// One warning for the triangles in the text of a scene, at the first of them, and one for each mesh. `meshes`
-/// are those that the scene names, in its order.
-pub fn without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Warning> {
+/// Warns about triangles without an area: once about those in the text of a scene, at the first of them, and once about
+/// each mesh. `meshes` are those that the scene names, in its order.
+pub fn triangles_without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Diagnostic> {
+    let warning = |message: String, at: Position| {
+        Diagnostic::warning(message).at(at).with_hint("no ray hits a triangle whose corners lie on one line")
+    };
     let is_flat_object =
         |object: &Object| matches!(object, Object::Triangle { vertices, .. } if is_flat(vertices.each_ref()));
     let mut own = (0..scene.objects.len()).filter(|&id| is_flat_object(&scene.objects[id]));
-    let first = own.next();
-    let own = first.map(|id| Warning::FlatTriangles {
-        at: known(scene.positions.get(id)),
-        count: 1 + own.count(),
-        of: None,
+    let own = own.next().map(|first| {
+        let message = match 1 + own.count() {
+            1 => "the triangle has no area".into(),
+            count => format!("{count} triangles have no area; this is the first"),
+        };
+        warning(message, scene.positions.get(first).copied().unwrap_or_default())
     });
     let of_meshes = scene.meshes.iter().zip(meshes).filter_map(|(file, mesh)| {
-        let count = flat_count(mesh);
-        let warning =
-            || Warning::FlatTriangles { at: known(Some(&file.at)), count, of: Some(mesh.triangles.len()) };
-        (count > 0).then(warning)
+        let (count, all) = (flat_count(mesh), mesh.triangles.len());
+        let message = || format!("{count} of the {all} triangles of the mesh {} no area", have(count));
+        (count > 0).then(|| warning(message(), file.at))
     });
-    own.into_iter().chain(of_meshes).collect()
+    limited(own.into_iter().chain(of_meshes).collect())
 }
 
 fn flat_count(mesh: &Mesh) -> usize {

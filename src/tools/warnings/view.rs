@@ -1,64 +1,17 @@
 //! Pictures that show nothing of the scene.
 
-use super::{Warning, known};
+use crate::diagnostic::Diagnostic;
 use crate::math::robust::unit;
 use crate::render::{Layer, Request, Watch};
 use crate::renderer::Prepared;
 use crate::scene::model::Screen;
 use crate::scene::parser::Places;
 use crate::scene::{Camera, Color};
-use crate::world::World;
 use glam::DVec3;
-use std::fmt;
 use std::ops::ControlFlow;
 
-/// Where the scene is, if no ray hits it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sight {
-    /// There are no objects.
-    Empty,
-    /// All objects are behind a perspective camera.
-    Behind {
-        /// The direction to their middle.
-        middle: DVec3,
-    },
-    /// All objects are to a side of what the camera sees.
-    Aside {
-        /// The direction to their middle, for a perspective camera.
-        middle: Option<DVec3>,
-    },
-    /// All objects together are smaller than a pixel.
-    TooSmall,
-    /// There are gaps between the objects, or planes, where the camera looks.
-    Unknown,
-}
-
-impl fmt::Display for Sight {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Empty => ": the scene has no objects",
-            Self::Behind { .. } => ": the scene is behind the camera",
-            Self::Aside { .. } => ": the camera looks away from the scene",
-            Self::TooSmall => ": the scene is smaller than a pixel",
-            Self::Unknown => "",
-        })
-    }
-}
-
-impl Sight {
-    /// What would show the scene.
-    pub(super) fn hint(&self) -> Option<String> {
-        match self {
-            Self::Behind { middle } | Self::Aside { middle: Some(middle) } => {
-                let [x, y, z] = (*middle / middle.abs().max_element()).to_array().map(short);
-                Some(format!("`direction {x} {y} {z}` looks at the middle of the scene"))
-            }
-            Self::Aside { middle: None } => Some("move the camera's `center`".into()),
-            Self::TooSmall => Some("a smaller `angle` or `size` of the camera shows it larger".into()),
-            Self::Empty | Self::Unknown => None,
-        }
-    }
-}
+/// Why no ray hits anything, as it follows these words, and advice.
+type Reason = (&'static str, Option<String>);
 
 /// A coordinate with at most three decimals.
 fn short(x: f64) -> String {
@@ -66,18 +19,22 @@ fn short(x: f64) -> String {
     ((x * 1000.0).round() / 1000.0 + 0.0).to_string()
 }
 
-/// A warning if no ray through a pixel's centre hits anything. That takes as long as rendering such a picture,
-/// or else until the first row of pixels with a hit, so it is only asked of a picture that shows nothing but
-/// the background. If `watch` ends it there is no warning.
+/// Warns if no ray through a pixel's centre hits anything. That takes as long as rendering such a picture, or else until
+/// the first row of pixels with a hit, so call it only for a picture that shows nothing but the background. Returns
+/// `None` if `watch` ends it.
 pub fn nothing_visible(
     prepared: &Prepared,
     request: &Request,
     places: &Places,
     watch: Watch,
-) -> Option<Warning> {
-    let at = known(Some(&places.camera));
-    if is_empty(prepared.renderer().world()) {
-        return Some(Warning::NothingVisible { at, sight: Sight::Empty });
+) -> Option<Diagnostic> {
+    let warning = |(reason, hint): Reason| {
+        let message = format!("no ray hits anything{reason}");
+        Diagnostic { hint, ..Diagnostic::warning(message) }.at(places.camera)
+    };
+    let world = prepared.renderer().world();
+    if world.finite_count() == 0 && world.planes.is_empty() {
+        return Some(warning((": the scene has no objects", None)));
     }
     let centers =
         Request { layers: vec![Layer::SignedNormals], camera: request.camera, ..Request::new(request.size) };
@@ -87,23 +44,25 @@ pub fn nothing_visible(
         false => ControlFlow::Break(()),
     };
     let sees_nothing = prepared.render_rows_fast(&centers, watch, &mut take_row).is_ok();
-    sees_nothing.then(|| Warning::NothingVisible { at, sight: sight(prepared, &centers) })
+    sees_nothing.then(|| warning(reason(prepared, &centers)))
 }
 
-fn is_empty(world: &World) -> bool {
-    world.finite_count() == 0 && world.planes.is_empty()
-}
-
-/// Why nothing is seen, as far as the bounds of the objects tell.
-fn sight(prepared: &Prepared, request: &Request) -> Sight {
+/// Returns why nothing is seen, as far as the bounds of the objects tell.
+fn reason(prepared: &Prepared, request: &Request) -> Reason {
     let renderer = prepared.renderer();
-    let world = renderer.world();
-    let Some(bounds) = renderer.bounds().filter(|_| world.planes.is_empty()) else {
-        return Sight::Unknown;
+    // There are gaps between the objects, or planes, where the camera looks.
+    let Some(bounds) = renderer.bounds().filter(|_| renderer.world().planes.is_empty()) else {
+        return ("", None);
     };
     let camera = request.camera.unwrap_or(renderer.scene.camera);
     let spread = renderer.scene.model.screen;
-    View::new(&camera, request.size, spread).sight(bounds.corners(), (bounds.min + bounds.max) / 2.0)
+    View::new(&camera, request.size, spread).reason(bounds.corners(), (bounds.min + bounds.max) / 2.0)
+}
+
+/// Advises a direction to look at.
+fn looking_along(direction: DVec3) -> Option<String> {
+    let [x, y, z] = (direction / direction.abs().max_element()).to_array().map(short);
+    Some(format!("`direction {x} {y} {z}` looks at the middle of the scene"))
 }
 
 /// What a camera sees, in coordinates to the right, up and ahead.
@@ -144,19 +103,23 @@ impl View {
         Self { center, axes, is_perspective, half, pixel }
     }
 
-    /// Where a box with these corners is seen.
-    fn sight(&self, corners: [DVec3; 8], middle: DVec3) -> Sight {
+    /// Returns why a box with these corners is not seen.
+    fn reason(&self, corners: [DVec3; 8], middle: DVec3) -> Reason {
         let corners = corners.map(|corner| self.axes.map(|axis| axis.dot(corner - self.center)));
         let middle = middle - self.center;
         if self.is_perspective && corners.iter().all(|&[_, _, ahead]| ahead <= 0.0) {
-            return Sight::Behind { middle };
+            return (": the scene is behind the camera", looking_along(middle));
         }
         let distance = |ahead: f64| if self.is_perspective { ahead } else { 1.0 };
         let is_beyond = |axis: usize, sign: f64| {
             corners.iter().all(|corner| sign * corner[axis] > self.half[axis] * distance(corner[2]))
         };
         if [0, 1].into_iter().any(|axis| is_beyond(axis, 1.0) || is_beyond(axis, -1.0)) {
-            return Sight::Aside { middle: self.is_perspective.then_some(middle) };
+            let hint = match self.is_perspective {
+                true => looking_along(middle),
+                false => Some("move the camera's `center`".into()),
+            };
+            return (": the camera looks away from the scene", hint);
         }
         let is_ahead = !self.is_perspective || corners.iter().all(|&[_, _, ahead]| ahead > 0.0);
         let is_small = [0, 1].into_iter().all(|axis| {
@@ -166,7 +129,11 @@ impl View {
             });
             max - min < self.pixel[axis]
         });
-        if is_ahead && is_small { Sight::TooSmall } else { Sight::Unknown }
+        if !(is_ahead && is_small) {
+            return ("", None);
+        }
+        let hint = "a smaller `angle` or `size` of the camera shows it larger";
+        (": the scene is smaller than a pixel", Some(hint.into()))
     }
 }
 

@@ -5,12 +5,12 @@ mod tables;
 
 use super::{Cause, Finding, Original};
 use crate::caster::choose::Structure;
+use crate::diagnostic::Diagnostic;
 use crate::render::Request;
 use crate::renderer::{Meshes, Renderer};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::MeshFile;
-use crate::scene::error::{Problem, SceneError};
 use crate::scene::texels::ImageFile;
 use crate::scene_io::{Hints, Readers, Source, load, load_text};
 use crate::trace::{Effects, Shadows};
@@ -54,8 +54,8 @@ impl Case {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
         let loaded = if name == "everything" {
             let source = Source { path: name.into(), text: SCENE.into() };
-            let no_mesh = |file: &MeshFile, _, _| Err(SceneError::new(file.at, Problem::NoNormal));
-            let no_image = |image: &ImageFile, _| Err(SceneError::new(image.at, Problem::NoNormal));
+            let no_mesh = |_: &MeshFile, _, _| Err(Diagnostic::error("no mesh"));
+            let no_image = |_: &ImageFile, _| Err(Diagnostic::error("no picture"));
             load_text(source, &Hints::default(), Readers { mesh: &no_mesh, image: &no_image })
         } else {
             load(&path)

@@ -10,7 +10,8 @@ mod filter;
 mod tests;
 mod tile;
 
-use super::{CompareError, colors, common_size};
+use super::{colors, common_size};
+use crate::diagnostic::Diagnostic;
 use crate::picture::Picture;
 use color::ColorSpace;
 use filter::{FeatureFilters, SpatialFilters};
@@ -64,7 +65,7 @@ impl Flip {
     ///
     /// Tiles are computed in parallel and summed in a fixed order: the result does not depend on the
     /// number of threads.
-    pub fn mean(&self, a: &Picture, b: &Picture) -> Result<f64, CompareError> {
+    pub fn mean(&self, a: &Picture, b: &Picture) -> Result<f64, Diagnostic> {
         self.mean_unless(a, b, &|| false)
     }
 
@@ -74,7 +75,7 @@ impl Flip {
         a: &Picture,
         b: &Picture,
         is_over: &(dyn Fn() -> bool + Sync),
-    ) -> Result<f64, CompareError> {
+    ) -> Result<f64, Diagnostic> {
         let [width, height] = common_size(a, b)?.map(|side| side as usize);
         let tiles: Vec<PictureTile> = tiles(width, height).collect();
         let sum = |tile: &PictureTile| if is_over() { 0.0 } else { self.sum_of_errors(a, b, tile) };

@@ -1,7 +1,7 @@
-//! Excerpts for error messages: a line of the scene text with a caret under one of its characters.
+//! Excerpts for error messages: a line of a text with a caret under one of its characters.
 
 use super::Position;
-use crate::escape::{escape, prints};
+use crate::escape::prints;
 
 /// The largest number of characters of a line that are shown.
 const MAX_SHOWN: usize = 100;
@@ -15,11 +15,6 @@ pub fn with_caret(text: &str, at: Position) -> String {
     let number = at.line.to_string();
     let width = number.len().max(5);
     format!("{number:>width$} | {line}\n{:>width$} | {:caret$}^", "", "")
-}
-
-/// An excerpt of another file than the scene, below a line with its name and the position.
-pub fn of_file(file: &str, at: Position, shown: &str) -> String {
-    format!("\n  {}:{}:{}:\n{shown}", escape(file), at.line, at.column)
 }
 
 /// Line `number` of `text`, counted from 1, without its end.
