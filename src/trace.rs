@@ -21,7 +21,7 @@ mod shadow;
 
 pub use observer::{Event, Observer, PathEnd, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
-pub(crate) use patience::Patience;
+pub(crate) use patience::{MOST_WAITING, Patience};
 pub use rules::{ByModel, Departure, Rules};
 pub(crate) use secondary::{Path, SecondaryRay};
 
@@ -96,7 +96,7 @@ impl<R: Rules> Tracer<'_, R> {
     /// Returns the colour, but stops following secondary rays when the patience ends.
     ///
     /// Secondary rays wait on a stack, `pending`, instead of being traced by a function that calls itself, so that the
-    /// number of bounces is limited by nothing but memory. It is empty before and afterwards, and has its memory for the
+    /// number of bounces is limited by nothing but the rays that wait. It is empty before and afterwards, and has its memory for the
     /// next ray.
     pub(crate) fn color_with<O: Observer>(
         &self,
@@ -112,7 +112,7 @@ impl<R: Rules> Tracer<'_, R> {
         loop {
             color += path.filter * self.local_color(&ray, &path, surface, pending, observer);
             let Some(next) = pending.pop() else { return color };
-            if patience.ends() {
+            if patience.ends(pending.len()) {
                 pending.clear();
                 return color;
             }

@@ -23,7 +23,8 @@ use std::path::PathBuf;
 
 /// Compares everything with its reference.
 pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, End> {
-    threads::start(options.threads, usize::MAX)?;
+    // The rows of the pictures are not known yet.
+    threads::start(options.threads, 0)?;
     let folder = Folder::open(&options.folder)?;
     let references = References::open(&options.references)?;
     let report = options.report_files();

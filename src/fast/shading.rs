@@ -67,7 +67,7 @@ impl<R: Rules> Shading<'_, R> {
         // Only the parts of a branch are copied. It was written in parts just before, so that reading it as whole
         // vectors would fail to forward the stores, and the processor would stall.
         while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {
-            if memory.patience.ends() {
+            if memory.patience.ends(memory.pending.len()) {
                 memory.pending.clear();
                 break;
             }

@@ -205,6 +205,6 @@ impl MeshesBeside<'_> {
         self.bytes.set(bytes.ok_or_else(|| refused("it is no file, or too large".into()))?);
         memory::ask(memory_for(found.len()))?;
         let bytes = fs::read(&file).map_err(failed)?;
-        read_obj(&bytes, is_textured).map_err(|error| in_mesh(error.diagnostic(), *at, name, &bytes))
+        read_obj(&bytes, is_textured).map_err(|error| in_mesh(error, *at, name, &bytes))
     }
 }

@@ -27,7 +27,7 @@ use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::stats::Counts;
-use crate::trace::Patience;
+use crate::trace::{MOST_WAITING, Patience};
 use glam::DVec2;
 use rayon::prelude::*;
 use row::RenderSetting;
@@ -69,6 +69,8 @@ pub enum Stopped {
     Output,
     /// The system has too little memory for the rows that are in memory at the same time.
     Memory(NoMemory),
+    /// More secondary rays of one camera ray wait than may.
+    Rays,
 }
 
 impl fmt::Display for Stopped {
@@ -77,6 +79,13 @@ impl fmt::Display for Stopped {
             Self::Cancelled { rows } => write!(f, "stopped after {rows} rows"),
             Self::Output => write!(f, "the rows are not taken any more"),
             Self::Memory(refused) => refused.fmt(f),
+            Self::Rays => {
+                write!(
+                    f,
+                    "the rays of one pixel split without end: more than {MOST_WAITING} wait to be traced; "
+                )?;
+                write!(f, "fewer `-bounces` or a larger `-weight` ends them")
+            }
         }
     }
 }
@@ -115,7 +124,7 @@ pub fn render(
     // No strip takes more than the first.
     memory::ask(Strip::below(&setting, None, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
-    let is_cancelled = || tally.asks();
+    let is_cancelled = |waiting| tally.asks(waiting);
     let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
     let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
@@ -123,7 +132,8 @@ pub fn render(
     let mut end = rows.end;
     while end > rows.start {
         let strip = Strip::below(&setting, unseen.as_ref(), end, rows.start);
-        counts = counts.merge(strip.render(&tracer, &tally, take_row)?);
+        let rendered = strip.render(&tracer, &tally, take_row);
+        counts = counts.merge(rendered.map_err(|stopped| tally.reason(stopped))?);
         end = strip.rows.start;
     }
     Ok(counts)
@@ -140,7 +150,7 @@ pub fn render_some_rows(
 ) -> Result<Vec<Color>, Stopped> {
     let setting = RenderSetting { caster, view, request, tracing: Tracing::Fast };
     let tally = Tally::new(rows.len(), watch);
-    let is_cancelled = || tally.asks();
+    let is_cancelled = |waiting| tally.asks(waiting);
     let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracer = PictureTracer::new(camera, caster, view, request, setting.tracing, patience);
     let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
@@ -151,7 +161,8 @@ pub fn render_some_rows(
             colors.extend_from_slice(row);
             ControlFlow::Continue(())
         };
-        Strip::below(&setting, unseen.as_ref(), end, end - 1).render(&tracer, &tally, &mut take_row)?;
+        let strip = Strip::below(&setting, unseen.as_ref(), end, end - 1);
+        strip.render(&tracer, &tally, &mut take_row).map_err(|stopped| tally.reason(stopped))?;
         Ok(colors)
     };
     let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
@@ -197,7 +208,7 @@ pub fn adaptive_offsets(
 ) -> Vec<DVec2> {
     let tracing = Tracing::Counted;
     let tally = Tally::new(1, watch);
-    let is_cancelled = || tally.asks();
+    let is_cancelled = |waiting| tally.asks(waiting);
     let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
     let setting = RenderSetting { caster, view, request, tracing };
@@ -224,7 +235,8 @@ pub fn render_in_memory(
         Ok(counts) => counts,
         // Neither callback ends it.
         Err(Stopped::Cancelled { .. } | Stopped::Output) => Counts::default(),
-        Err(Stopped::Memory(_)) => {
+        // Rays that split without end take more memory than the picture may.
+        Err(Stopped::Memory(_) | Stopped::Rays) => {
             let [width, height] = request.window_size();
             return Err(BadSize { width, height });
         }

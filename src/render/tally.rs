@@ -1,6 +1,7 @@
 //! How far a render has come, and the threads that trace its rows.
 
-use super::{Progress, Watch};
+use super::{Progress, Stopped, Watch};
+use crate::trace::MOST_WAITING;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -12,13 +13,14 @@ pub struct Tally<'a> {
     /// The rays that have been cast, if the probe counts them.
     rays: AtomicU64,
     is_cancelled: AtomicBool,
+    has_too_many_rays: AtomicBool,
     watch: Watch<'a>,
 }
 
 impl<'a> Tally<'a> {
     pub fn new(rows: usize, watch: Watch<'a>) -> Self {
-        let (done, rays, is_cancelled) = Default::default();
-        Self { rows, done, rays, is_cancelled, watch }
+        let (done, rays, is_cancelled, has_too_many_rays) = Default::default();
+        Self { rows, done, rays, is_cancelled, has_too_many_rays, watch }
     }
 
     /// Whether the watch has cancelled the render.
@@ -33,12 +35,21 @@ impl<'a> Tally<'a> {
         self.tell(done, rays);
     }
 
-    /// Asks the watch whether the render is cancelled.
-    pub fn asks(&self) -> bool {
+    /// Asks the watch whether the render is cancelled, and cancels it if too many rays of a camera ray wait.
+    pub fn asks(&self, waiting: usize) -> bool {
+        if waiting > MOST_WAITING {
+            self.has_too_many_rays.store(true, Ordering::Relaxed);
+            self.is_cancelled.store(true, Ordering::Relaxed);
+        }
         if !self.is_cancelled() {
             self.tell(self.done.load(Ordering::Relaxed), self.rays.load(Ordering::Relaxed));
         }
         self.is_cancelled()
+    }
+
+    /// Why the render ended, where all that is seen of it is that it did.
+    pub fn reason(&self, stopped: Stopped) -> Stopped {
+        if self.has_too_many_rays.load(Ordering::Relaxed) { Stopped::Rays } else { stopped }
     }
 
     fn tell(&self, done: usize, rays: u64) {

@@ -1,12 +1,11 @@
 //! Recognizes files of other formats that are given as OBJ, so that the error names the true reason.
 
-/// A format that is not OBJ: its name, and advice in one line.
-pub type Foreign = (&'static str, &'static str);
+use crate::diagnostic::Diagnostic;
 
 const EXPORT: &str = "export the mesh as OBJ";
 
-/// Formats by how their files begin, in capitals or small letters.
-const FORMATS: [(Foreign, &[&[u8]]); 13] = [
+/// Formats by how their files begin, in capitals or small letters, with advice.
+const FORMATS: [((&str, &str), &[&[u8]]); 13] = [
     (("PLY", EXPORT), &[b"ply\n", b"ply\r"]),
     (("binary glTF", EXPORT), &[b"glTF"]),
     (("OFF", EXPORT), &[b"OFF", b"COFF", b"NOFF"]),
@@ -29,41 +28,36 @@ const FORMATS: [(Foreign, &[&[u8]]); 13] = [
     (("a pointer of Git LFS", "fetch it with `git lfs pull`"), &[b"version https://git-lfs"]),
 ];
 
-/// The format of a file that is certainly not OBJ, by how it begins.
-pub fn foreign(bytes: &[u8]) -> Option<Foreign> {
+/// The error of a file in a format that is certainly not OBJ, by how it begins.
+pub fn foreign(bytes: &[u8]) -> Option<Diagnostic> {
     let starts_with =
         |start: &&[u8]| bytes.len() >= start.len() && bytes[..start.len()].eq_ignore_ascii_case(start);
-    if is_wide_text(bytes) {
-        return Some(("UTF-16 or UTF-32 text", "save the file as UTF-8"));
-    }
-    if is_binary_stl(bytes) {
-        return Some(("binary STL", EXPORT));
-    }
-    if bytes.starts_with(b"solid") && bytes.windows(5).any(|word| word == b"facet") {
-        return Some(("STL", EXPORT));
-    }
-    if let Some((format, _)) = FORMATS.iter().find(|(_, starts)| starts.iter().any(starts_with)) {
-        return Some(*format);
-    }
     let length = bytes.get(2..).and_then(|rest| rest.first_chunk()).map(|&length| u32::from_le_bytes(length));
-    match bytes.trim_ascii_start() {
-        _ if bytes.starts_with(b"MM") && length == Some(bytes.len() as u32) => Some(("3DS", EXPORT)),
+    Some(refused(match bytes.trim_ascii_start() {
+        _ if is_wide_text(bytes) => ("UTF-16 or UTF-32 text", "save the file as UTF-8"),
+        _ if is_binary_stl(bytes) => ("binary STL", EXPORT),
+        _ if bytes.starts_with(b"solid") && bytes.windows(5).any(|word| word == b"facet") => ("STL", EXPORT),
+        _ if bytes.starts_with(b"MM") && length == Some(bytes.len() as u32) => ("3DS", EXPORT),
         [b'<', b'!' | b'?' | b'a'..=b'z' | b'A'..=b'Z', ..] => {
-            Some(("HTML or XML", "it may be a page that was downloaded in place of the mesh"))
+            ("HTML or XML", "it may be a page that was downloaded in place of the mesh")
         }
-        [b'{', ..] => Some(("JSON, as in glTF", EXPORT)),
-        _ => None,
-    }
+        [b'{', ..] => ("JSON, as in glTF", EXPORT),
+        _ => FORMATS.iter().find(|(_, starts)| starts.iter().any(starts_with))?.0,
+    }))
 }
 
-/// What a text without faces probably is, if it is not OBJ.
-pub fn foreign_without_faces(bytes: &[u8]) -> Option<Foreign> {
-    if bytes.contains(&0) {
-        return Some(("binary", EXPORT));
-    }
+/// The error of a text without faces, if it is probably not OBJ.
+pub fn foreign_without_faces(bytes: &[u8]) -> Option<Diagnostic> {
     let mut lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+    if bytes.contains(&0) {
+        return Some(refused(("binary", EXPORT)));
+    }
     let is_library = lines.any(|line| line.trim_ascii_start().starts_with(b"newmtl"));
-    is_library.then_some(("a material library", "name the `.obj` file that it belongs to"))
+    is_library.then(|| refused(("a material library", "name the `.obj` file that it belongs to")))
+}
+
+fn refused((format, hint): (&str, &str)) -> Diagnostic {
+    Diagnostic::error(format!("the file is {format}, not OBJ")).with_hint(hint)
 }
 
 /// Whether a text has a byte order mark of UTF-16 or UTF-32, or zero bytes where these have them in the words of OBJ.
@@ -112,13 +106,12 @@ mod tests {
             (b"\x64\x86\x02\0", "a program or the output of a compiler"),
             (b"version https://git-lfs.github.com/spec/v1\n", "a pointer of Git LFS"),
         ] {
-            assert_eq!(foreign(bytes).map(|(name, _)| name), Some(expected), "{bytes:?}");
+            let message = foreign(bytes).unwrap().message;
+            assert_eq!(message, format!("the file is {expected}, not OBJ"), "{bytes:?}");
         }
-        assert_eq!(
-            foreign_without_faces(b"# m\nnewmtl red\nKd 1 0 0\n").map(|(name, _)| name),
-            Some("a material library")
-        );
-        assert_eq!(foreign_without_faces(b"a\0b").map(|(name, _)| name), Some("binary"));
+        let message = |bytes: &[u8]| foreign_without_faces(bytes).unwrap().message;
+        assert_eq!(message(b"# m\nnewmtl red\nKd 1 0 0\n"), "the file is a material library, not OBJ");
+        assert_eq!(message(b"a\0b"), "the file is binary, not OBJ");
     }
 
     #[test]

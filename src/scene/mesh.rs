@@ -2,13 +2,13 @@
 //!
 //! Files of positions and triangles only take a faster path, in `plain_obj`. All others are read by `obj_reader`.
 
-use super::foreign_format::{foreign, foreign_without_faces};
-pub use super::mesh_error::{MeshDoubt, MeshError};
+use super::foreign_format::foreign;
 pub use super::plain_obj::memory_for;
-use super::{Position, obj_reader, plain_obj};
+use super::{obj_reader, plain_obj};
 use crate::base::shortcut::Shortcut;
-use crate::diagnostic::with_caret;
+use crate::diagnostic::Diagnostic;
 use glam::{DVec2, DVec3};
+use std::borrow::Cow;
 
 /// A triangle mesh, with its triangles in the order of the file's faces.
 ///
@@ -41,42 +41,33 @@ pub struct ObjFile {
     /// The texture coordinates of each triangle, if they were asked for; none for a triangle without them. The list is
     /// empty if the file has none.
     pub texture_coordinates: Vec<Option<Corners>>,
-    /// What is doubtful in the file, in its order: one of each kind.
-    pub doubts: Vec<MeshDoubt>,
+    /// Warnings about the file, in its order: one of each kind.
+    pub doubts: Vec<Diagnostic>,
 }
 
-/// Reads a mesh from the bytes of an OBJ file.
+/// Reads a mesh from the bytes of an OBJ file, and all else in it that a scene may need, with texture coordinates if they
+/// matter.
 ///
 /// Polygons become triangles. Points, lines, curves and everything else except positions and faces are left out. A
 /// backslash at the end of a line continues it on the next one. Errors: the first error found.
-pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
-    read_obj(bytes, false).map(|file| file.mesh)
-}
-
-/// Reads all of an OBJ file that a scene may need, with texture coordinates if they matter.
-pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, MeshError> {
+pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
         && let Some((mesh, vertices)) = plain_obj::parse(text)
     {
         return Ok(ObjFile { mesh, vertices, ..ObjFile::default() });
     }
-    let found =
-        foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), |format| Err(refused(format)));
-    found.map_err(|error| match foreign_without_faces(text) {
-        Some(format) if error.message.starts_with(obj_reader::NO_FACES) => refused(format),
-        _ => error,
-    })
+    foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), Err)
 }
 
-/// The error of a file in another format.
-fn refused((name, hint): (&str, &str)) -> MeshError {
-    MeshError { at: None, message: format!("the file is {name}, not OBJ"), hint: Some(hint.to_owned()) }
+/// Reads a mesh alone.
+pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
+    read_obj(bytes, false).map(|file| file.mesh)
 }
 
-/// The line of a mesh's file at this position, with a caret under it.
-pub fn excerpt(bytes: &[u8], at: Position) -> String {
-    with_caret(&String::from_utf8_lossy(without_mark(bytes)), at)
+/// Returns the text of a mesh's file, to which positions of errors refer.
+pub fn text(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(without_mark(bytes))
 }
 
 /// A text without a byte order mark, and without the bytes that some systems put behind its end.
@@ -90,12 +81,14 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Position;
+    use std::path::Path;
 
     fn read(text: &str) -> Mesh {
         parse_obj(text.as_bytes()).unwrap()
     }
 
-    fn refuse(text: &str) -> MeshError {
+    fn refuse(text: &str) -> Diagnostic {
         parse_obj(text.as_bytes()).unwrap_err()
     }
 
@@ -172,14 +165,17 @@ mod tests {
             ("# nothing", ""),
             (SQUARE, ""),
             ("v 0 0 0\nv 1 0 0\nl 1 2\n", ", only points, lines or curves"),
-            ("surf 0 1 0 1 1 2 3 4", ", only curved surfaces, which are not read"),
-            ("nothing", ", and `nothing` is no keyword of OBJ"),
+            ("surf 0 1 0 1 1 2 3 4", ": a curved surface is left out"),
+            ("nothing", ": `nothing` is no keyword of OBJ, and its line is left out"),
         ] {
             assert_eq!(refuse(text).message, format!("the mesh has no faces{why}"), "{text}");
         }
         assert_eq!(refuse("binary \0 rubbish").message, "the file is binary, not OBJ");
         let library = refuse("newmtl red\nKd 1 0 0\n");
-        assert_eq!((library.at, library.message.as_str()), (None, "the file is a material library, not OBJ"));
+        assert_eq!(
+            (library.position(), library.message.as_str()),
+            (None, "the file is a material library, not OBJ")
+        );
     }
 
     #[test]
@@ -193,7 +189,7 @@ mod tests {
             (b"glTF\x02\0\0\0", "binary glTF"),
         ] {
             let error = parse_obj(bytes).unwrap_err();
-            assert_eq!((error.at, error.message), (None, format!("the file is {format}, not OBJ")));
+            assert_eq!((error.position(), error.message), (None, format!("the file is {format}, not OBJ")));
         }
     }
 
@@ -213,9 +209,9 @@ mod tests {
         let missing = || "a face names a vertex that does not exist; the mesh has 4".to_owned();
         let negative = "a negative index counts back";
         vec![
-            ("v@", few(), ""),
-            ("v 1 2@", few(), ""),
-            ("v 1 2@ # 3", few(), ""),
+            ("@v", few(), ""),
+            ("v 1 @2", few(), ""),
+            ("v 1 @2 # 3", few(), ""),
             ("v 1 2 @x", word("x"), ""),
             ("v 1 @x", word("x"), ""),
             ("v @1,5 2,5 3,5", word("1,5"), "a decimal point"),
@@ -232,9 +228,9 @@ mod tests {
             ("f 1 2 @1/2/3/4", corner("1/2/3/4"), "a corner has at most three indices"),
             ("f @/ / /", corner("/"), "the index of the position comes first"),
             ("f 1 2/@x 3", corner("2/x"), ""),
-            ("f@", few_corners(), "a line between two vertices is written"),
-            ("f 1 2@", few_corners(), "a line between"),
-            ("f 1 2@ # two", few_corners(), "a line between"),
+            ("@f", few_corners(), "a line between two vertices is written"),
+            ("f 1 @2", few_corners(), "a line between"),
+            ("f 1 @2 # two", few_corners(), "a line between"),
             ("  f 1 @0 2", missing(), "indices start with 1"),
             ("fo 1 @9 2", missing(), ""),
             ("f 1 2 @-5", missing(), negative),
@@ -255,20 +251,21 @@ mod tests {
                 let text = format!("{SQUARE}{before}{after}\n\nf 1 2 3\n").replace('\n', end);
                 let at = Position { line: 5, column: before.len() as u32 + 1 };
                 let error = refuse(&text);
-                assert_eq!((error.at, error.message), (Some(at), message), "{marked}");
+                assert_eq!((error.position(), &error.message), (Some(at), &message), "{marked}");
                 assert_eq!(error.hint.is_some(), !hint.is_empty(), "{marked}");
-                assert!(error.hint.unwrap_or_default().starts_with(hint), "{marked}");
+                assert!(error.hint.clone().unwrap_or_default().starts_with(hint), "{marked}");
                 let line = format!("{before}{after}").replace('\0', "\u{fffd}");
-                assert!(excerpt(text.as_bytes(), at).starts_with(&format!("    5 | {line}\n")), "{marked}");
+                let shown = error.in_text(Path::new("m"), &super::text(text.as_bytes())).to_string();
+                assert!(shown.contains(&format!("\n    5 | {line}\n")), "{marked}");
             }
         }
     }
 
     #[test]
     fn vertices_that_faces_use_must_be_finite() {
-        let hint = Some("leave out the fourth number, or make it 1".to_owned());
+        let hint = Some("leave it out, or make it 1".to_owned());
         let not_finite = "a vertex has a coordinate that is not finite";
-        let zero_weight = "a vertex has the weight 0, which puts it infinitely far away";
+        let zero_weight = "a vertex has the weight 0: it is at infinity";
         for (marked, message) in [
             ("@nan 0 0", not_finite),
             ("0 @inf 0", not_finite),
@@ -286,7 +283,7 @@ mod tests {
             let at = Some(Position { line: 5, column: 3 + marked.find('@').unwrap() as u32 });
             // The first of them that a face uses counts.
             let error = refuse(&format!("{SQUARE}v {vertex}\nv 0 0 inf\nv nan 0 0\nf 1 2 7\nf 1 2 5\n"));
-            assert_eq!((error.at, error.message.as_str()), (at, message), "{vertex}");
+            assert_eq!((error.position(), error.message.as_str()), (at, message), "{vertex}");
             assert_eq!(error.hint, hint.clone().filter(|_| message == zero_weight), "{vertex}");
             assert_eq!(read(&format!("{SQUARE}v {vertex}\nf 1 2 3\n")).vertices.len(), 3, "{vertex}");
         }
@@ -331,14 +328,14 @@ mod tests {
         );
         let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false).unwrap();
         assert_eq!(mesh.triangles.len(), 1 + 1 + 1);
-        let said: Vec<_> = doubts.iter().map(ToString::to_string).collect();
+        let said: Vec<_> = doubts.iter().map(Diagnostic::headline).collect();
         assert_eq!(
             said,
             [
-                "line 5: `F` is no keyword of OBJ, and its line is left out; so is another",
-                "line 8: a curved surface is left out",
-                "line 9: the outline of the polygon crosses itself; so does that of another",
-                "line 11: the outline of the polygon encloses nothing; so do those of 2 more",
+                "line 5, column 1: warning: `F` is no keyword of OBJ, and its line is left out (and 1 more)",
+                "line 8, column 2: warning: a curved surface is left out",
+                "line 9, column 1: warning: the outline of the polygon crosses itself (and 1 more)",
+                "line 11, column 1: warning: the outline of the polygon encloses nothing (and 2 more)",
             ]
         );
         let hints: Vec<_> = doubts.iter().map(|doubt| doubt.hint.clone().unwrap_or_default()).collect();
@@ -350,8 +347,12 @@ mod tests {
         let text = b"v 0 0 0\nv 0 \xff 0\n";
         let at = Position { line: 2, column: 5 };
         let error = parse_obj(text).unwrap_err();
-        assert_eq!((error.at, error.message.as_str()), (Some(at), "not UTF-8 text"));
-        assert_eq!(excerpt(text, at), "    2 | v 0 \u{fffd} 0\n      |     ^");
+        assert_eq!(
+            (error.position(), error.message.clone()),
+            (Some(at), "a vertex needs three numbers, and `\u{fffd}` is none".to_owned())
+        );
+        let shown = error.in_text(Path::new("m"), &super::text(text)).to_string();
+        assert!(shown.ends_with("\n    2 | v 0 \u{fffd} 0\n      |     ^"), "{shown}");
     }
 
     #[test]
@@ -368,11 +369,11 @@ mod tests {
             let text = format!("{SQUARE}v 0 2 0\nf 1/1 -5 5//1\nf 2 3 {corner}\n#\nf 1 2 7\nf 1 2 8\n");
             let error = refuse(&text);
             assert!(error.message.ends_with("does not exist; the mesh has 5"), "{corner}");
-            assert_eq!(error.at.map(|at| at.line), Some(line), "{corner}");
+            assert_eq!(error.position().map(|at| at.line), Some(line), "{corner}");
         }
         // A negative index counts from its face, however many vertices follow.
         let text = format!("{SQUARE}f -1 -2 -4\nf -1 -2 -5\nv 0 2 0\n");
-        assert_eq!(refuse(&text).at, Some(Position { line: 6, column: 9 }));
+        assert_eq!(refuse(&text).position(), Some(Position { line: 6, column: 9 }));
     }
 
     #[test]
@@ -412,7 +413,7 @@ mod tests {
             assert_eq!(read(&text).texture_coordinates, [found], "{number}");
         }
         let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true).unwrap_err();
-        assert_eq!(error.to_string(), "line 5: a texture coordinate needs numbers, and `x` is none");
+        assert_eq!(error.message, "a texture coordinate needs numbers, and `x` is none");
         // A file without them has an empty list, also where faces name some.
         assert_eq!(read(&format!("{SQUARE}f 1/1 2/2 3/3\n")).texture_coordinates, []);
         // An index far out of range needs no memory.

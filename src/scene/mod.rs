@@ -16,7 +16,6 @@ pub mod material;
 pub mod mesh;
 mod near_names;
 mod object;
-mod mesh_error;
 pub mod model;
 mod obj_lines;
 mod obj_reader;

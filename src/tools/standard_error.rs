@@ -38,13 +38,13 @@ pub fn has_standard_error(request: &Request) -> bool {
 }
 
 /// The root mean square error of the colours that is due to where samples lie, in levels, over all channels of all pixels.
-/// None if the watch has ended it.
+/// None if the watch has ended it, or the rays of a pixel split without end.
 pub fn standard_error(prepared: &Prepared, request: &Request, watch: Watch) -> Result<Option<f64>, NoMemory> {
     let request = Request { layers: vec![Layer::Color], ..request.clone() };
     match of_colors(prepared, &request, watch) {
         Ok(error) => Ok(Some(error)),
         Err(Stopped::Memory(refused)) => Err(refused),
-        Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
+        Err(Stopped::Cancelled { .. } | Stopped::Output | Stopped::Rays) => Ok(None),
     }
 }
 

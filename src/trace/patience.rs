@@ -6,11 +6,15 @@ use std::fmt;
 /// measured, and so few that the answer comes soon even where each of them meets a hundred thousand triangles.
 const RAYS_AT_ONCE: usize = 1 << 9;
 
+/// The number of secondary rays of one camera ray that may wait at once, about: they take some 30 MB of each thread. Only
+/// rays that split again and again come near it, and each bounce doubles their number.
+pub const MOST_WAITING: usize = 1 << 18;
+
 /// Asks now and then whether rays are still to be traced, since one camera ray may cause more of them than can ever be
 /// traced.
 #[derive(Clone, Copy)]
 pub(crate) struct Patience<'a> {
-    is_over: &'a (dyn Fn() -> bool + Sync),
+    is_over: &'a (dyn Fn(usize) -> bool + Sync),
     /// The number of rays between two questions, without those to lights.
     at_once: u32,
     /// The number of rays until it asks again.
@@ -20,35 +24,35 @@ pub(crate) struct Patience<'a> {
 }
 
 impl<'a> Patience<'a> {
-    /// Follows rays until this is true. Each may cause a ray to each of so many lights.
-    pub fn until(is_over: &'a (dyn Fn() -> bool + Sync), lights: usize) -> Self {
+    /// Follows rays until this is true, given the number of rays that wait. Each may cause a ray to each of so many lights.
+    pub fn until(is_over: &'a (dyn Fn(usize) -> bool + Sync), lights: usize) -> Self {
         let at_once = (RAYS_AT_ONCE / (1 + lights)).max(1) as u32;
         Self { is_over, at_once, left: at_once, has_ended: false }
     }
 
     /// Follows all rays.
     pub fn endless() -> Self {
-        Self::until(&|| false, 0)
+        Self::until(&|_| false, 0)
     }
 
-    /// Whether the next ray is not to be followed, nor any after it.
+    /// Whether the next ray is not to be followed, nor any after it. So many rays wait.
     #[inline(always)]
-    pub fn ends(&mut self) -> bool {
+    pub fn ends(&mut self, waiting: usize) -> bool {
         self.left -= 1;
-        self.left == 0 && self.ask()
+        self.left == 0 && self.ask(waiting)
     }
 
     /// Notes that so many rays from the camera were traced.
     pub fn spend(&mut self, rays: usize) {
         self.left = self.left.saturating_sub(rays as u32);
         if self.left == 0 {
-            self.ask();
+            self.ask(0);
         }
     }
 
     #[cold]
-    fn ask(&mut self) -> bool {
-        self.has_ended = self.has_ended || (self.is_over)();
+    fn ask(&mut self, waiting: usize) -> bool {
+        self.has_ended = self.has_ended || (self.is_over)(waiting);
         self.left = if self.has_ended { 1 } else { self.at_once };
         self.has_ended
     }

@@ -216,6 +216,20 @@ fn more_threads_than_rows_are_not_started() {
     assert!(count <= cores.max(8), "{line}");
 }
 
+/// Their stacks would take ten times as much as there is.
+#[test]
+fn grading_starts_no_more_threads_than_cores() {
+    let folder = folder();
+    folder.write("commands.txt", "rt -input one.txt -size 9 9 -output o.png");
+    std::fs::create_dir_all(folder.path().join("class/anna")).unwrap();
+    folder.run("-input one.txt -size 9 9 -output class/anna/o.png").ok();
+    let cores = std::thread::available_parallelism().unwrap().get();
+    let kilobytes = least(&folder) + 300_000 + 8_000 * cores;
+    let line = format!("-grade class -commands commands.txt -threads {}", 1000 + 40 * cores);
+    let run = run_within(&folder, kilobytes, &line).ok();
+    assert!(run.stdout.contains("1 of 1"), "{}", run.stdout);
+}
+
 /// The variable that the library of threads reads has no effect: `-threads` alone decides.
 #[test]
 fn the_environment_does_not_choose_the_number_of_threads() {

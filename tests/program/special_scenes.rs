@@ -85,6 +85,21 @@ fn a_hall_of_perfect_mirrors_ends_by_bounces() {
     assert!(run.stdout.contains("\n  num non-shadow rays        400004\n"), "{}", run.stdout);
 }
 
+/// Rays that split at each of a million bounces are refused while those that wait still fit into memory.
+#[test]
+fn rays_that_split_without_end_are_an_error() {
+    let colors = "1 1 1 transparentColor 1 1 1 indexOfRefraction 1";
+    let folder = Folder::with_scene(&hall_of_mirrors(colors));
+    folder.write("o.tga", "old");
+    for flags in ["", "-stats", "-random_samples 4 -shadows"] {
+        let line = format!("-input s.txt -size 2 2 -shade_back -bounces 1000000 -output o.tga {flags}");
+        let message = folder.run(&line).message(1);
+        assert!(message.contains("the rays of one pixel split without end"), "{line}: {message}");
+        assert_eq!(folder.names(), ["o.tga", "s.txt"]);
+        assert_eq!(folder.read("o.tga"), b"old");
+    }
+}
+
 /// The pixels of a picture in these columns and rows, counted from the top left.
 fn cut(picture: &Tga, columns: Range<usize>, rows: Range<usize>) -> Vec<[u8; 3]> {
     rows.flat_map(|y| columns.clone().map(move |x| picture.at(x, y))).collect()

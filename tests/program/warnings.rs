@@ -77,13 +77,13 @@ fn located() -> Vec<(String, &'static str, &'static str)> {
         (
             scene(1, "TriangleMesh { obj_file @bow.obj }"),
             "",
-            "in the mesh `bow.obj`: line 5: the outline of the polygon crosses itself; so does that of another\n  \
+            "in the mesh `bow.obj`: line 5: the outline of the polygon crosses itself (and 1 more)\n  \
              bow.obj:5:1:\n  hint: what it covers is a guess: divide it into triangles when the mesh is exported",
         ),
         (
             scene(1, "TriangleMesh { obj_file @word.obj }"),
             "",
-            "in the mesh `word.obj`: line 4: `face` is no keyword of OBJ, and its line is left out; so are 2 more\n  \
+            "in the mesh `word.obj`: line 4: `face` is no keyword of OBJ, and its line is left out (and 2 more)\n  \
              word.obj:4:1:",
         ),
         (

@@ -86,7 +86,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-latin1.txt -output o.tga",
         1,
-        "m-latin1.txt:5:25: error: in the mesh `latin1.obj`: line 1: not UTF-8 text",
+        "m-latin1.txt:5:25: error: in the mesh `latin1.obj`: line 1: a vertex needs three numbers, and `\u{fffd}` is none",
     ),
     (
         "r -input m-binary.txt -output o.tga",
