@@ -6,7 +6,7 @@
 mod excerpt;
 
 use crate::escape::truncated;
-pub use excerpt::with_caret;
+use excerpt::with_caret;
 use serde::Serialize;
 use std::error::Error;
 use std::fmt;

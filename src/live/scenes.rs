@@ -1,7 +1,7 @@
 //! The scenes that are open: the one of the command line, and those that were typed in last.
 
 use super::limits::*;
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::Diagnostic;
 use crate::memory;
 use crate::renderer::{Meshes, Renderer};
 use crate::scene::edition::{Choice, Edition};
@@ -205,7 +205,6 @@ impl MeshesBeside<'_> {
         self.bytes.set(bytes.ok_or_else(|| refused("it is no file, or too large".into()))?);
         memory::ask(memory_for(found.len()))?;
         let bytes = fs::read(&file).map_err(failed)?;
-        read_obj(&bytes, is_textured)
-            .map_err(|error| in_mesh(error.diagnostic(Severity::Error), *at, name, &bytes))
+        read_obj(&bytes, is_textured).map_err(|error| in_mesh(error, *at, name, &bytes))
     }
 }

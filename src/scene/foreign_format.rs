@@ -1,14 +1,11 @@
 //! Recognizes files of other formats that are given as OBJ, so that the error names the true reason.
 
-use super::mesh::MeshError;
+use crate::diagnostic::Diagnostic;
 
 const EXPORT: &str = "export the mesh as OBJ";
 
-/// The name of a format, and advice in one line.
-type Format = (&'static str, &'static str);
-
-/// Formats by how their files begin, in capitals or small letters.
-const FORMATS: [(Format, &[&[u8]]); 13] = [
+/// Formats by how their files begin, in capitals or small letters, with advice.
+const FORMATS: [((&str, &str), &[&[u8]]); 13] = [
     (("PLY", EXPORT), &[b"ply\n", b"ply\r"]),
     (("binary glTF", EXPORT), &[b"glTF"]),
     (("OFF", EXPORT), &[b"OFF", b"COFF", b"NOFF"]),
@@ -32,7 +29,7 @@ const FORMATS: [(Format, &[&[u8]]); 13] = [
 ];
 
 /// The error of a file in a format that is certainly not OBJ, by how it begins.
-pub fn foreign(bytes: &[u8]) -> Option<MeshError> {
+pub fn foreign(bytes: &[u8]) -> Option<Diagnostic> {
     let starts_with =
         |start: &&[u8]| bytes.len() >= start.len() && bytes[..start.len()].eq_ignore_ascii_case(start);
     let length = bytes.get(2..).and_then(|rest| rest.first_chunk()).map(|&length| u32::from_le_bytes(length));
@@ -50,7 +47,7 @@ pub fn foreign(bytes: &[u8]) -> Option<MeshError> {
 }
 
 /// The error of a text without faces, if it is probably not OBJ.
-pub fn foreign_without_faces(bytes: &[u8]) -> Option<MeshError> {
+pub fn foreign_without_faces(bytes: &[u8]) -> Option<Diagnostic> {
     let mut lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
     if bytes.contains(&0) {
         return Some(refused(("binary", EXPORT)));
@@ -59,8 +56,8 @@ pub fn foreign_without_faces(bytes: &[u8]) -> Option<MeshError> {
     is_library.then(|| refused(("a material library", "name the `.obj` file that it belongs to")))
 }
 
-fn refused((format, hint): Format) -> MeshError {
-    MeshError { at: None, message: format!("the file is {format}, not OBJ"), hint: Some(hint.to_owned()) }
+fn refused((format, hint): (&str, &str)) -> Diagnostic {
+    Diagnostic::error(format!("the file is {format}, not OBJ")).with_hint(hint)
 }
 
 /// Whether a text has a byte order mark of UTF-16 or UTF-32, or zero bytes where these have them in the words of OBJ.

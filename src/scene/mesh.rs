@@ -4,11 +4,11 @@
 
 use super::foreign_format::foreign;
 pub use super::plain_obj::memory_for;
-use super::{Position, obj_reader, plain_obj};
+use super::{obj_reader, plain_obj};
 use crate::base::shortcut::Shortcut;
-use crate::diagnostic::{Diagnostic, Severity, with_caret};
+use crate::diagnostic::Diagnostic;
 use glam::{DVec2, DVec3};
-use std::fmt;
+use std::borrow::Cow;
 
 /// A triangle mesh, with its triangles in the order of the file's faces.
 ///
@@ -41,38 +41,8 @@ pub struct ObjFile {
     /// The texture coordinates of each triangle, if they were asked for; none for a triangle without them. The list is
     /// empty if the file has none.
     pub texture_coordinates: Vec<Option<Corners>>,
-    /// What is doubtful in the file, in its order: one of each kind.
-    pub doubts: Vec<MeshError>,
-}
-
-/// What is wrong in a mesh file, or doubtful.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MeshError {
-    /// The position; none if it is the whole file.
-    pub at: Option<Position>,
-    /// What is wrong, in one line.
-    pub message: String,
-    /// Advice in one line.
-    pub hint: Option<String>,
-}
-
-impl MeshError {
-    /// Returns the error, or the warning, with its position in the mesh.
-    pub(crate) fn diagnostic(self, severity: Severity) -> Diagnostic {
-        let Self { at, message, hint } = self;
-        Diagnostic { severity, hint, ..Diagnostic::error(message) }.at(at.unwrap_or_default())
-    }
-}
-
-impl std::error::Error for MeshError {}
-
-impl fmt::Display for MeshError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.at {
-            Some(at) => write!(f, "line {}: {}", at.line, self.message),
-            None => f.write_str(&self.message),
-        }
-    }
+    /// Warnings about the file, in its order: one of each kind.
+    pub doubts: Vec<Diagnostic>,
 }
 
 /// Reads a mesh from the bytes of an OBJ file, and all else in it that a scene may need, with texture coordinates if they
@@ -80,7 +50,7 @@ impl fmt::Display for MeshError {
 ///
 /// Polygons become triangles. Points, lines, curves and everything else except positions and faces are left out. A
 /// backslash at the end of a line continues it on the next one. Errors: the first error found.
-pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, MeshError> {
+pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
         && let Some((mesh, vertices)) = plain_obj::parse(text)
@@ -91,13 +61,13 @@ pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, MeshError> {
 }
 
 /// Reads a mesh alone.
-pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, MeshError> {
+pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
     read_obj(bytes, false).map(|file| file.mesh)
 }
 
-/// The line of a mesh's file at this position, with a caret under it.
-pub fn excerpt(bytes: &[u8], at: Position) -> String {
-    with_caret(&String::from_utf8_lossy(without_mark(bytes)), at)
+/// Returns the text of a mesh's file, to which positions of errors refer.
+pub fn text(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(without_mark(bytes))
 }
 
 /// A text without a byte order mark, and without the bytes that some systems put behind its end.
@@ -111,12 +81,14 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Position;
+    use std::path::Path;
 
     fn read(text: &str) -> Mesh {
         parse_obj(text.as_bytes()).unwrap()
     }
 
-    fn refuse(text: &str) -> MeshError {
+    fn refuse(text: &str) -> Diagnostic {
         parse_obj(text.as_bytes()).unwrap_err()
     }
 
@@ -200,7 +172,10 @@ mod tests {
         }
         assert_eq!(refuse("binary \0 rubbish").message, "the file is binary, not OBJ");
         let library = refuse("newmtl red\nKd 1 0 0\n");
-        assert_eq!((library.at, library.message.as_str()), (None, "the file is a material library, not OBJ"));
+        assert_eq!(
+            (library.position(), library.message.as_str()),
+            (None, "the file is a material library, not OBJ")
+        );
     }
 
     #[test]
@@ -214,7 +189,7 @@ mod tests {
             (b"glTF\x02\0\0\0", "binary glTF"),
         ] {
             let error = parse_obj(bytes).unwrap_err();
-            assert_eq!((error.at, error.message), (None, format!("the file is {format}, not OBJ")));
+            assert_eq!((error.position(), error.message), (None, format!("the file is {format}, not OBJ")));
         }
     }
 
@@ -276,11 +251,12 @@ mod tests {
                 let text = format!("{SQUARE}{before}{after}\n\nf 1 2 3\n").replace('\n', end);
                 let at = Position { line: 5, column: before.len() as u32 + 1 };
                 let error = refuse(&text);
-                assert_eq!((error.at, error.message), (Some(at), message), "{marked}");
+                assert_eq!((error.position(), &error.message), (Some(at), &message), "{marked}");
                 assert_eq!(error.hint.is_some(), !hint.is_empty(), "{marked}");
-                assert!(error.hint.unwrap_or_default().starts_with(hint), "{marked}");
+                assert!(error.hint.clone().unwrap_or_default().starts_with(hint), "{marked}");
                 let line = format!("{before}{after}").replace('\0', "\u{fffd}");
-                assert!(excerpt(text.as_bytes(), at).starts_with(&format!("    5 | {line}\n")), "{marked}");
+                let shown = error.in_text(Path::new("m"), &super::text(text.as_bytes())).to_string();
+                assert!(shown.contains(&format!("\n    5 | {line}\n")), "{marked}");
             }
         }
     }
@@ -307,7 +283,7 @@ mod tests {
             let at = Some(Position { line: 5, column: 3 + marked.find('@').unwrap() as u32 });
             // The first of them that a face uses counts.
             let error = refuse(&format!("{SQUARE}v {vertex}\nv 0 0 inf\nv nan 0 0\nf 1 2 7\nf 1 2 5\n"));
-            assert_eq!((error.at, error.message.as_str()), (at, message), "{vertex}");
+            assert_eq!((error.position(), error.message.as_str()), (at, message), "{vertex}");
             assert_eq!(error.hint, hint.clone().filter(|_| message == zero_weight), "{vertex}");
             assert_eq!(read(&format!("{SQUARE}v {vertex}\nf 1 2 3\n")).vertices.len(), 3, "{vertex}");
         }
@@ -352,14 +328,14 @@ mod tests {
         );
         let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false).unwrap();
         assert_eq!(mesh.triangles.len(), 1 + 1 + 1);
-        let said: Vec<_> = doubts.iter().map(ToString::to_string).collect();
+        let said: Vec<_> = doubts.iter().map(Diagnostic::headline).collect();
         assert_eq!(
             said,
             [
-                "line 5: `F` is no keyword of OBJ, and its line is left out (and 1 more)",
-                "line 8: a curved surface is left out",
-                "line 9: the outline of the polygon crosses itself (and 1 more)",
-                "line 11: the outline of the polygon encloses nothing (and 2 more)",
+                "line 5, column 1: warning: `F` is no keyword of OBJ, and its line is left out (and 1 more)",
+                "line 8, column 2: warning: a curved surface is left out",
+                "line 9, column 1: warning: the outline of the polygon crosses itself (and 1 more)",
+                "line 11, column 1: warning: the outline of the polygon encloses nothing (and 2 more)",
             ]
         );
         let hints: Vec<_> = doubts.iter().map(|doubt| doubt.hint.clone().unwrap_or_default()).collect();
@@ -372,10 +348,11 @@ mod tests {
         let at = Position { line: 2, column: 5 };
         let error = parse_obj(text).unwrap_err();
         assert_eq!(
-            (error.at, error.message),
+            (error.position(), error.message.clone()),
             (Some(at), "a vertex needs three numbers, and `\u{fffd}` is none".to_owned())
         );
-        assert_eq!(excerpt(text, at), "    2 | v 0 \u{fffd} 0\n      |     ^");
+        let shown = error.in_text(Path::new("m"), &super::text(text)).to_string();
+        assert!(shown.ends_with("\n    2 | v 0 \u{fffd} 0\n      |     ^"), "{shown}");
     }
 
     #[test]
@@ -392,11 +369,11 @@ mod tests {
             let text = format!("{SQUARE}v 0 2 0\nf 1/1 -5 5//1\nf 2 3 {corner}\n#\nf 1 2 7\nf 1 2 8\n");
             let error = refuse(&text);
             assert!(error.message.ends_with("does not exist; the mesh has 5"), "{corner}");
-            assert_eq!(error.at.map(|at| at.line), Some(line), "{corner}");
+            assert_eq!(error.position().map(|at| at.line), Some(line), "{corner}");
         }
         // A negative index counts from its face, however many vertices follow.
         let text = format!("{SQUARE}f -1 -2 -4\nf -1 -2 -5\nv 0 2 0\n");
-        assert_eq!(refuse(&text).at, Some(Position { line: 6, column: 9 }));
+        assert_eq!(refuse(&text).position(), Some(Position { line: 6, column: 9 }));
     }
 
     #[test]
@@ -436,7 +413,7 @@ mod tests {
             assert_eq!(read(&text).texture_coordinates, [found], "{number}");
         }
         let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true).unwrap_err();
-        assert_eq!(error.to_string(), "line 5: a texture coordinate needs numbers, and `x` is none");
+        assert_eq!(error.message, "a texture coordinate needs numbers, and `x` is none");
         // A file without them has an empty list, also where faces name some.
         assert_eq!(read(&format!("{SQUARE}f 1/1 2/2 3/3\n")).texture_coordinates, []);
         // An index far out of range needs no memory.

@@ -6,10 +6,11 @@
 
 use super::foreign_format::foreign_without_faces;
 use super::keyword::nearest;
-use super::mesh::{MeshError, ObjFile};
+use super::mesh::ObjFile;
 use super::obj_lines::{COMMON, is_keyword, next_statement, position};
 use super::plain_obj::{digits, keep_used};
 use super::polygon::{OutlineFault, triangulate};
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::escape::quoted;
 use glam::{DVec2, DVec3};
 use std::io::Write as _;
@@ -17,7 +18,7 @@ use tobj::{LoadError, LoadOptions, load_obj_buf};
 
 /// Reads a mesh from a text without a byte order mark, with its texture coordinates if they matter.
 /// Errors: the first error found.
-pub fn read(text: &[u8], is_textured: bool) -> Result<ObjFile, MeshError> {
+pub fn read(text: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
     let read_with = |totals| read_normal(Normal { text, is_textured, totals, ..Normal::default() });
     // `tobj` checks numbers and indices, but does not say where one is wrong: a second reading finds the place.
     read_with(None).or_else(|_| {
@@ -30,12 +31,12 @@ pub fn read(text: &[u8], is_textured: bool) -> Result<ObjFile, MeshError> {
     })
 }
 
-fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, MeshError> {
+fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
     normal.read()?;
     let text = normal.text;
     let mut lines = normal.lines.as_slice();
     let read = load_obj_buf(&mut lines, &LoadOptions::default(), |_| Err(LoadError::OpenFileFailed));
-    let (models, _) = read.map_err(|error| MeshError { at: None, message: error.to_string(), hint: None })?;
+    let (models, _) = read?;
     let found = models.into_iter().next().map(|model| model.mesh).unwrap_or_default();
     let mut positions: Vec<DVec3> =
         found.positions.as_chunks().0.iter().copied().map(DVec3::from_array).collect();
@@ -86,24 +87,24 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, MeshError> {
     }
     let doubts = [normal.unknown, normal.surfaces, crossing, empty];
     file.doubts = doubts.into_iter().filter_map(Doubt::told).collect();
-    file.doubts.sort_by_key(|doubt| doubt.at.map(|at| (at.line, at.column)));
+    file.doubts.sort_by_key(|doubt| doubt.position().map(|at| (at.line, at.column)));
     Ok(file)
 }
 
 /// The first doubtful statement of its kind, and the number of others.
 #[derive(Default)]
-struct Doubt(Option<MeshError>, usize);
+struct Doubt(Option<Diagnostic>, usize);
 
 impl Doubt {
-    fn add(&mut self, describe: impl FnOnce() -> MeshError) {
+    fn add(&mut self, describe: impl FnOnce() -> Diagnostic) {
         self.1 += usize::from(self.0.is_some());
         self.0.get_or_insert_with(describe);
     }
 
-    fn told(self) -> Option<MeshError> {
+    fn told(self) -> Option<Diagnostic> {
         let first = self.0?;
         let others = if self.1 > 0 { format!(" (and {} more)", self.1) } else { String::new() };
-        Some(MeshError { message: first.message + &others, ..first })
+        Some(Diagnostic { severity: Severity::Warning, message: first.message + &others, ..first })
     }
 }
 
@@ -126,7 +127,7 @@ struct Normal<'a> {
 }
 
 impl<'a> Normal<'a> {
-    fn read(&mut self) -> Result<(), MeshError> {
+    fn read(&mut self) -> Result<(), Diagnostic> {
         let text = self.text;
         let (mut rest, mut words, mut has_lines) = (text, vec![], false);
         self.lines.reserve(text.len());
@@ -163,13 +164,16 @@ impl<'a> Normal<'a> {
             None if has_lines => ", only points, lines or curves".to_owned(),
             None => String::new(),
         };
-        let (at, hint) = doubt.map_or((None, None), |doubt| (doubt.at, doubt.hint));
-        Err(MeshError { at, message: format!("the mesh has no faces{why}"), hint })
+        let message = format!("the mesh has no faces{why}");
+        Err(match doubt {
+            Some(doubt) => Diagnostic { message, ..doubt },
+            None => Diagnostic::error(message),
+        })
     }
 
     /// Adds a vertex. One that is not finite is an error only if a face uses it: it becomes an infinite number, the
     /// offset of the word that is to blame, and 1 if that is a weight of 0.
-    fn vertex(&mut self, words: &[&'a [u8]]) -> Result<(), MeshError> {
+    fn vertex(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         let (count, rule) = (words.len() - 1, "a vertex needs three numbers");
         // A colour follows the position, of which only a weight is a part.
         let wanted = count.min(if count == 4 { 4 } else { 3 });
@@ -200,7 +204,7 @@ impl<'a> Normal<'a> {
     }
 
     /// Adds a texture coordinate, of which a missing number is 0.
-    fn coordinate(&mut self, words: &[&'a [u8]]) -> Result<(), MeshError> {
+    fn coordinate(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         let mut line: [&[u8]; 3] = [b"vt", b"0", b"0"];
         for (place, word) in line[1..].iter_mut().zip(&words[1..]) {
             let number = self.number(word, "a texture coordinate needs numbers")?;
@@ -220,7 +224,7 @@ impl<'a> Normal<'a> {
     }
 
     /// A number, on the second reading. Those that other programs write for what is not finite are not finite.
-    fn number(&self, word: &[u8], rule: &str) -> Result<f64, MeshError> {
+    fn number(&self, word: &[u8], rule: &str) -> Result<f64, Diagnostic> {
         if self.totals.is_none() {
             return Ok(1.0);
         }
@@ -234,12 +238,12 @@ impl<'a> Normal<'a> {
     }
 
     /// The error of a word that breaks a rule.
-    fn not(&self, word: &[u8], rule: &str, is_corner: bool) -> MeshError {
+    fn not(&self, word: &[u8], rule: &str, is_corner: bool) -> Diagnostic {
         let shown = String::from_utf8_lossy(word);
         fault(self.text, word, format!("{rule}, and {} is none", quoted(&*shown)), hint(&shown, is_corner))
     }
 
-    fn face(&mut self, words: &[&'a [u8]]) -> Result<(), MeshError> {
+    fn face(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         let [vertices, coordinates] = self.totals.unwrap_or([u32::MAX.into(), i64::MAX]);
         // A negative index counts back from the face.
         let absolute = |index: i64, known| if index < 0 { index.saturating_add(1 + known) } else { index };
@@ -282,8 +286,8 @@ impl<'a> Normal<'a> {
 }
 
 /// The error of a part of a text.
-fn fault(text: &[u8], part: &[u8], message: impl Into<String>, hint: Option<&str>) -> MeshError {
-    MeshError { at: Some(position(text, part)), message: message.into(), hint: hint.map(str::to_owned) }
+fn fault(text: &[u8], part: &[u8], message: impl Into<String>, hint: Option<&str>) -> Diagnostic {
+    Diagnostic { hint: hint.map(str::to_owned), ..Diagnostic::error(message) }.at(position(text, part))
 }
 
 /// The indices of a corner, which are 0 where there is none. It is of the form `v`, `v/vt`, `v//vn` or `v/vt/vn`, also with

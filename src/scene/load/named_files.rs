@@ -1,7 +1,7 @@
 //! The files that a scene names: where its meshes and its pictures lie, and what is in them.
 
 use super::FoundMesh;
-use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::diagnostic::{Diagnostic, Place};
 use crate::escape::{escape, quoted};
 use crate::image_io::read_picture;
 use crate::memory::{self, NoMemory};
@@ -68,14 +68,9 @@ pub fn mesh_unreadable(name: &str, at: Position, tried: &[(String, String)]) -> 
 pub fn in_mesh(found: Diagnostic, named_at: Position, file: &str, bytes: &[u8]) -> Diagnostic {
     let line = found.position().map(|at| format!("line {}: ", at.line)).unwrap_or_default();
     let message = format!("in the mesh {}: {line}{}", quoted(file), found.message);
-    let of_mesh = |place: Place| Place {
-        file: file.into(),
-        excerpt: place.at.map(|at| mesh::excerpt(bytes, at)).unwrap_or_default(),
-        ..place
-    };
-    let scene = Place { at: Some(named_at), ..Place::default() };
-    let places = [scene].into_iter().chain(found.places.into_iter().map(of_mesh)).collect();
-    Diagnostic { message, places, ..found }
+    let mut found = found.in_text(Path::new(file), &mesh::text(bytes));
+    found.places.insert(0, Place { at: Some(named_at), ..Place::default() });
+    Diagnostic { message, ..found }
 }
 
 /// Reads the mesh that a scene names from the first place where it can be read.
@@ -91,12 +86,8 @@ pub fn read_mesh(
             Ok(bytes) => {
                 announce(bytes.len());
                 let in_mesh = |found| in_mesh(found, *at, &lossy(&place), &bytes);
-                let mut content = read_obj(&bytes, is_textured)
-                    .map_err(|error| in_mesh(error.diagnostic(Severity::Error)))?;
-                let warnings = std::mem::take(&mut content.doubts)
-                    .into_iter()
-                    .map(|doubt| in_mesh(doubt.diagnostic(Severity::Warning)))
-                    .collect();
+                let content = read_obj(&bytes, is_textured).map_err(in_mesh)?;
+                let warnings = content.doubts.iter().map(|doubt| in_mesh(doubt.clone())).collect();
                 return Ok(FoundMesh { content, file: place, warnings });
             }
             Err(reason) => tried.push((lossy(&place), reason)),

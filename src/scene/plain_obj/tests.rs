@@ -7,7 +7,7 @@ fn read(text: &str) -> Option<Mesh> {
     parse(text.as_bytes()).map(|(mesh, _)| mesh)
 }
 
-fn parse_obj_fully(text: &[u8]) -> Result<Mesh, crate::scene::mesh::MeshError> {
+fn parse_obj_fully(text: &[u8]) -> Result<Mesh, crate::diagnostic::Diagnostic> {
     obj_reader::read(text, false).map(|file| file.mesh)
 }
 

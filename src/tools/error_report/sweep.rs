@@ -248,7 +248,7 @@ impl<'a> Sweep<'a> {
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
             Ok(counts) => Ok(Some((picture, counts.rays()))),
             Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
-            Err(stopped @ Stopped::Rays) => Err(Diagnostic::error(stopped.to_string())),
+            Err(Stopped::Rays) => Err(Stopped::Rays.into()),
             Err(Stopped::Memory(_)) => {
                 let [width, height] = request.window_size();
                 Err(BadSize { width, height }.into())
