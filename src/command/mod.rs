@@ -22,7 +22,7 @@ mod error_report;
 
 use log::Log;
 use raytracer::cli::{self, Command, Options, ShowProgress};
-use raytracer::distinct_files::SameFile;
+use raytracer::image_io::SameFile;
 use signals::Signals;
 use std::ffi::OsString;
 use std::fmt::Display;

@@ -12,8 +12,9 @@ use super::stopped::{self, upper};
 use super::{End, Outcome, failed, threads, warnings};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
-use raytracer::distinct_files::{ReadFile, Written, check_distinct};
-use raytracer::image_io::{CompleteFile, Exceptional, Format, OutputFile, part_beside};
+use raytracer::image_io::{
+    CompleteFile, Exceptional, Format, OutputFile, ReadFile, Written, check_distinct, part_beside,
+};
 use raytracer::memory::Bytes;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};

@@ -3,9 +3,8 @@
 use super::http::Answer;
 use super::painter::{Painter, Purpose, Subject};
 use crate::cli::Output;
-use crate::distinct_files::{SameFile, Written, check_distinct};
 use crate::escape::quoted;
-use crate::image_io::{CompleteFile, Content, OutputFile, put_in_place};
+use crate::image_io::{CompleteFile, Content, OutputFile, SameFile, Written, check_distinct, put_in_place};
 use crate::render::{Layer, Progress};
 use crate::scene::Color;
 use crate::scene::edition::Edition;

@@ -3,7 +3,7 @@
 mod error;
 mod named_files;
 
-use crate::base::distinct_files::ReadFile;
+use crate::image_io::ReadFile;
 use crate::scene::edition::{Choice, Clues, Edition};
 use crate::scene::error::SceneError;
 use crate::scene::foreign_format::is_wide_text;

@@ -151,10 +151,6 @@ fn a_refusal_says_how_much_would_be_needed() {
         ("-input plain.txt", "plain.txt: error: not enough memory: at least 3.1 MB are needed"),
         ("-input copies.txt", "copies.txt: error: not enough memory: at least 10.8 MB are needed"),
         ("-input one.txt -grid 900 900 900", "error: the grid does not fit into memory"),
-        (
-            "-input one.txt -size 1 5000 -threads 4096",
-            "error: `-threads`: the system does not start the threads: ",
-        ),
     ] {
         let message = run_within(&folder, least(&folder) + 1500, line).message(1);
         let errors = message.lines().filter(|line| !line.starts_with("warning: "));
