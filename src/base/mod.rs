@@ -1,5 +1,6 @@
 //! What every module may use.
 
+pub mod diagnostic;
 pub mod escape;
 pub mod memory;
 pub mod shell;

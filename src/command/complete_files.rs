@@ -4,6 +4,7 @@ use super::log::Log;
 use super::signals::Signals;
 use super::{End, failed};
 use raytracer::cli::Output;
+use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{CompleteFile, ImageError, OutputFile, put_in_place};
 use std::io::ErrorKind;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,7 +16,7 @@ pub struct CompleteFiles(Arc<Mutex<Vec<CompleteFile>>>);
 impl CompleteFiles {
     /// Adds a file. A pipe, a device or standard output is written at once, which may wait for a reader; one that has
     /// gone away has seen enough.
-    pub fn add(&self, file: CompleteFile) -> Result<(), String> {
+    pub fn add(&self, file: CompleteFile) -> Result<(), Diagnostic> {
         match file.write_stream() {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
             written => self.files().extend(written.map_err(failed)?),
@@ -28,7 +29,7 @@ impl CompleteFiles {
         let own = Self(self.0.clone());
         signals.before_end(move || {
             if let Err(error) = own.name_all() {
-                Log::default().tell(&failed(error));
+                Log::default().report(&failed(error));
             }
         });
         let Err(end) = signals.end_at_once() else { return Ok(()) };
@@ -54,7 +55,7 @@ impl CompleteFiles {
 }
 
 /// Checks that a picture can be written.
-pub fn prepare(output: &Output) -> Result<OutputFile, String> {
+pub fn prepare(output: &Output) -> Result<OutputFile, Diagnostic> {
     match output.is_standard_output() {
         true => Ok(OutputFile::standard_output()),
         false => OutputFile::prepare(&output.file).map_err(failed),

@@ -7,6 +7,7 @@ use super::{End, Outcome, failed, threads};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
+use raytracer::diagnostic::{Diagnostic, Severity};
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, Written, check_distinct, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
@@ -16,7 +17,7 @@ use raytracer::shell::Shell;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
-use raytracer::tools::warnings::{Severity, Warning};
+use raytracer::tools::warnings::Warning;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -62,7 +63,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     }
     put_in_place(vec![page_file, csv_file]).map_err(failed)?;
     if report.measured() < report.planned {
-        log.tell("note: the run was ended; the report has what was measured until then");
+        log.note("the run was ended; the report has what was measured until then");
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let outcome = Outcome::of_text(text(&report, &answers, Shell::OF_SYSTEM));
@@ -70,7 +71,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
 }
 
 /// The page and the table in a folder, which is made if there is none.
-fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], String> {
+fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
     let folder = &reporting.folder;
     let unwritable = |error| failed(format!("cannot make the folder {}: {error}", quoted(folder)));
     fs::create_dir_all(folder).map_err(unwritable)?;
@@ -81,24 +82,22 @@ fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], String> {
 fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(Renderer, Options), End> {
     let options = &reporting.options;
     let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads
-        .install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))
-        .map_err(|error| error.to_string())?;
+    let loaded = threads.install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))?;
     let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
     check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))?;
     if loaded.scene.lights.is_empty() {
-        log.tell("WARNING:  No lights specified");
+        log.report(&Warning::NoLights.diagnostic(&loaded.source, Severity::Warning));
     }
     if let Some(note) = loaded.choice.note() {
-        log.tell(&format!("note: {note}"));
+        log.note(&note);
     }
     if let Some(doubt) = loaded.choice.doubt() {
-        log.tell(&Warning::OpenEdition(doubt).render(&loaded.source, Severity::Warning));
+        log.report(&Warning::OpenEdition(doubt).diagnostic(&loaded.source, Severity::Warning));
     }
     let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.
     let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
-    Ok((renderer.map_err(|error| error.to_string())?, options))
+    Ok((renderer?, options))
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

@@ -12,6 +12,7 @@ use super::stopped::{self, upper};
 use super::{End, Outcome, failed, threads, warnings};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{
     CompleteFile, Exceptional, Format, OutputFile, ReadFile, Written, check_distinct, part_beside,
 };
@@ -50,13 +51,13 @@ pub fn run(
 
     // Load the scene.
     let mut clock = Clock(Instant::now());
-    let mut loaded = load_announcing(input, &options.hints(), &|_| ()).map_err(|error| error.to_string())?;
+    let mut loaded = load_announcing(input, &options.hints(), &|_| ())?;
 
     // Settle the options.
     let options = &options.in_edition(loaded.choice.edition);
     check_distinct(written(options), read(input, options, &loaded))?;
     if let Some(note) = loaded.choice.note() {
-        log.tell(&format!("note: {note}"));
+        log.note(&note);
     }
     let reading = clock.lap();
     let pair = Pair::open(options, log)?;
@@ -64,7 +65,7 @@ pub fn run(
     // Prepare.
     let mut doubts = warnings::about_scene(&mut loaded, options);
     let places = std::mem::take(&mut loaded.places);
-    let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
+    let renderer = Renderer::new(loaded, meshes(options))?;
     if !options.visualize_grid {
         doubts.extend(lights_without_effect(&renderer.scene, renderer.world(), &places, &options.effects));
     }
@@ -81,7 +82,7 @@ pub fn run(
 
     // Open the outputs.
     let open = |output: &Output| Ok((complete_files::prepare(output)?, output.format));
-    let pictures = options.outputs.iter().map(open).collect::<Result<_, String>>()?;
+    let pictures = options.outputs.iter().map(open).collect::<Result<_, Diagnostic>>()?;
     let difference = compare::open_difference(options)?;
     let document = options.json_file().map(OutputFile::prepare).transpose().map_err(failed)?;
     let mut products = begin(pictures, kept, &prepared, &request)?;
@@ -173,7 +174,7 @@ fn begin(
     kept: Option<Layer>,
     prepared: &Prepared,
     request: &Request,
-) -> Result<Products, String> {
+) -> Result<Products, Diagnostic> {
     let part = |layer| fingerprint::part(prepared, request, request.window?, layer);
     let mut products = Products::begin(files, request, &part)?;
     if let Some(layer) = kept {
@@ -198,7 +199,7 @@ struct Run<'r> {
 
 impl Run<'_> {
     /// Returns what was counted, or the number of complete rows if a signal came.
-    fn render_rows(&self, products: &mut Products) -> Result<Result<Counts, usize>, String> {
+    fn render_rows(&self, products: &mut Products) -> Result<Result<Counts, usize>, Diagnostic> {
         let mut failure = None;
         let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
             Ok(()) => ControlFlow::Continue(()),
@@ -259,7 +260,7 @@ impl Run<'_> {
         }
     }
 
-    fn standard_error(&self) -> Result<Option<f64>, String> {
+    fn standard_error(&self) -> Result<Option<f64>, Diagnostic> {
         if !self.options.stats || !has_standard_error(self.request) {
             return Ok(None);
         }
@@ -267,7 +268,7 @@ impl Run<'_> {
     }
 
     /// Returns the times of `count` renderings, of which the first took this time. The others leave nothing behind.
-    fn repeated(&self, count: u32, first: Duration) -> Result<Repeats, String> {
+    fn repeated(&self, count: u32, first: Duration) -> Result<Repeats, Diagnostic> {
         let progress = ProgressLine::new(self.options.progress);
         let mut times = vec![first];
         for number in 2..=count {
@@ -312,7 +313,7 @@ fn explanation(
     renderer: &Renderer,
     prepared: Prepared,
     pixel: [usize; 2],
-) -> Result<Option<PixelTree>, String> {
+) -> Result<Option<PixelTree>, Diagnostic> {
     let request = options.request();
     let prepared = match prepared.tracing() {
         Tracing::Counted => prepared,
@@ -331,7 +332,7 @@ fn prepare<'r>(
     renderer: &'r Renderer,
     request: &Request,
     tracing: Tracing,
-) -> Result<Prepared<'r>, String> {
+) -> Result<Prepared<'r>, Diagnostic> {
     let prepared = match options.structure {
         Structure::Grid(grid) if options.visualize_grid => {
             renderer.prepare_cells(grid, request.camera_rays(), tracing)
