@@ -148,8 +148,10 @@ impl Scenes {
         if primitives > MAX_PRIMITIVES {
             return refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives"));
         }
-        if lights > MAX_LIGHTS {
-            return refused(format!("a page opens scenes of at most {MAX_LIGHTS} lights"));
+        if lights.saturating_mul(primitives) > MAX_LIGHT_PAIRS {
+            return refused(format!(
+                "{lights} lights and {primitives} primitives are more than a page opens"
+            ));
         }
         if let Err(error) = memory::ask(primitives as u64 * BYTES_PER_PRIMITIVE) {
             return refused(error.to_string());
