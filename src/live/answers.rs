@@ -228,7 +228,7 @@ impl App {
         let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         let counts = costs.iter().flat_map(|report| report.map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
-        // Which edition the words of the scene tell depends on the pictures that are written, too.
+        // A command that names the edition has nothing to say of it.
         let mut words = wanted.view.words;
         if scene.choice.because.is_some() {
             words.extend(["-edition".to_owned(), scene.choice.edition.to_string()]);
@@ -316,8 +316,8 @@ impl App {
     /// What the page needs to know of a scene to turn it, and of the edition that it was read in.
     fn description(&self, scene: &OpenScene) -> Value {
         let (renderer, choice) = (&scene.renderer, &scene.choice);
-        let named = ["-edition".to_owned(), choice.edition.to_string()];
-        let defaults = self.most.options(&named).map(|options| options.effects).unwrap_or_default();
+        let defaults = self.most.options(&[]).map(|options| options.in_edition(choice.edition).effects);
+        let defaults = defaults.unwrap_or_default();
         json!({
             "revision": scene.revision,
             "camera": camera_values(&renderer.scene.camera, renderer.scene.model.screen),
