@@ -379,8 +379,8 @@ impl Session {
     /// Returns what the page needs to know of a scene to turn it, and of the edition that it was read in.
     fn description(&self, scene: &OpenScene) -> Value {
         let (renderer, choice) = (&scene.renderer, &scene.choice);
-        let named = ["-edition".to_owned(), choice.edition.to_string()];
-        let defaults = self.most.options(&named).map(|options| options.effects).unwrap_or_default();
+        let defaults = self.most.options(&[]).map(|options| options.in_edition(choice.edition).effects);
+        let defaults = defaults.unwrap_or_default();
         json!({
             "revision": scene.revision,
             "camera": camera_values(&renderer.scene.camera, renderer.scene.model.screen),

@@ -4,7 +4,7 @@ mod error;
 mod named_files;
 
 use crate::image_io::ReadFile;
-use crate::scene::edition::{Choice, Clues, Edition};
+use crate::scene::edition::{Choice, Edition};
 use crate::scene::error::SceneError;
 use crate::scene::foreign_format::is_wide_text;
 use crate::scene::lexer::Lexer;
@@ -14,7 +14,7 @@ use crate::scene::model::Shows;
 use crate::scene::parser::{Places, Reading, read_in};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::warning::SceneWarning;
-use crate::scene::{MeshFile, Object, Position, Scene};
+use crate::scene::{MeshFile, Position, Scene};
 pub use error::LoadError;
 pub use named_files::mesh_places;
 use named_files::{find_texels, hint_to_name, read_mesh};
@@ -56,27 +56,8 @@ impl LoadedScene {
 pub struct Hints {
     /// The edition, if somebody has named it.
     pub edition: Option<Edition>,
-    /// The endings of the pictures that are written of it, without the dot.
-    pub endings: Vec<String>,
     /// Whether the places of pixels are shown in place of the scene.
     pub shows_places: bool,
-}
-
-/// Those, and the files beside a scene.
-struct Around<'a> {
-    hints: &'a Hints,
-    folder: &'a Path,
-}
-
-impl Clues for Around<'_> {
-    fn has_face(&self, folder: &str, ending: &str) -> bool {
-        let name = format!("{folder}/right.{ending}");
-        mesh_places(&name, self.folder, Edition::Y2019).iter().any(|place| place.is_file())
-    }
-
-    fn writes(&self, ending: &str) -> bool {
-        self.hints.endings.iter().any(|written| written.eq_ignore_ascii_case(ending))
-    }
 }
 
 /// A scene's text, without a byte order mark, and the file that it comes from.
@@ -167,8 +148,7 @@ pub struct Readers<'a> {
 
 /// Reads a scene from its text, and the files that it names.
 pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, LoadError> {
-    let folder = source.path.parent().unwrap_or(Path::new(""));
-    let read = read_words(&source.text, Around { hints, folder }).and_then(|(choice, mut reading)| {
+    let read = read_words(&source.text, hints.edition).and_then(|(choice, mut reading)| {
         let found = read_files(&mut reading.scene, choice.edition, readers)?;
         Ok((choice, reading, found))
     });
@@ -191,19 +171,21 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
     }
 }
 
-/// Reads a scene in the language of the edition that the hints name. Without one it is that of 2004, and if the scene is
-/// not written in it, that which its words and the files around it tell.
-fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), SceneError> {
-    let named = around.hints.edition;
+/// Reads a scene in the language of the edition that is named. Without one it is that of 2004, and if the scene is not
+/// written in it, that which its words tell.
+fn read_words(text: &str, named: Option<Edition>) -> Result<(Choice, Reading), SceneError> {
     let edition = named.unwrap_or_default();
     let error = match read_in(edition, text) {
-        Ok(reading) => return Ok(told_by_pictures(text, &around, reading)),
+        Ok(reading) => return Ok((Choice { edition, ..Choice::default() }, reading)),
         Err(error) => error,
     };
-    let found = if named.is_none() { Edition::of_words(text, &around) } else { None };
-    let Some(choice) = found else { return Err(error) };
+    let told = if named.is_none() { Edition::of_words(text) } else { None };
+    let Some(mut choice) = told else { return Err(error) };
     match read_in(choice.edition, text) {
-        Ok(reading) => Ok((choice, reading)),
+        Ok(reading) => {
+            choice.others.retain(|&other| read_in(other, text).is_ok());
+            Ok((choice, reading))
+        }
         Err(error) => {
             let because = choice.because.unwrap_or_default();
             let read =
@@ -226,27 +208,6 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-/// A scene that has been read in the language of the edition that is named or, without one, of 2004. If later editions
-/// have its words too, the pictures that are written of it may tell which one is meant.
-fn told_by_pictures(text: &str, around: &Around, reading: Reading) -> (Choice, Reading) {
-    let choice = Choice { edition: around.hints.edition.unwrap_or_default(), ..Choice::default() };
-    // The pictures of 2004 are TGA.
-    let is_told = around.hints.edition.is_some() || around.hints.endings.is_empty() || around.writes("tga");
-    let is_of_2003 = |object: &Object| matches!(object, Object::Box { .. } | Object::Grid { .. });
-    if is_told || reading.scene.objects.iter().any(is_of_2003) {
-        return (choice, reading);
-    }
-    if around.writes("bmp")
-        && let Ok(reading) = read_in(Edition::Y2012A4, text)
-    {
-        let because = Some("the picture in BMP".to_owned());
-        return (Choice { edition: Edition::Y2012A4, because, ..choice }, reading);
-    }
-    let later = [Edition::Y2019, Edition::Y2012A4, Edition::Y2012A5];
-    let others = later.into_iter().filter(|&edition| read_in(edition, text).is_ok()).collect();
-    (Choice { others, ..choice }, reading)
-}
-
 /// Reads the meshes and the pictures that a scene names.
 fn read_files(scene: &mut Scene, edition: Edition, readers: Readers) -> Result<Vec<FoundMesh>, SceneError> {
     let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image { .. }));
@@ -265,7 +226,7 @@ pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
     let text = bytes.and_then(|bytes| decode(scene, bytes).ok());
     let folder = scene.parent().unwrap_or(Path::new(""));
-    let read = |text: String| read_words(&text, Around { hints, folder });
+    let read = |text: String| read_words(&text, hints.edition);
     let Some(Ok((choice, Reading { scene: named, .. }))) = text.map(read) else { return vec![] };
     let find =
         |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));

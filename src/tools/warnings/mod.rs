@@ -34,7 +34,7 @@ use view::Sight;
 pub enum Warning {
     /// A doubtful place in the scene's text.
     Text(SceneWarning),
-    /// A scene that several editions read, and nothing tells which one is meant: the problem and a hint.
+    /// A scene whose words leave open which edition is meant: the problem and a hint.
     OpenEdition([String; 2]),
     /// A scene without lights.
     NoLights,
