@@ -18,7 +18,7 @@ use std::path::Path;
 pub fn check_scene(text: &str) {
     let scene = match parse(text) {
         Ok(scene) => scene,
-        Err(error) => return drop(error.render(Path::new("scene.txt"), text)),
+        Err(error) => return drop(error.diagnostic(Path::new("scene.txt"), text)),
     };
     let is_small = scene.objects.len() <= 60
         && scene.materials.len() <= 30
@@ -30,7 +30,7 @@ pub fn check_scene(text: &str) {
     let meshes: Vec<Mesh> = meshes().into_iter().cycle().take(scene.meshes.len()).collect();
     match World::new(&scene, &meshes) {
         Ok(world) => check_pictures(&scene, &world),
-        Err(error) => drop(error.render(Path::new("scene.txt"), text)),
+        Err(error) => drop(error.diagnostic(Path::new("scene.txt"), text)),
     }
 }
 

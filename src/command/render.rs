@@ -21,7 +21,7 @@ use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::scene::Color;
 use raytracer::scene::edition::Edition;
-use raytracer::scene::load::{LoadedScene, load_announcing};
+use raytracer::scene::load::{LoadedScene, load_with};
 use raytracer::scene::parser::Places;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
@@ -51,7 +51,7 @@ pub fn run(
 
     // Load the scene.
     let mut clock = Clock(Instant::now());
-    let mut loaded = load_announcing(input, &options.hints(), &|_| ())?;
+    let mut loaded = load_with(input, &options.hints())?;
 
     // Settle the options.
     let options = &options.in_edition(loaded.choice.edition);

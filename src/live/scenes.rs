@@ -48,7 +48,7 @@ pub struct Scenes {
 impl Scenes {
     /// Opens the scene of the command line.
     pub fn open(path: &Path, hints: Hints) -> Result<Self, LoadError> {
-        let loaded = scene_io::load_announcing(path, &hints, &|_| ())?;
+        let loaded = scene_io::load_with(path, &hints)?;
         let choice = loaded.choice.clone();
         let renderer = Renderer::new(loaded, Meshes::Kept)?;
         let first = Arc::new(OpenScene { revision: 0, named: hints.edition, choice, renderer });

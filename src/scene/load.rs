@@ -77,33 +77,19 @@ const LONGEST_STREAM: u64 = 1 << 28;
 /// A mesh is looked for in the working directory and then beside the scene, and read once however
 /// often it is named. Errors: an unreadable or malformed scene, or mesh.
 pub fn load(path: &Path) -> Result<LoadedScene, LoadError> {
-    load_announcing(path, &Hints::default(), &|_| ())
+    load_with(path, &Hints::default())
 }
 
-/// The same, with what is known of the scene's edition. `announce` is told the size of each mesh's file, in bytes, before
-/// it is parsed.
-pub fn load_announcing(
-    path: &Path,
-    hints: &Hints,
-    announce: &dyn Fn(usize),
-) -> Result<LoadedScene, LoadError> {
+/// Reads a scene like [`load`], of which more is known than its words.
+pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, LoadError> {
     let is_standard_input = path == Path::new("-");
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
     let bytes = bytes.map_err(|error| LoadError::Unreadable { path: path.to_owned(), error })?;
-    load_source(Source { path: path.to_owned(), text: decode(path, bytes)? }, hints, announce)
-}
-
-/// Reads a scene from the text of its file.
-pub fn load_source(
-    source: Source,
-    hints: &Hints,
-    announce: &dyn Fn(usize),
-) -> Result<LoadedScene, LoadError> {
-    let path = source.path.clone();
+    let source = Source { path: path.to_owned(), text: decode(path, bytes)? };
     let directory = path.parent().unwrap_or(Path::new(""));
     let read = |file: &MeshFile, edition, is_textured| {
-        read_mesh(file, (directory, edition), is_textured, announce).map_err(|problem| SceneError {
+        read_mesh(file, (directory, edition), is_textured).map_err(|problem| SceneError {
             at: file.at,
             hint: problem.mesh_hint().or_else(|| hint_to_name(&problem, directory)),
             problem,

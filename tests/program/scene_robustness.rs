@@ -75,7 +75,7 @@ fn no_deleted_doubled_or_replaced_word_panics() {
         ] {
             let text = format!("{before}{changed}{behind}");
             if let Err(error) = parse(&text) {
-                let _ = error.render(Path::new("a"), &text);
+                let _ = error.diagnostic(Path::new("a"), &text).to_string();
             }
         }
     }
@@ -205,7 +205,7 @@ fn words_and_lines_of_a_megabyte_give_short_messages() {
     for text in
         ["x".repeat(1 << 20), format!("{}x", " ".repeat(1 << 20)), "}".repeat(1 << 20), "\n".repeat(1 << 20)]
     {
-        let rendered = refuse(&text).render(Path::new("a"), &text);
+        let rendered = refuse(&text).diagnostic(Path::new("a"), &text).to_string();
         assert!(rendered.len() < 2_000, "{} bytes", rendered.len());
     }
 }

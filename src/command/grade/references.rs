@@ -121,7 +121,7 @@ impl References {
 /// The scene, and the options as its edition settles them.
 fn renderer(options: &Options) -> Result<(Renderer, Options), String> {
     let input = options.input.as_deref().ok_or("there is no scene")?;
-    let loaded = scene_io::load_announcing(input, &options.hints(), &|_| ());
+    let loaded = scene_io::load_with(input, &options.hints());
     let renderer = loaded.and_then(|loaded| {
         let options = options.in_edition(loaded.choice.edition);
         Ok((Renderer::new(loaded, Meshes::Kept)?, options))

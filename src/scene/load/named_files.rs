@@ -59,13 +59,11 @@ pub fn read_mesh(
     MeshFile { name, at, .. }: &MeshFile,
     (scene_directory, edition): (&Path, Edition),
     is_textured: bool,
-    announce: &dyn Fn(usize),
 ) -> Result<FoundMesh, Problem> {
     let mut tried = Vec::new();
     for place in mesh_places(name, scene_directory, edition) {
         match read_mesh_file(&place)? {
             Ok(bytes) => {
-                announce(bytes.len());
                 let content = read_obj(&bytes, is_textured)
                     .map_err(|error| Problem::of_mesh(lossy(&place), error, &bytes))?;
                 let warning = |doubt: &_| SceneWarning::in_mesh(*at, lossy(&place), doubt, &bytes);
