@@ -198,7 +198,7 @@ fn the_live_page_refuses_beforehand_and_goes_on() {
     let refused = |size: &str| format!("not enough memory: at least {size} are needed");
     assert_eq!(picture("-size 2000 2000").unwrap_err().1.trim_end(), refused("256.0 MB"));
     assert_eq!(typed(1, "large.obj"), Some(refused("174.5 MB")));
-    assert_eq!(typed(50, "m.obj"), Some(refused("384.0 MB")));
+    assert_eq!(typed(30, "m.obj"), Some(refused("230.4 MB")));
     assert_eq!((typed(1, "m.obj"), picture("-size 20 20")), (None, Ok(())));
 }
 
