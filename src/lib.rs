@@ -46,7 +46,6 @@ pub mod shell;
 pub mod memory;
 #[doc(hidden)]
 pub mod undisturbed;
-mod near_names;
 #[doc(hidden)]
 pub mod math;
 pub mod scene;

@@ -2,6 +2,7 @@
 
 mod error;
 mod named_files;
+mod near_names;
 
 use crate::scene::edition::{Choice, Edition};
 use crate::scene::error::SceneError;

@@ -1,8 +1,8 @@
 //! Why a scene could not be loaded.
 
 use super::Source;
+use super::near_names::nearest_file;
 use crate::escape::quoted;
-use crate::near_names::nearest_file;
 use crate::scene::Position;
 use crate::scene::error::{SceneError, located};
 use std::fmt;

@@ -1,10 +1,10 @@
 //! The files that a scene names: where its meshes and its pictures lie, and what is in them.
 
 use super::FoundMesh;
+use super::near_names::nearest_file;
 use crate::escape::escape;
 use crate::image_io::read_picture;
 use crate::memory;
-use crate::near_names::nearest_file;
 use crate::scene::MeshFile;
 use crate::scene::edition::Edition;
 use crate::scene::error::Problem;
