@@ -2,6 +2,7 @@
 
 mod error;
 mod named_files;
+mod near_names;
 
 use crate::image_io::ReadFile;
 use crate::scene::edition::{Choice, Edition};

@@ -15,7 +15,6 @@ mod list;
 pub mod load;
 pub mod material;
 pub mod mesh;
-mod near_names;
 mod object;
 mod mesh_error;
 pub mod model;

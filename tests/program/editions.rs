@@ -316,7 +316,7 @@ fn words_that_leave_the_edition_open_are_a_warning_with_the_flags() {
             );
             assert_eq!(stderr, warning);
             let message = folder.run(&format!("-input s.txt -size 9 9 {picture} -strict")).message(1);
-            assert!(message.starts_with(&warning.replace("warning", "error").trim_end()), "{message}");
+            assert!(message.starts_with(warning.replace("warning", "error").trim_end()), "{message}");
             let named = folder.run(&format!("-input s.txt -size 9 9 {picture} -edition 2012a5")).ok();
             assert_eq!(named.stderr, "");
         }

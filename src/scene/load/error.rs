@@ -1,11 +1,11 @@
 //! Why a scene could not be loaded.
 
 use super::Source;
+use super::near_names::nearest_file;
 use crate::diagnostic::Diagnostic;
 use crate::escape::quoted;
 use crate::scene::Position;
 use crate::scene::error::SceneError;
-use crate::scene::near_names::nearest_file;
 use std::fmt;
 use std::path::PathBuf;
 

@@ -1,6 +1,7 @@
 //! The files that a scene names: where its meshes and its pictures lie, and what is in them.
 
 use super::FoundMesh;
+use super::near_names::nearest_file;
 use crate::escape::escape;
 use crate::image_io::read_picture;
 use crate::memory;
@@ -8,7 +9,6 @@ use crate::scene::MeshFile;
 use crate::scene::edition::Edition;
 use crate::scene::error::Problem;
 use crate::scene::mesh::{memory_for, read_obj};
-use crate::scene::near_names::nearest_file;
 use crate::scene::texels::Texels;
 use crate::scene::warning::SceneWarning;
 use std::fs;
