@@ -144,13 +144,16 @@ impl Camera {
         row: usize,
         offsets: [DVec2; 4],
     ) -> [Ray; 4] {
-        let [o, p, q, r] = offsets;
-        let pixels =
-            [f64x4::simd_from(simd, columns.map(|column| column as f64)), f64x4::splat(simd, row as f64)];
+        // Each lane is named, since an array's `map` is not always inlined.
+        let ([i, j, k, l], [o, p, q, r]) = (columns, offsets);
+        let columns = f64x4::simd_from(simd, [i as f64, j as f64, k as f64, l as f64]);
+        let pixels = [columns, f64x4::splat(simd, row as f64)];
         let offsets =
             [f64x4::simd_from(simd, [o.x, p.x, q.x, r.x]), f64x4::simd_from(simd, [o.y, p.y, q.y, r.y])];
-        let [origins, directions] = self.origin_and_direction(pixels, offsets).map(Vector::to_array);
-        [0, 1, 2, 3].map(|i| Ray { t_min: self.t_min(), ..Ray::new(origins[i], directions[i]) })
+        let [origins, directions] = self.origin_and_direction(pixels, offsets);
+        let ([e, f, g, h], [a, b, c, d]) = (origins.to_array(), directions.to_array());
+        let ray = |origin, direction| Ray { t_min: self.t_min(), ..Ray::new(origin, direction) };
+        [ray(e, a), ray(f, b), ray(g, c), ray(h, d)]
     }
 
     /// As in the course an orthographic camera also sees objects behind its plane.

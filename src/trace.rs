@@ -10,7 +10,6 @@ use crate::scene::model::Highlight;
 use crate::shading::light::incident;
 use crate::shading::phong::{Mixture, PointMaterial, View};
 use crate::world::{SurfacePoint, World};
-use glam::DVec3;
 use serde::Serialize;
 
 mod observer;
@@ -70,13 +69,10 @@ impl<R> Clone for Tracer<'_, R> {
 
 impl<R> Copy for Tracer<'_, R> {}
 
-/// A surface as a ray arrives at it, with everything that shading needs. It has copies, which can stay in registers.
+/// A surface as a ray arrives at it, with everything that shading needs.
 pub(crate) struct Arrival<'m> {
-    /// Where the ray started.
-    pub origin: DVec3,
-    /// The direction of the ray.
-    pub direction: DVec3,
-    pub surface: SurfacePoint,
+    pub ray: &'m Ray,
+    pub surface: &'m SurfacePoint,
     pub material: PointMaterial<'m>,
 }
 
@@ -151,7 +147,7 @@ impl<R: Rules> Tracer<'_, R> {
                 let mut mixture = Mixture::default();
                 let material = self.rules.material(&surface, &mut mixture);
                 observer.observe(|| Event::Surface { point: &surface, material: material.phong });
-                let arrival = Arrival { origin: ray.origin, direction: ray.direction, surface, material };
+                let arrival = Arrival { ray, surface: &surface, material };
                 self.reflect(path, &arrival, pending, observer);
                 self.refract(path, &arrival, pending, observer);
                 self.shade(&arrival, observer)
@@ -164,14 +160,14 @@ impl<R: Rules> Tracer<'_, R> {
 
     /// The colour of a surface by itself: ambient light, and the lights that are visible from the point.
     fn shade<O: Observer>(&self, arrival: &Arrival, observer: &mut O) -> Color {
-        let Arrival { direction, surface, material, .. } = arrival;
+        let Arrival { ray, surface, material } = arrival;
         let highlight = self.rules.model().highlight;
-        let is_inside = highlight == Highlight::Blinn && surface.normal.dot(*direction) > 0.0;
+        let is_inside = highlight == Highlight::Blinn && surface.normal.dot(ray.direction) > 0.0;
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
-        let normal = self.rules.shading_normal(surface.normal, *direction, is_inside);
-        let to_viewer = -*direction;
+        let normal = self.rules.shading_normal(surface.normal, ray.direction, is_inside);
+        let to_viewer = -ray.direction;
         let mut color = self.rules.sum(Color::ZERO, self.rules.ambient(surface, material.phong));
         observer.observe(|| Event::Ambient(color));
         for (index, light) in self.world().lights.iter().enumerate() {

@@ -90,8 +90,7 @@ impl<R: Rules> Shading<'_, R> {
     fn follow(&self, ray: &Ray, path: &Path, surface: &SurfacePoint, memory: &mut Memory) -> Color {
         let Memory { pending, mixture, rays, .. } = memory;
         let material = self.tracer.rules.material(surface, mixture);
-        let (origin, direction) = (ray.origin, ray.direction);
-        let arrival = Arrival { origin, direction, surface: *surface, material };
+        let arrival = Arrival { ray, surface, material };
         if path.bounces < self.tracer.effects.bounces {
             self.tracer.reflect(path, &arrival, pending, &mut Quiet);
             self.tracer.refract(path, &arrival, pending, &mut Quiet);
@@ -103,14 +102,14 @@ impl<R: Rules> Shading<'_, R> {
     /// without effect.
     #[inline(always)]
     fn shade(&self, arrival: &Arrival, rays: &mut u64) -> Color {
-        let Arrival { direction, surface, material, .. } = arrival;
+        let Arrival { ray, surface, material } = arrival;
         let highlight = self.tracer.rules.model().highlight;
-        let is_inside = highlight == Highlight::Blinn && surface.normal.dot(*direction) > 0.0;
+        let is_inside = highlight == Highlight::Blinn && surface.normal.dot(ray.direction) > 0.0;
         if is_inside && !self.tracer.effects.shade_back {
             return Color::ZERO;
         }
         let normal = if is_inside { -surface.normal } else { surface.normal };
-        let to_viewer = -*direction;
+        let to_viewer = -ray.direction;
         let mut color = self.tracer.rules.ambient(surface, material.phong);
         for (light_index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);

@@ -53,7 +53,7 @@ impl<R: Rules> Tracer<'_, R> {
         };
         let branch = self.filter_and_weight(kind, path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
-        let direction = self.rules.reflected(arrival.direction, arrival.surface.normal);
+        let direction = self.rules.reflected(arrival.ray.direction, arrival.surface.normal);
         let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
         pending.push(self.branch(kind, arrival, direction, path, observer));
     }
@@ -75,12 +75,12 @@ impl<R: Rules> Tracer<'_, R> {
         };
         let branch = self.filter_and_weight(kind, path, color);
         let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
-        let (direction, normal) = (arrival.direction, arrival.surface.normal);
+        let (direction, normal) = (arrival.ray.direction, arrival.surface.normal);
         let is_entering = direction.dot(normal) < 0.0;
         let against = if is_entering { normal } else { -normal };
         let indices = self.rules.indices(path.index, material, is_entering);
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
-        let sine = || self.rules.precise_sine(arrival.origin, direction, &arrival.surface);
+        let sine = || self.rules.precise_sine(arrival.ray.origin, direction, arrival.surface);
         let refracted = refracted_between(direction, against, indices, sine);
         let (onwards, index) = match refracted {
             Some(refracted) => (Some(refracted), if is_entering { indices[1] } else { 1.0 }),
@@ -99,7 +99,7 @@ impl<R: Rules> Tracer<'_, R> {
         if material.transparent == Color::ZERO {
             return self.rules.mirrored(1.0);
         }
-        let cosine = arrival.direction.dot(arrival.surface.normal);
+        let cosine = arrival.ray.direction.dot(arrival.surface.normal);
         let indices = self.rules.indices(path.index, material, cosine < 0.0);
         self.rules.mirrored(mirrored_part(cosine.abs(), indices))
     }
@@ -113,7 +113,7 @@ impl<R: Rules> Tracer<'_, R> {
         path: Path,
         observer: &mut O,
     ) -> SecondaryRay {
-        let (ray, leaves) = self.rules.departing(Departure::Secondary(kind), &arrival.surface, direction);
+        let (ray, leaves) = self.rules.departing(Departure::Secondary(kind), arrival.surface, direction);
         let Path { filter, weight, .. } = path;
         let exclude = arrival.surface.triangle;
         observer.observe(|| Event::Pushed { kind, ray, exclude, filter, weight });

@@ -24,7 +24,7 @@ impl<R: Rules> Tracer<'_, R> {
             return Color::ONE;
         }
         observer.shadow_ray();
-        let (ray, leaves) = self.shadow_ray(&arrival.surface, light);
+        let (ray, leaves) = self.shadow_ray(arrival.surface, light);
         observer.observe(|| Event::ShadowRay(ray));
         if self.effects.shadows == Shadows::Transparent {
             let starts_within = arrival.surface.normal.dot(light.direction) < 0.0;
