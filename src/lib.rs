@@ -66,7 +66,7 @@ pub mod cli;
 pub mod live;
 
 #[doc(hidden)]
-pub use base::{diagnostic, escape, memory, shell, shortcut, undisturbed};
+pub use base::{escape, memory, shell, shortcut, undisturbed};
 #[doc(hidden)]
 pub use render::renderer;
 #[doc(hidden)]

@@ -1,6 +1,5 @@
 //! What every module may use.
 
-pub mod diagnostic;
 pub mod escape;
 pub mod memory;
 pub mod shell;

@@ -6,7 +6,6 @@ use super::report::Report;
 use super::signals::Signals;
 use super::{End, Outcome, failed, live, threads};
 use raytracer::cli::{self, Options};
-use raytracer::diagnostic::Diagnostic;
 use raytracer::escape::quoted;
 use raytracer::image_io::{
     Format, OutputFile, ReadFile, Remarks, Written, check_distinct, read_remarked_picture,
@@ -64,7 +63,7 @@ pub fn read(options: &Options) -> impl Iterator<Item = ReadFile> {
 }
 
 /// Checks that the picture of the difference can be written, if one is asked for.
-pub fn open_difference(options: &Options) -> Result<Option<(OutputFile, Format)>, Diagnostic> {
+pub fn open_difference(options: &Options) -> Result<Option<(OutputFile, Format)>, String> {
     let path = options.comparison.as_ref().and_then(|wanted| wanted.difference.as_deref());
     let Some((path, format)) = path.and_then(|path| Some((path, Format::of(path)?))) else { return Ok(None) };
     Ok(Some((OutputFile::prepare(path).map_err(failed)?, format)))
@@ -82,7 +81,7 @@ pub struct Pair<'o> {
 impl<'o> Pair<'o> {
     /// Reads the pictures, if a comparison is asked for. Returns an error if one cannot be read, or if their sizes
     /// differ; `None` if the live page is left to compare at the other size.
-    pub fn open(options: &'o Options, log: &Log) -> Result<Option<Self>, Diagnostic> {
+    pub fn open(options: &'o Options, log: &Log) -> Result<Option<Self>, String> {
         let Some(wanted) = &options.comparison else { return Ok(None) };
         let read =
             |path: &Option<_>| path.as_deref().map(|path| read_picture(path, "compared", log)).transpose();
@@ -98,7 +97,7 @@ impl<'o> Pair<'o> {
             if !(wanted.needs_scene() && only_shows && live::is_shown(options)) {
                 return Err(cannot_compare(wanted, options, CompareError::Sizes { a, b }));
             }
-            log.note("the picture to compare with has another size, which only the page takes");
+            log.tell("note: the picture to compare with has another size, which only the page takes");
             return Ok(None);
         }
         Ok(Some(Self { wanted, picture, reference }))
@@ -112,7 +111,7 @@ impl<'o> Pair<'o> {
         (scene, own): (Option<&Renderer>, Option<&Picture>),
         difference: Option<(OutputFile, Format)>,
         files: &CompleteFiles,
-    ) -> Result<ComparisonResult, Diagnostic> {
+    ) -> Result<ComparisonResult, String> {
         let (Some(a), Some(b)) = (self.picture.as_ref().or(own), self.reference.as_ref().or(own)) else {
             return Err(failed("there is no picture to compare with"));
         };
@@ -166,7 +165,7 @@ fn rendered_size(options: &Options) -> Option<[u32; 2]> {
     Some(options.request().layer_size(&layer).map(|n| n as u32))
 }
 
-fn cannot_compare(wanted: &cli::Comparison, options: &Options, error: CompareError) -> Diagnostic {
+fn cannot_compare(wanted: &cli::Comparison, options: &Options, error: CompareError) -> String {
     let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
     let hint = match (&error, &wanted.picture, &wanted.reference) {
         _ if rendered_size(options) != Some(options.size.map(|n| n as u32)) => String::new(),
@@ -182,14 +181,16 @@ fn cannot_compare(wanted: &cli::Comparison, options: &Options, error: CompareErr
 
 /// Reads a picture. Notes say how many of its pixels are `done`, as in "compared", clamped, and whether a line end
 /// follows the last one.
-pub fn read_picture(path: &Path, done: &str, log: &Log) -> Result<Picture, Diagnostic> {
+pub fn read_picture(path: &Path, done: &str, log: &Log) -> Result<Picture, String> {
     let (picture, Remarks { clamped, has_line_end }) = read_remarked_picture(path).map_err(failed)?;
     let shown = quoted(path);
     if clamped > 0 {
-        log.note(&format!("{clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped"));
+        log.tell(&format!(
+            "note: {clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped"
+        ));
     }
     if has_line_end {
-        log.note(&format!("a line end follows the last pixel of {shown}; it is left out"));
+        log.tell(&format!("note: a line end follows the last pixel of {shown}; it is left out"));
     }
     Ok(picture)
 }

@@ -4,7 +4,6 @@ use super::log::Log;
 use super::signals::Signals;
 use super::{End, failed};
 use raytracer::cli::Output;
-use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{CompleteFile, ImageError, OutputFile, put_in_place};
 use std::io::ErrorKind;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -16,7 +15,7 @@ pub struct CompleteFiles(Arc<Mutex<Vec<CompleteFile>>>);
 impl CompleteFiles {
     /// Adds a file. A pipe, a device or standard output is written at once, which may wait for a reader; one that has
     /// gone away has seen enough.
-    pub fn add(&self, file: CompleteFile) -> Result<(), Diagnostic> {
+    pub fn add(&self, file: CompleteFile) -> Result<(), String> {
         match file.write_stream() {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
             written => self.files().extend(written.map_err(failed)?),
@@ -29,7 +28,7 @@ impl CompleteFiles {
         let own = Self(self.0.clone());
         signals.before_end(move || {
             if let Err(error) = own.name_all() {
-                Log::default().report(&failed(error));
+                Log::default().tell(&failed(error));
             }
         });
         let Err(end) = signals.end_at_once() else { return Ok(()) };
@@ -55,7 +54,7 @@ impl CompleteFiles {
 }
 
 /// Checks that a picture can be written.
-pub fn prepare(output: &Output) -> Result<OutputFile, Diagnostic> {
+pub fn prepare(output: &Output) -> Result<OutputFile, String> {
     match output.is_standard_output() {
         true => Ok(OutputFile::standard_output()),
         false => OutputFile::prepare(&output.file).map_err(failed),

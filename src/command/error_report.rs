@@ -7,7 +7,6 @@ use super::{End, Outcome, failed, threads};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
-use raytracer::diagnostic::{Diagnostic, Severity};
 use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, Written, check_distinct, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
@@ -17,7 +16,7 @@ use raytracer::shell::Shell;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
-use raytracer::tools::warnings::Warning;
+use raytracer::tools::warnings::{Severity, Warning};
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -63,7 +62,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     }
     put_in_place(vec![page_file, csv_file]).map_err(failed)?;
     if report.measured() < report.planned {
-        log.note("the run was ended; the report has what was measured until then");
+        log.tell("note: the run was ended; the report has what was measured until then");
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let outcome = Outcome::of_text(text(&report, &answers, Shell::OF_SYSTEM));
@@ -71,7 +70,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
 }
 
 /// The page and the table in a folder, which is made if there is none.
-fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
+fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], String> {
     let folder = &reporting.folder;
     let unwritable = |error| failed(format!("cannot make the folder {}: {error}", quoted(folder)));
     fs::create_dir_all(folder).map_err(unwritable)?;
@@ -82,22 +81,24 @@ fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
 fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(Renderer, Options), End> {
     let options = &reporting.options;
     let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads.install(|| scene_io::load_with(input, &options.hints()))?;
+    let loaded = threads
+        .install(|| scene_io::load_with(input, &options.hints()))
+        .map_err(|error| error.to_string())?;
     let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
     check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))?;
     if loaded.scene.lights.is_empty() {
-        log.report(&Warning::NoLights.diagnostic(&loaded.source, Severity::Warning));
+        log.tell("WARNING:  No lights specified");
     }
     if let Some(note) = loaded.choice.note() {
-        log.note(&note);
+        log.tell(&format!("note: {note}"));
     }
     if let Some(doubt) = loaded.choice.doubt() {
-        log.report(&Warning::OpenEdition(doubt).diagnostic(&loaded.source, Severity::Warning));
+        log.tell(&Warning::OpenEdition(doubt).render(&loaded.source, Severity::Warning));
     }
     let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.
     let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
-    Ok((renderer?, options))
+    Ok((renderer.map_err(|error| error.to_string())?, options))
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

@@ -11,7 +11,6 @@ use super::{End, Outcome, failed, threads};
 use folder::Folder;
 use raytracer::cli;
 use raytracer::cli::Grading;
-use raytracer::diagnostic::{Diagnostic, Severity};
 use raytracer::escape::escape;
 use raytracer::image_io::{OutputFile, Written, check_distinct};
 use raytracer::tools::compare::Tolerance;
@@ -55,8 +54,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
 
     let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
     problems.for_each(|(name, problem)| {
-        let warning = format!("no reference for {}: {problem}", escape(name));
-        log.report(&Diagnostic::new(Severity::Warning, warning));
+        log.tell(&format!("warning: no reference for {}: {problem}", escape(name)));
     });
     if columns.iter().all(|column| column.problem.is_some()) {
         return Err(failed("there is no reference to grade by").into());
@@ -65,7 +63,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     let table = Table { tolerance: grader.tolerance, names: folder.shown_names(), columns, notes };
     tell_other_names(&table, log);
     if let (None, Some(hint)) = (options.tolerance, table.tolerance_hint()) {
-        log.note(&hint);
+        log.tell(&format!("note: {hint}"));
     }
     if let (Some([page, values]), Some(shown)) = (files, grader.page) {
         let complete = CompleteFiles::default();
@@ -90,13 +88,13 @@ fn tell_other_names(table: &Table, log: &Log) {
             let (name, file, picture) = (escape(name), escape(file), escape(picture));
             let more =
                 if others.len() > 1 { format!(", and {} more", others.len() - 1) } else { String::new() };
-            log.note(&format!("{name}: {file} is taken for {picture}{more}"));
+            log.tell(&format!("note: {name}: {file} is taken for {picture}{more}"));
         }
     }
 }
 
 /// The files of the page and of the table beside it.
-fn prepare(files: [PathBuf; 2]) -> Result<[OutputFile; 2], Diagnostic> {
+fn prepare(files: [PathBuf; 2]) -> Result<[OutputFile; 2], String> {
     let [page, values] = files.map(|file| OutputFile::prepare(&file));
     Ok([page.map_err(failed)?, values.map_err(failed)?])
 }
@@ -111,7 +109,7 @@ struct Grader<'f> {
 }
 
 impl Grader<'_> {
-    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Result<Column, Diagnostic> {
+    fn column(&mut self, name: &OsStr, reference: Result<Reference, String>) -> Result<Column, String> {
         let shown = name.to_string_lossy().into_owned();
         match reference {
             Ok(reference) => self.graded(name, shown, reference),
@@ -122,7 +120,7 @@ impl Grader<'_> {
         }
     }
 
-    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Result<Column, Diagnostic> {
+    fn graded(&mut self, name: &OsStr, shown: String, reference: Reference) -> Result<Column, String> {
         let Reference { picture, mut source } = reference;
         let taken = self.folder.taken(name, self.references);
         let submissions = self.folder.submissions(&taken, [picture.width(), picture.height()]);

@@ -3,7 +3,6 @@
 use super::log::Log;
 use super::signals::Signals;
 use raytracer::cli::{LivePage, Options};
-use raytracer::diagnostic::Diagnostic;
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
 
@@ -11,10 +10,14 @@ use std::path::Path;
 pub fn note(options: &Options) -> Option<&'static str> {
     match &options.page {
         Some(_) if is_shown(options) => None,
-        Some(_) if cfg!(not(feature = "gui")) => Some("this build has no live page, so `-gui` shows nothing"),
-        Some(_) if scene_file(options).is_none() => Some("`-gui` shows a scene in a file, and there is none"),
-        Some(_) => Some("`-gui` opens its page on a terminal; elsewhere it needs `-port n`"),
-        None if options.preview => Some("`-tessellation` and `-gouraud` change nothing"),
+        Some(_) if cfg!(not(feature = "gui")) => {
+            Some("note: this build has no live page, so `-gui` shows nothing")
+        }
+        Some(_) if scene_file(options).is_none() => {
+            Some("note: `-gui` shows a scene in a file, and there is none")
+        }
+        Some(_) => Some("note: `-gui` opens its page on a terminal; elsewhere it needs `-port n`"),
+        None if options.preview => Some("note: `-tessellation` and `-gouraud` change nothing"),
         None => None,
     }
 }
@@ -35,7 +38,7 @@ pub use server::show;
 
 /// Shows nothing.
 #[cfg(not(feature = "gui"))]
-pub fn show(_: &Options, _: &Signals, _: &Log) -> Result<(), Diagnostic> {
+pub fn show(_: &Options, _: &Signals, _: &Log) -> Result<(), String> {
     Ok(())
 }
 
@@ -52,7 +55,7 @@ mod server {
     use tempfile::NamedTempFile;
 
     /// Serves the page, if there is one, until it is ended there.
-    pub fn show(options: &Options, signals: &Signals, log: &Log) -> Result<(), Diagnostic> {
+    pub fn show(options: &Options, signals: &Signals, log: &Log) -> Result<(), String> {
         let (Some(page), Some(input)) = (&options.page, scene_file(options)) else { return Ok(()) };
         if !is_shown(options) {
             return Ok(());
@@ -62,8 +65,7 @@ mod server {
         let to_remove = opened.clone();
         let remove = move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take());
         signals.before_end(remove.clone());
-        let server =
-            Server::open(options, input, &page.words, page.port.unwrap_or(0)).map_err(Diagnostic::error)?;
+        let server = Server::open(options, input, &page.words, page.port.unwrap_or(0))?;
         let url = server.url();
         log.tell(&format!("open {url}  (Ctrl-C ends)"));
         if page.browser {

@@ -1,33 +1,23 @@
 //! Messages on standard error, with colours on a terminal.
 
-use raytracer::diagnostic::Diagnostic;
 use raytracer::escape::quoted;
 use std::cell::RefCell;
 use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;
 use std::time::Duration;
 
+/// The words before a message, and their colours.
+const LABELS: [(&str, &str); 3] = [("error:", "1;31"), ("warning:", "1;33"), ("WARNING:", "1;33")];
+
 /// The messages of a run.
 #[derive(Default)]
 pub struct Log(RefCell<Vec<String>>);
 
 impl Log {
-    /// Writes a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
-    pub fn tell(&self, line: &str) {
-        let _ = writeln!(stderr(), "{line}");
-        self.0.borrow_mut().push(line.to_owned());
-    }
-
-    /// Writes a diagnostic to standard error, in colour where a terminal shows it.
-    pub fn report(&self, diagnostic: &Diagnostic) {
-        let shown = if has_colors() { diagnostic.in_color() } else { diagnostic.to_string() };
-        let _ = writeln!(stderr(), "{shown}");
-        self.0.borrow_mut().push(diagnostic.to_string());
-    }
-
-    /// Writes a note to standard error.
-    pub fn note(&self, note: &str) {
-        self.report(&Diagnostic::note(note));
+    /// Writes a message to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
+    pub fn tell(&self, message: &str) {
+        let _ = writeln!(stderr(), "{}", in_color(message));
+        self.0.borrow_mut().push(message.to_owned());
     }
 
     /// Tells a person at a terminal which files a run wrote in this time.
@@ -70,13 +60,34 @@ fn understands_sequences() -> bool {
     }
 }
 
-/// Returns true if messages go to a terminal and nobody has asked for no colours (no-color.org).
-fn has_colors() -> bool {
+/// A message with its labels in colour, where a terminal shows it and nobody has asked for none (no-color.org).
+fn in_color(message: &str) -> String {
     let is_set = |name: &str, refusing: fn(&str) -> bool| {
         std::env::var_os(name).is_some_and(|value| refusing(&value.to_string_lossy()))
     };
     let refused = is_set("NO_COLOR", |value| !value.is_empty()) || is_set("TERM", |value| value == "dumb");
-    !refused && has_reader()
+    if has_reader() && !refused { painted(message) } else { message.to_owned() }
+}
+
+fn painted(message: &str) -> String {
+    message.split('\n').map(painted_line).collect::<Vec<_>>().join("\n")
+}
+
+/// A line with its label in colour. One that starts with a blank is a line of a file, or a hint.
+fn painted_line(line: &str) -> String {
+    let place = |label: &str| match line.starts_with(label) {
+        true => Some(0),
+        false => line.find(&format!(": {label} ")).map(|at| at + 2),
+    };
+    let labels = LABELS.iter().filter(|_| !line.starts_with(' '));
+    let first = labels.filter_map(|&(label, color)| Some((place(label)?, label, color))).min();
+    match first {
+        Some((at, label, color)) => {
+            let (before, after) = (&line[..at], &line[at + label.len()..]);
+            format!("{before}\x1b[{color}m{label}\x1b[0m{after}")
+        }
+        None => line.to_owned(),
+    }
 }
 
 /// Returns the line for a finished run.
@@ -100,6 +111,19 @@ fn time(time: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn labels_are_in_colour_and_lines_of_files_are_not() {
+        let (red, yellow) = ("\x1b[1;31merror:\x1b[0m", "\x1b[1;33mwarning:\x1b[0m");
+        assert_eq!(painted("error: no scene"), format!("{red} no scene"));
+        let text =
+            "a.txt:1:2: error: x\n    1 | a: error: b\n  hint: a: error: c\nb.txt:3:4: warning: y: error: z";
+        let expected = format!(
+            "a.txt:1:2: {red} x\n    1 | a: error: b\n  hint: a: error: c\nb.txt:3:4: {yellow} y: error: z"
+        );
+        assert_eq!(painted(text), expected);
+        assert_eq!(painted("note: an error: none"), "note: an error: none");
+    }
 
     #[test]
     fn times_have_the_unit_in_which_people_read_them() {

@@ -22,9 +22,7 @@ mod error_report;
 
 use log::Log;
 use raytracer::cli::{self, Command, Options, ShowProgress};
-use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::SameFile;
-use raytracer::scene::load::LoadError;
 use signals::Signals;
 use std::ffi::OsString;
 use std::fmt::Display;
@@ -33,8 +31,6 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// The exit status of a run that fails.
-const FAILED: u8 = 1;
 /// The exit status of a command line that cannot be followed.
 const REFUSED: u8 = 2;
 /// The exit status of a run whose pictures differ by more than the tolerance.
@@ -43,43 +39,27 @@ const DIFFERENT: u8 = 3;
 /// Why a run ends before it is complete.
 #[derive(Debug)]
 pub struct End {
-    diagnostics: Vec<Diagnostic>,
+    /// Goes to standard error, if there is one.
+    message: Option<String>,
     status: u8,
 }
 
 impl End {
-    /// The end of a run whose command line cannot be followed.
-    fn refused(error: impl Display) -> Self {
-        Self { diagnostics: vec![failed(error)], status: REFUSED }
-    }
-
     /// The end by a signal, with the status that shells give it.
     fn by_signal(signal: i32) -> Self {
-        Self { diagnostics: vec![], status: (128 + signal) as u8 }
+        Self { message: None, status: (128 + signal) as u8 }
     }
 }
 
-impl From<Diagnostic> for End {
-    fn from(error: Diagnostic) -> Self {
-        vec![error].into()
-    }
-}
-
-impl From<Vec<Diagnostic>> for End {
-    fn from(diagnostics: Vec<Diagnostic>) -> Self {
-        Self { diagnostics, status: FAILED }
-    }
-}
-
-impl From<LoadError> for End {
-    fn from(error: LoadError) -> Self {
-        Diagnostic::from(&error).into()
+impl From<String> for End {
+    fn from(message: String) -> Self {
+        Self { message: Some(message), status: 1 }
     }
 }
 
 impl From<SameFile> for End {
     fn from(error: SameFile) -> Self {
-        Self::refused(error)
+        Self { message: Some(failed(error)), status: REFUSED }
     }
 }
 
@@ -111,8 +91,8 @@ pub fn run(argv: &[OsString]) -> ExitCode {
     match run_command(argv, &log) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(DIFFERENT),
-        Err(End { diagnostics, status }) => {
-            diagnostics.iter().for_each(|error| log.report(error));
+        Err(End { message, status }) => {
+            message.iter().for_each(|message| log.tell(message));
             ExitCode::from(status)
         }
     }
@@ -122,7 +102,8 @@ pub fn run(argv: &[OsString]) -> ExitCode {
 fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
     let start = Instant::now();
     let signals = Signals::watch().map_err(failed)?;
-    let command = cli::parse(argv.iter().cloned()).map_err(End::refused)?;
+    let refused = |error| End { message: Some(failed(error)), status: REFUSED };
+    let command = cli::parse(argv.iter().cloned()).map_err(refused)?;
     let Outcome { text, written, passes } = match &command {
         Command::Print(text) => Outcome::of_text(text.clone()),
         Command::Render(options) => render_or_compare(options, argv, &signals, log)?,
@@ -145,7 +126,7 @@ fn render_or_compare(
     signals: &Signals,
     log: &Log,
 ) -> Result<Outcome, End> {
-    live::note(options).iter().for_each(|note| log.note(note));
+    live::note(options).iter().for_each(|note| log.tell(note));
     match &options.input {
         Some(input) => render::run(options, input, argv, signals, log),
         None => compare::run(options, signals, log),
@@ -153,7 +134,7 @@ fn render_or_compare(
 }
 
 /// Prints a text to standard output. A reader that went away has seen enough.
-fn print(text: &str) -> Result<(), Diagnostic> {
+fn print(text: &str) -> Result<(), String> {
     let mut output = io::stdout();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -163,7 +144,7 @@ fn print(text: &str) -> Result<(), Diagnostic> {
     }
 }
 
-/// Returns an error that has no place in a file.
-fn failed(error: impl Display) -> Diagnostic {
-    Diagnostic::error(error)
+/// The message of an error.
+fn failed(error: impl Display) -> String {
+    format!("error: {error}")
 }

@@ -1,7 +1,6 @@
 //! What becomes of the rows of each layer: a file, a picture that is kept, or a map of costs.
 
 use super::failed;
-use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{
     CompleteFile, Content, Exceptional, Format, ImageError, OutputFile, Part, PictureWriter,
 };
@@ -52,7 +51,7 @@ impl Products {
         files: Vec<(OutputFile, Format)>,
         request: &Request,
         part: &dyn Fn(Layer) -> Option<Part>,
-    ) -> Result<Self, Diagnostic> {
+    ) -> Result<Self, String> {
         let begin = |((file, format), layer): ((OutputFile, Format), &Layer)| match *layer {
             Layer::Cost(cost) => {
                 let [width, height] = request.window_size();
@@ -65,7 +64,7 @@ impl Products {
                 Ok(Product::File(Box::new(writer.map_err(failed)?)))
             }
         };
-        let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, Diagnostic>>()?;
+        let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, String>>()?;
         Ok(Self { layers, encoding: Duration::ZERO, blank: vec![], is_blank: false })
     }
 
@@ -80,7 +79,7 @@ impl Products {
     }
 
     /// Keeps one more layer, whose picture has this width and height in pixels.
-    pub fn keep(&mut self, size @ [width, height]: [usize; 2]) -> Result<(), Diagnostic> {
+    pub fn keep(&mut self, size @ [width, height]: [usize; 2]) -> Result<(), String> {
         self.layers.push(Product::Kept(size, with_room(width * height * CHANNELS).map_err(failed)?));
         Ok(())
     }
@@ -111,7 +110,7 @@ impl Products {
         self,
         request: &Request,
         part: &dyn Fn(Layer) -> Option<Part>,
-    ) -> Result<Vec<KeptPart>, Diagnostic> {
+    ) -> Result<Vec<KeptPart>, String> {
         let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
             (Product::File(writer), Some(part)) => writer.write_part(&part).map_err(failed),
             // The picture of a filter is complete before the first row is rendered. Nobody is waited for.
@@ -144,7 +143,7 @@ impl Products {
     }
 
     /// Completes the files. `size` is the width and height of a map of costs in pixels.
-    pub fn finish(self, size: [usize; 2]) -> Result<FinishedLayers, Diagnostic> {
+    pub fn finish(self, size: [usize; 2]) -> Result<FinishedLayers, String> {
         let mut finished = FinishedLayers::default();
         for product in self.layers {
             match product {

@@ -12,7 +12,6 @@ use super::stopped::{self, upper};
 use super::{End, Outcome, failed, threads, warnings};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
-use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{
     CompleteFile, Exceptional, Format, OutputFile, ReadFile, Written, check_distinct, part_beside,
 };
@@ -51,13 +50,13 @@ pub fn run(
 
     // Load the scene.
     let mut clock = Clock(Instant::now());
-    let mut loaded = load_with(input, &options.hints())?;
+    let mut loaded = load_with(input, &options.hints()).map_err(|error| error.to_string())?;
 
     // Settle the options.
     let options = &options.in_edition(loaded.choice.edition);
     check_distinct(written(options), read(input, options, &loaded))?;
     if let Some(note) = loaded.choice.note() {
-        log.note(&note);
+        log.tell(&format!("note: {note}"));
     }
     let reading = clock.lap();
     let pair = Pair::open(options, log)?;
@@ -65,7 +64,7 @@ pub fn run(
     // Prepare.
     let mut doubts = warnings::about_scene(&mut loaded, options);
     let places = std::mem::take(&mut loaded.places);
-    let renderer = Renderer::new(loaded, meshes(options))?;
+    let renderer = Renderer::new(loaded, meshes(options)).map_err(|error| error.to_string())?;
     if !options.visualize_grid {
         doubts.extend(lights_without_effect(&renderer.scene, renderer.world(), &places, &options.effects));
     }
@@ -82,7 +81,7 @@ pub fn run(
 
     // Open the outputs.
     let open = |output: &Output| Ok((complete_files::prepare(output)?, output.format));
-    let pictures = options.outputs.iter().map(open).collect::<Result<_, Diagnostic>>()?;
+    let pictures = options.outputs.iter().map(open).collect::<Result<_, String>>()?;
     let difference = compare::open_difference(options)?;
     let document = options.json_file().map(OutputFile::prepare).transpose().map_err(failed)?;
     let mut products = begin(pictures, kept, &prepared, &request)?;
@@ -174,7 +173,7 @@ fn begin(
     kept: Option<Layer>,
     prepared: &Prepared,
     request: &Request,
-) -> Result<Products, Diagnostic> {
+) -> Result<Products, String> {
     let part = |layer| fingerprint::part(prepared, request, request.window?, layer);
     let mut products = Products::begin(files, request, &part)?;
     if let Some(layer) = kept {
@@ -199,7 +198,7 @@ struct Run<'r> {
 
 impl Run<'_> {
     /// Returns what was counted, or the number of complete rows if a signal came.
-    fn render_rows(&self, products: &mut Products) -> Result<Result<Counts, usize>, Diagnostic> {
+    fn render_rows(&self, products: &mut Products) -> Result<Result<Counts, usize>, String> {
         let mut failure = None;
         let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
             Ok(()) => ControlFlow::Continue(()),
@@ -260,7 +259,7 @@ impl Run<'_> {
         }
     }
 
-    fn standard_error(&self) -> Result<Option<f64>, Diagnostic> {
+    fn standard_error(&self) -> Result<Option<f64>, String> {
         if !self.options.stats || !has_standard_error(self.request) {
             return Ok(None);
         }
@@ -268,7 +267,7 @@ impl Run<'_> {
     }
 
     /// Returns the times of `count` renderings, of which the first took this time. The others leave nothing behind.
-    fn repeated(&self, count: u32, first: Duration) -> Result<Repeats, Diagnostic> {
+    fn repeated(&self, count: u32, first: Duration) -> Result<Repeats, String> {
         let progress = ProgressLine::new(self.options.progress);
         let mut times = vec![first];
         for number in 2..=count {
@@ -313,7 +312,7 @@ fn explanation(
     renderer: &Renderer,
     prepared: Prepared,
     pixel: [usize; 2],
-) -> Result<Option<PixelTree>, Diagnostic> {
+) -> Result<Option<PixelTree>, String> {
     let request = options.request();
     let prepared = match prepared.tracing() {
         Tracing::Counted => prepared,
@@ -332,7 +331,7 @@ fn prepare<'r>(
     renderer: &'r Renderer,
     request: &Request,
     tracing: Tracing,
-) -> Result<Prepared<'r>, Diagnostic> {
+) -> Result<Prepared<'r>, String> {
     let prepared = match options.structure {
         Structure::Grid(grid) if options.visualize_grid => {
             renderer.prepare_cells(grid, request.camera_rays(), tracing)

@@ -2,10 +2,11 @@
 
 use super::compare::ComparisonResult;
 use super::complete_files::CompleteFiles;
+use super::json::Document;
 use super::log::Log;
 use super::render::Rendered;
 use super::signals::Signals;
-use super::{End, Outcome, failed, json};
+use super::{End, Outcome, failed};
 use raytracer::cli::Options;
 use raytracer::image_io::OutputFile;
 use std::io::{Write, stderr};
@@ -28,12 +29,16 @@ impl Report<'_> {
         signals: &Signals,
         log: &Log,
     ) -> Result<Outcome, End> {
-        let json =
-            || json::document(options, &log.messages(), self.rendered.as_ref(), self.compared.as_ref());
+        let json = || {
+            let warnings = log.messages();
+            Document::new(options, &warnings, self.rendered.as_ref(), self.compared.as_ref())
+                .to_json()
+                .map_err(failed)
+        };
         if let Some(file) = document {
-            files.add(file.text(&json()).map_err(failed)?)?;
+            files.add(file.text(&json()?).map_err(failed)?)?;
         }
-        let mut text = if options.prints_json() { json() } else { self.text(options) };
+        let mut text = if options.prints_json() { json()? } else { self.text(options) };
         files.finish(signals)?;
         if options.has_standard_output() {
             let _ = stderr().write_all(text.as_bytes());

@@ -1,7 +1,6 @@
 //! The threads of a run: as many as the user asks for, or as there are cores.
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use raytracer::diagnostic::Diagnostic;
 use std::{io, thread};
 
 /// The stack of a thread, in bytes. Nothing recurses as deep as its input, so the depth of a scene's tree and the
@@ -10,7 +9,7 @@ const STACK: usize = 2 << 20;
 
 /// Starts the threads on which all parallel work runs; the calling thread is one of them. More than rows or cores would
 /// have no work.
-pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), Diagnostic> {
+pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), String> {
     let pool = ThreadPoolBuilder::new().num_threads(count(wanted, rows)).use_current_thread();
     let pool = pool.spawn_handler(spawn(wanted)).build().map_err(refused)?;
     // The threads run until the program ends.
@@ -19,7 +18,7 @@ pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), Diagnostic> {
 }
 
 /// Returns a pool of its own, without the calling thread.
-pub fn pool(wanted: Option<usize>, rows: usize) -> Result<ThreadPool, Diagnostic> {
+pub fn pool(wanted: Option<usize>, rows: usize) -> Result<ThreadPool, String> {
     let pool = ThreadPoolBuilder::new().num_threads(count(wanted, rows));
     pool.spawn_handler(spawn(wanted.or(Some(1)))).build().map_err(refused)
 }
@@ -38,6 +37,6 @@ fn spawn(wanted: Option<usize>) -> impl FnMut(ThreadBuilder) -> io::Result<()> {
     }
 }
 
-fn refused(error: ThreadPoolBuildError) -> Diagnostic {
-    Diagnostic::error(format!("`-threads`: the system does not start the threads: {error}"))
+fn refused(error: ThreadPoolBuildError) -> String {
+    format!("error: `-threads`: the system does not start the threads: {error}")
 }

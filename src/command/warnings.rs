@@ -1,24 +1,22 @@
 //! Warns of what is doubtful about a scene and its flags, or ends the run for it as `-strict` asks.
 
-use super::End;
 use super::log::Log;
 
 use raytracer::cli::{Comparison, Options};
-use raytracer::diagnostic::Severity;
 use raytracer::render::{Layer, Request};
 use raytracer::scene::edition::Edition;
 use raytracer::scene_io::{LoadedScene, Source};
-use raytracer::tools::warnings::{self, Warning};
+use raytracer::tools::warnings::{self, Severity, Warning};
 use raytracer::trace::Effects;
 
 /// Prints these warnings. With `-strict` they are the error that ends the program.
-pub fn say(found: &[Warning], options: &Options, source: &Source, log: &Log) -> Result<(), End> {
+pub fn say(found: &[Warning], options: &Options, source: &Source, log: &Log) -> Result<(), String> {
     let severity = if options.strict { Severity::Error } else { Severity::Warning };
-    let all = warnings::diagnostics(found, source, severity);
-    if options.strict && !all.is_empty() {
-        return Err(all.into());
+    let lines = warnings::render_all(found, source, severity);
+    if options.strict && !lines.is_empty() {
+        return Err(lines.join("\n"));
     }
-    all.iter().for_each(|warning| log.report(warning));
+    lines.iter().for_each(|line| log.tell(line));
     Ok(())
 }
 

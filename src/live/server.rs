@@ -48,7 +48,7 @@ impl Server {
     /// Opens the scene of a command line, which has a page that starts with these words, and listens on the loopback
     /// interface at this port, where 0 is any free one. An error is a line, or the message for a scene.
     pub fn open(options: &Options, input: &Path, words: &[String], port: u16) -> Result<Self, String> {
-        let failed = |error: &dyn Display| format!("cannot serve the page: {error}");
+        let failed = |error: &dyn Display| format!("error: cannot serve the page: {error}");
         let session = Arc::new(Session::open(options, input, words)?);
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| failed(&error))?;
         let address = listener.local_addr().map_err(|error| failed(&error))?;

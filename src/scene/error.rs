@@ -4,7 +4,6 @@ use super::Position;
 use super::edition::Edition;
 use super::excerpt;
 use super::mesh::{self, MeshError};
-use crate::diagnostic::Diagnostic;
 use crate::escape::{self, escape};
 use crate::memory::NoMemory;
 use std::fmt;
@@ -163,14 +162,20 @@ impl SceneError {
         self
     }
 
-    /// Returns the error for the user, with the line of `text` at its place. Too little memory has no place in the text.
-    pub fn diagnostic(&self, path: &Path, text: &str) -> Diagnostic {
-        let error = Diagnostic::error(&self.problem);
+    /// The whole message in several lines, without a final line end: file, line and column, the description,
+    /// the line of `text` with a caret under the position, and the hint if there is one. Too little memory is a
+    /// line without a position.
+    pub fn render(&self, path: &Path, text: &str) -> String {
+        let Position { line, column } = self.at;
         if let Problem::Memory(_) = self.problem {
-            return error.at(path, None, String::new());
+            // No word of the text is wrong.
+            return located(path, "", &self.problem.to_string());
         }
-        let excerpt = excerpt::with_caret(text, self.at) + &self.problem.in_mesh().unwrap_or_default();
-        error.at(path, Some([self.at.line, self.at.column]), excerpt).with_hint(self.hint.clone())
+        let shown = excerpt::with_caret(text, self.at);
+        let in_mesh = self.problem.in_mesh().unwrap_or_default();
+        let hint = self.hint.as_ref().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
+        let message = format!("{}\n{shown}{in_mesh}{hint}", self.problem);
+        located(path, &format!(":{line}:{column}"), &message)
     }
 }
 
@@ -262,6 +267,16 @@ impl fmt::Display for Problem {
     }
 }
 
+/// A message about a file: its path, the `position` in it (`:line:column` or nothing), and the description.
+pub fn located(path: &Path, position: &str, message: &str) -> String {
+    labelled(path, position, "error", message)
+}
+
+/// The same with another word than `error`.
+pub fn labelled(path: &Path, position: &str, label: &str, message: &str) -> String {
+    format!("{}{position}: {label}: {message}", escape::truncated(path))
+}
+
 fn declared_materials(count: usize) -> String {
     match count {
         0 => "none is declared".to_owned(),
@@ -304,10 +319,10 @@ mod tests {
     #[test]
     fn the_rendered_error_points_at_the_position() {
         let rendered =
-            expected(2, 10, "}").with_hint("try 1").diagnostic(Path::new("a.txt"), "Sphere {\n  radius }\n}");
+            expected(2, 10, "}").with_hint("try 1").render(Path::new("a.txt"), "Sphere {\n  radius }\n}");
         let wanted = "a.txt:2:10: error: expected a number for `radius`, found `}`\n    \
                       2 |   radius }\n      |          ^\n  hint: try 1";
-        assert_eq!(rendered.to_string(), wanted);
+        assert_eq!(rendered, wanted);
     }
 
     #[test]

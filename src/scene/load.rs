@@ -70,6 +70,13 @@ pub struct Source {
     pub text: String,
 }
 
+impl Source {
+    /// The whole message for an error in this text, as [`SceneError::render`] gives it.
+    pub fn render(&self, error: &SceneError) -> String {
+        error.render(&self.path, &self.text)
+    }
+}
+
 /// Upper bound on the size of a scene that comes from a pipe or a device, which may have no end.
 const LONGEST_STREAM: u64 = 1 << 28;
 

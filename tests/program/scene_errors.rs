@@ -244,7 +244,7 @@ fn check(marked: &str, fragment: &str) {
     let error = refuse(&text);
     assert_eq!(error.at, at, "place of: {error}\n{text}");
     assert!(error.problem.to_string().contains(fragment), "{error}\nshould contain: {fragment}\n{text}");
-    let rendered = error.diagnostic(Path::new("scene.txt"), &text).to_string();
+    let rendered = error.render(Path::new("scene.txt"), &text);
     assert!(rendered.starts_with(&format!("scene.txt:{}:{}: error: ", at.line, at.column)), "{rendered}");
 }
 
@@ -303,5 +303,5 @@ fn the_rendered_message_in_full() {
     let text = format!("{CAMERA}\nGroup {{ numObjects 1\n\tMaterial {{ }}\n\tSphre {{ }}\n}}\n");
     let wanted = "my scene.txt:4:2: error: expected an object, found `Sphre`\n    \
                   4 |  Sphre { }\n      |  ^\n  hint: did you mean `Sphere`?";
-    assert_eq!(refuse(&text).diagnostic(Path::new("my scene.txt"), &text).to_string(), wanted);
+    assert_eq!(refuse(&text).render(Path::new("my scene.txt"), &text), wanted);
 }

@@ -2,9 +2,8 @@
 
 use super::references::References;
 use crate::command::failed;
-use raytracer::diagnostic::Diagnostic;
 use raytracer::escape::quoted;
-use raytracer::image_io::{Format, ImageError, read_picture};
+use raytracer::image_io::{Format, read_picture};
 use raytracer::tools::grade::{Column, Submission};
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -32,7 +31,7 @@ const MOST: usize = 10_000;
 
 impl Folder {
     /// Lists the folder.
-    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
+    pub fn open(path: &Path) -> Result<Self, String> {
         let (folders, others) = entries(path)?.into_iter().partition(|name| path.join(name).is_dir());
         let folders: Vec<OsString> = folders;
         let pictures = folders.iter().map(|name| pictures(&path.join(name))).collect();
@@ -78,7 +77,7 @@ impl Folder {
         &'f self,
         taken: &'f [PathBuf],
         size: [u32; 2],
-    ) -> impl Iterator<Item = Result<Submission, Diagnostic>> + 'f {
+    ) -> impl Iterator<Item = Result<Submission, String>> + 'f {
         let files = self.names.iter().zip(taken).map(|(name, taken)| self.path.join(name).join(taken));
         files.map(move |file| submission(&file, size))
     }
@@ -147,7 +146,7 @@ fn likeness(file: &Path, picture: &OsStr, references: &References) -> Option<(us
 }
 
 /// The sorted names of what is in a folder, without those that start with a dot.
-pub fn entries(path: &Path) -> Result<Vec<OsString>, Diagnostic> {
+pub fn entries(path: &Path) -> Result<Vec<OsString>, String> {
     let unreadable = |error| failed(format!("cannot read the folder {}: {error}", quoted(path)));
     let all = fs::read_dir(path).map_err(unreadable)?.map(|entry| entry.map(|entry| entry.file_name()));
     let mut names = all.collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
@@ -158,7 +157,7 @@ pub fn entries(path: &Path) -> Result<Vec<OsString>, Diagnostic> {
 
 /// Reads a picture. One that is a link is not read, because it may lead to another name's picture. Too little memory is an
 /// error, since it says nothing of the picture.
-fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, Diagnostic> {
+fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, String> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Submission::Missing),
         Ok(found) if found.is_symlink() => return Ok(Submission::Unusable("it is a link".into())),
@@ -172,7 +171,10 @@ fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, Diagnostic> {
             Ok(Submission::Unusable(format!("its size is {sizes}")))
         }
         Err(error) if error.kind() == ErrorKind::OutOfMemory => Err(failed(error)),
-        Err(ImageError::File { error, .. }) => Ok(Submission::Unusable(error.to_string())),
-        Err(error) => Ok(Submission::Unusable(error.to_string())),
+        Err(error) => {
+            let message = error.to_string();
+            let start = format!("cannot read {}: ", quoted(path));
+            Ok(Submission::Unusable(message.strip_prefix(&start).unwrap_or(&message).to_owned()))
+        }
     }
 }

@@ -4,7 +4,6 @@ use super::folder::entries;
 use crate::command::failed;
 use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Options, parse_commands};
-use raytracer::diagnostic::Diagnostic;
 use raytracer::escape::quoted;
 use raytracer::image_io::{Format, ReadFile, read_picture};
 use raytracer::picture::{FloatPicture, Picture};
@@ -60,7 +59,7 @@ impl Source<'_> {
 impl References {
     /// Lists the folder's pictures, or those that the command lines write. Where two lines write the same file, the
     /// later one counts, as it would on the disk.
-    pub fn open(from: &cli::References) -> Result<Self, Diagnostic> {
+    pub fn open(from: &cli::References) -> Result<Self, String> {
         let all = match from {
             cli::References::Folder(folder) => files(folder)?,
             cli::References::Commands(file) => rendered(file)?,
@@ -102,8 +101,8 @@ impl References {
     pub fn with<T>(
         &self,
         index: usize,
-        work: impl FnOnce(Result<Reference, String>) -> Result<T, Diagnostic>,
-    ) -> Result<T, Diagnostic> {
+        work: impl FnOnce(Result<Reference, String>) -> Result<T, String>,
+    ) -> Result<T, String> {
         match &self.all[index].1 {
             Origin::File(path) => match read_picture(path) {
                 Ok(picture) => work(Ok(Reference { picture, source: Source::File })),
@@ -126,7 +125,8 @@ fn renderer(options: &Options) -> Result<(Renderer, Options), String> {
         let options = options.in_edition(loaded.choice.edition);
         Ok((Renderer::new(loaded, Meshes::Kept)?, options))
     });
-    renderer.map_err(|error| Diagnostic::from(&error).first_line())
+    // The lines after the first show the place in the scene.
+    renderer.map_err(|error| error.to_string().lines().next().unwrap_or_default().to_owned())
 }
 
 fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, String> {
@@ -160,14 +160,14 @@ fn colors(renderer: &Renderer, options: &Options, request: &Request) -> Result<F
 }
 
 /// The pictures in a folder.
-fn files(folder: &Path) -> Result<Vec<(OsString, Origin)>, Diagnostic> {
+fn files(folder: &Path) -> Result<Vec<(OsString, Origin)>, String> {
     let mut names = entries(folder)?;
     names.retain(|name| Format::of_input(Path::new(name)).is_some());
     Ok(names.into_iter().map(|name| (name.clone(), Origin::File(folder.join(name)))).collect())
 }
 
 /// The pictures of the command lines in a file, in the order in which they are first written.
-fn rendered(file: &Path) -> Result<Vec<(OsString, Origin)>, Diagnostic> {
+fn rendered(file: &Path) -> Result<Vec<(OsString, Origin)>, String> {
     let shown = quoted(file);
     if file.exists() && !file.is_file() {
         return Err(failed(format!("cannot read the commands {shown}: it is not a regular file")));

@@ -2,10 +2,9 @@
 
 use super::Source;
 use super::near_names::nearest_file;
-use crate::diagnostic::Diagnostic;
 use crate::escape::quoted;
 use crate::scene::Position;
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, located};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -39,29 +38,22 @@ pub enum LoadError {
 
 impl std::error::Error for LoadError {}
 
-impl From<&LoadError> for Diagnostic {
-    fn from(error: &LoadError) -> Self {
-        match error {
-            LoadError::Unreadable { path, error } => {
-                let is_missing = error.kind() == std::io::ErrorKind::NotFound;
-                let near = if is_missing { nearest_file(path) } else { None };
-                let hint = near.map(|near| format!("did you mean {}?", quoted(near)));
-                let message = format!("cannot read the scene: {error}");
-                Self::error(message).at(path, None, String::new()).with_hint(hint)
-            }
-            LoadError::NotUtf8 { path, at, is_wide } => {
-                let looks = if *is_wide { "this looks like UTF-16; " } else { "" };
-                let hint = Some(format!("{looks}save the file as UTF-8"));
-                let at = Some([at.line, at.column]);
-                Self::error("the scene is not UTF-8 text").at(path, at, String::new()).with_hint(hint)
-            }
-            LoadError::Scene { source, error } => error.diagnostic(&source.path, &source.text),
-        }
-    }
-}
-
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        Diagnostic::from(self).fmt(f)
+        match self {
+            Self::Unreadable { path, error } => {
+                let is_missing = error.kind() == std::io::ErrorKind::NotFound;
+                let near = if is_missing { nearest_file(path) } else { None };
+                let hint =
+                    near.map_or(String::new(), |near| format!("\n  hint: did you mean {}?", quoted(near)));
+                f.write_str(&located(path, "", &format!("cannot read the scene: {error}{hint}")))
+            }
+            Self::NotUtf8 { path, at, is_wide } => {
+                let looks = if *is_wide { "this looks like UTF-16; " } else { "" };
+                let message = format!("the scene is not UTF-8 text\n  hint: {looks}save the file as UTF-8");
+                f.write_str(&located(path, &format!(":{}:{}", at.line, at.column), &message))
+            }
+            Self::Scene { source, error } => f.write_str(&source.render(error)),
+        }
     }
 }

@@ -2,16 +2,34 @@
 
 use super::Warning;
 use super::filter::flag_of;
-use crate::diagnostic::{Diagnostic, Severity};
 use crate::scene::Position;
+use crate::scene::error::labelled;
 use crate::scene::excerpt::with_caret;
 use crate::scene_io::Source;
 use std::collections::HashMap;
 use std::mem::discriminant;
 
-/// Returns the diagnostics of warnings in a scene's text. Of each kind only the first 20 are shown, and then the number of
-/// those that are not. `severity` is `Warning`, or `Error` as `-strict` asks.
-pub fn diagnostics(found: &[Warning], source: &Source, severity: Severity) -> Vec<Diagnostic> {
+/// How serious a warning is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// The run goes on.
+    Warning,
+    /// The run ends, as `-strict` asks for.
+    Error,
+}
+
+impl Severity {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+/// The messages of warnings, as [`Warning::render`] gives them. Of each kind only the first 20 are shown, and then the
+/// number of those that are not.
+pub fn render_all(found: &[Warning], source: &Source, severity: Severity) -> Vec<String> {
     const MOST: usize = 20;
     let kind = |warning: &Warning| match warning {
         Warning::Text(text) => (discriminant(warning), Some(discriminant(&text.doubt))),
@@ -19,33 +37,42 @@ pub fn diagnostics(found: &[Warning], source: &Source, severity: Severity) -> Ve
     };
     let mut counts = HashMap::new();
     found.iter().for_each(|warning| *counts.entry(kind(warning)).or_insert(0) += 1);
-    let (mut all, mut shown) = (vec![], HashMap::new());
+    let (mut lines, mut shown) = (vec![], HashMap::new());
     for warning in found {
         let kind = kind(warning);
         let place = shown.entry(kind).or_insert(0);
         *place += 1;
         match *place {
-            1..=MOST => all.push(warning.diagnostic(source, severity)),
+            1..=MOST => lines.push(warning.render(source, severity)),
             place if place == MOST + 1 => {
-                all.push(Diagnostic::new(severity, format!("{} more like these", counts[&kind] - MOST)))
+                lines.push(format!("{}: {} more like these", severity.label(), counts[&kind] - MOST))
             }
             _ => {}
         }
     }
-    all
+    lines
 }
 
 impl Warning {
-    /// Returns the warning for the user, with the line of the scene at its place if it has one.
-    pub fn diagnostic(&self, source: &Source, severity: Severity) -> Diagnostic {
+    /// The whole message without a final line end: file, line and column with the line of the scene, if the
+    /// warning has a position, what is wrong, and the hint if there is one.
+    pub fn render(&self, source: &Source, severity: Severity) -> String {
         if (self, severity) == (&Self::NoLights, Severity::Warning) {
             // The words of the course's program.
-            return Diagnostic::new(Severity::CourseWarning, "No lights specified");
+            return "WARNING:  No lights specified".into();
         }
-        let shown = Diagnostic::new(severity, self.description()).with_hint(self.hint());
-        let Some(at) = self.at() else { return shown };
-        let in_mesh = if let Self::Text(warning) = self { warning.excerpt_of_mesh() } else { String::new() };
-        shown.at(&source.path, Some([at.line, at.column]), with_caret(&source.text, at) + &in_mesh)
+        let hint = self.hint().map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
+        let description = self.description();
+        match self.at() {
+            None => format!("{}: {description}{hint}", severity.label()),
+            Some(at) => {
+                let position = format!(":{}:{}", at.line, at.column);
+                let in_mesh =
+                    if let Self::Text(warning) = self { warning.excerpt_of_mesh() } else { String::new() };
+                let message = format!("{description}\n{}{in_mesh}{hint}", with_caret(&source.text, at));
+                labelled(&source.path, &position, severity.label(), &message)
+            }
+        }
     }
 
     fn at(&self) -> Option<Position> {

@@ -14,7 +14,7 @@ mod view;
 pub use filter::too_narrow as narrow_filter;
 pub use idle::{colors_not_asked_for, sampling_without_effect};
 pub use lights::without_effect as lights_without_effect;
-pub use message::diagnostics;
+pub use message::{Severity, render_all};
 pub use rays::too_many as too_many_rays;
 pub use rays::{black_inside, not_followed as rays_not_followed, without_effect as rays_without_effect};
 pub use triangles::without_area as triangles_without_area;
@@ -29,7 +29,7 @@ use lights::Reason;
 use rays::Remedy;
 use view::Sight;
 
-/// A warning. [`Warning::diagnostic`] shows it to the user.
+/// A warning. It is shown by [`Warning::render`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
     /// A doubtful place in the scene's text.
