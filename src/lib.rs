@@ -67,7 +67,7 @@ pub mod cli;
 pub mod live;
 
 #[doc(hidden)]
-pub use base::{distinct_files, escape, memory, shell, shortcut, undisturbed};
+pub use base::{escape, memory, shell, shortcut, undisturbed};
 #[doc(hidden)]
 pub use render::renderer;
 #[doc(hidden)]

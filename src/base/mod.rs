@@ -1,6 +1,5 @@
 //! What every module may use.
 
-pub mod distinct_files;
 pub mod escape;
 pub mod memory;
 pub mod shell;

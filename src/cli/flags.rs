@@ -1,14 +1,13 @@
 //! The flags. Each field is a flag: its documentation is its help, and its attributes say what clap reads and checks.
 //!
 //! The first paragraph is in every help, the others in the help about the flag alone. Flags are in the order of the
-//! help. The name of a value tells what completions offer for it (`completions.rs`). The command line has one dash where
-//! clap has two (`words.rs`).
+//! help. The name of a value tells what completions offer for it (`completions.rs`). The command line has one dash
+//! where clap has two (`words.rs`).
 
-use super::values::{
-    FILTER_SIZE, NOT_NEGATIVE, Sides, byte_picture, edition, has_ending, number, part, path, picture, sides,
-};
+use super::values::{FILTER_SIZE, NOT_BYTES, NOT_NEGATIVE, Sides, has_ending, number, path, picture, sides};
+use crate::image_io::Format;
 use crate::scene::edition::Edition;
-use clap::builder::RangedU64ValueParser;
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgGroup, CommandFactory, Parser, value_parser};
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
@@ -103,8 +102,9 @@ pub(super) struct Flags {
     /// Joins these parts of a picture, which come from -region, into -output. Their order is free.
     ///
     /// Example: raytracer -merge top.png bottom.png -output whole.png
-    #[arg(long, num_args = 1.., value_names = ["parts"], value_parser = part(), group = "without_scene", requires = "output")]
+    #[arg(long, num_args = 1.., value_names = ["parts"], group = "without_scene", requires = "output")]
     #[arg(conflicts_with_all = ["reference", "tolerance", "threads"])]
+    #[arg(value_parser = path(|file| Format::of(file).is_some_and(Format::has_parts), "neither .tga nor .png"))]
     pub merge: Option<Vec<PathBuf>>,
 
     /// Converts the picture to the 8-bit format given by -output. Needs no scene.
@@ -126,12 +126,13 @@ pub(super) struct Flags {
     #[arg(value_parser = sides, default_values = ["100", "100"])]
     pub size: Vec<Sides>,
 
-    /// Interprets scene and flags as this edition of the course does. Default: the one that the scene's words tell, else
-    /// 2004.
+    /// Interprets scene and flags as this edition of the course does. Default: the one that the scene's words tell,
+    /// else 2004.
     ///
     /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2023, and aalto is Aalto University's. They
     /// differ in the words of scenes, the camera, highlights, normals, recursion and the colours of depths and normals.
-    #[arg(long, value_name = "name", value_parser = edition())]
+    #[arg(long, value_name = "name")]
+    #[arg(value_parser = PossibleValuesParser::new(Edition::NAMES).try_map(|name| Edition::named(&name).ok_or("")))]
     pub edition: Option<Edition>,
 
     /// Draws a UV gradient instead of the scene: red = x, green = y, blue = 1. Implies -edition aalto, where a scene
@@ -194,8 +195,8 @@ pub(super) struct Flags {
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), groups = ["usual", "samples"])]
     pub jittered_samples: Option<u32>,
 
-    /// Adaptive sampling: takes at most n samples per pixel, 4 to 1024, until the estimated error of the picture is this
-    /// many levels (1/255).
+    /// Adaptive sampling: takes at most n samples per pixel, 4 to 1024, until the estimated error of the picture is
+    /// this many levels (1/255).
     ///
     /// Flat pixels get one or few, edges many.
     ///
@@ -267,7 +268,8 @@ pub(super) struct Flags {
     pub reference: Option<PathBuf>,
 
     /// Draws the picture, the reference and their amplified difference side by side.
-    #[arg(long, value_name = "picture", value_parser = byte_picture(), requires = "compared")]
+    #[arg(long, value_name = "picture", requires = "compared")]
+    #[arg(value_parser = path(|file| Format::of(file).is_some_and(|format| !format.is_float()), NOT_BYTES))]
     pub difference: Option<PathBuf>,
 
     /// Ends with status 3 if more than n pixels differ by more than this many levels.
@@ -302,8 +304,8 @@ pub(super) struct Flags {
     #[arg(conflicts_with_all = ["output", "region", "jitter", "filter", "visualize_grid", "reference", "tolerance"])]
     pub error_report: Option<PathBuf>,
 
-    /// Prints the cheapest of all settings measured whose root mean square error is at most this, in levels; status 3 if
-    /// there is none.
+    /// Prints the cheapest of all settings measured whose root mean square error is at most this, in levels; status 3
+    /// if there is none.
     #[arg(long, value_name = "rmse", value_parser = number(NOT_NEGATIVE), requires = "error_report")]
     pub target: Option<f64>,
 

@@ -28,8 +28,8 @@ in the scene, 2 for an error in the command line, 3 for a difference above the
 tolerance, and 130, 143 or 129 for a run stopped by Ctrl-C, SIGTERM or SIGHUP.
 ";
 
-/// Returns the help that `words` ask for, which have clap's dashes. The first is `--h` or `--help`, and the next may tell
-/// what about.
+/// Returns the help that `words` ask for, which have clap's dashes. The first is `--h` or `--help`, and the next may
+/// tell what about.
 pub(super) fn text(words: &[OsString]) -> Result<String, CliError> {
     let topic = words.get(1).map(|word| word.to_string_lossy());
     match topic.filter(|word| !word.starts_with('-') || known(bare(word)).is_some()) {

@@ -18,7 +18,7 @@ mod words;
 pub use commands::parse_commands;
 pub use error::CliError;
 pub use flags::command;
-pub use options::{Comparison, LivePage, Options, ShowProgress};
+pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
 pub use outputs::Output;
 pub use runs::{Converting, ErrorReporting, Grading, Merging, References};
 pub use words::{command_of_merge, command_of_rest};

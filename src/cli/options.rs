@@ -44,9 +44,9 @@ pub struct Options {
     /// Blurs the picture and reduces it to a third.
     pub reduced: bool,
     pub effects: Effects,
-    /// The number of bounces that is given; if none is, `effects` has the default of the edition.
+    /// The flags whose meaning or default depends on the edition.
     #[serde(skip)]
-    pub given_bounces: Option<u32>,
+    pub given: Given,
     pub sampler: Sampler,
     /// Takes more samples in a pixel where its first four disagree.
     pub adaptive: Option<Adaptive>,
@@ -73,6 +73,14 @@ pub struct Options {
     /// The number of threads, 1 to 4096; `None` for all cores.
     pub threads: Option<usize>,
     pub progress: ShowProgress,
+}
+
+/// Flags as they are given, before the edition is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Given {
+    pub bounces: Option<u32>,
+    pub weight: Option<f64>,
+    pub uniform_samples: bool,
 }
 
 /// The live page that `-gui` asks for.
@@ -142,14 +150,13 @@ impl ShowProgress {
 impl Options {
     /// Checks what depends on more than one flag. `words` are the flags that the live page begins with.
     pub(super) fn new(flags: Flags, words: Vec<String>) -> Result<Self, CliError> {
-        let edition = edition(&flags)?;
         let triples = flags.edition != Some(Edition::Y2019);
         let size = size(&flags.size)?;
         let options = Self {
             outputs: outputs(&flags, size)?,
             size,
             region: flags.region.as_deref().map(region).transpose()?,
-            edition,
+            edition: edition(&flags)?,
             uv: flags.uv,
             // The program of 2019 accepts both flags and does nothing.
             jitter: flags.jitter && triples,
@@ -162,10 +169,14 @@ impl Options {
                 },
                 shade_back: flags.shade_back,
                 bounces: flags.bounces.unwrap_or(0),
-                min_weight: flags.weight.or(edition.map(Edition::default_weight)).unwrap_or(0.0),
+                min_weight: flags.weight.unwrap_or(0.0),
             },
-            given_bounces: flags.bounces,
-            sampler: sampler(&flags, edition, triples)?,
+            given: Given {
+                bounces: flags.bounces,
+                weight: flags.weight,
+                uniform_samples: flags.uniform_samples.is_some(),
+            },
+            sampler: sampler(&flags, triples),
             adaptive: adaptive(&flags)?,
             filter: filter(&flags),
             structure: flags.grid.as_deref().map_or(Ok(Structure::Any), structure)?,
@@ -183,26 +194,25 @@ impl Options {
             input: flags.input,
         };
         options.check_together()?;
-        Ok(match options.edition {
-            Some(edition) => options.in_edition(edition),
-            None => options,
-        })
+        Ok(options)
     }
 
-    /// The same options for a scene of this edition, on which some defaults depend.
+    /// Settles what depends on the edition, which is known when the scene is read.
     #[must_use]
     pub fn in_edition(&self, edition: Edition) -> Self {
         let mut options = self.clone();
         options.edition = Some(edition);
-        options.effects.bounces = self.given_bounces.unwrap_or(edition.default_bounces());
+        options.effects.bounces = self.given.bounces.unwrap_or(edition.default_bounces());
+        options.effects.min_weight = self.given.weight.unwrap_or(edition.default_weight());
+        if self.given.uniform_samples && edition == Edition::Aalto {
+            options.sampler = Sampler::new(Pattern::Random, self.sampler.count(), self.sampler.rng());
+        }
         options
     }
 
     /// What the flags tell of the scene.
     pub fn hints(&self) -> Hints {
-        let ending = |output: &Output| Some(output.file.extension()?.to_string_lossy().into_owned());
-        let endings = self.outputs.iter().filter_map(ending).collect();
-        Hints { edition: self.edition, endings, shows_places: self.uv }
+        Hints { edition: self.edition, shows_places: self.uv }
     }
 
     fn check_together(&self) -> Result<(), CliError> {
@@ -349,21 +359,19 @@ pub(super) fn region(values: &[u16]) -> Result<Window, CliError> {
     }
 }
 
-fn sampler(flags: &Flags, edition: Option<Edition>, triples: bool) -> Result<Sampler, CliError> {
+fn sampler(flags: &Flags, triples: bool) -> Sampler {
     let rng = flags.seed.map_or(Drand48::UNSEEDED, Drand48::seeded);
-    let uniform = if edition == Some(Edition::Aalto) { Pattern::Random } else { Pattern::Uniform };
     let given = [
         (Pattern::Random, flags.random_samples),
-        (uniform, flags.uniform_samples),
-        (Pattern::Uniform, flags.regular_samples),
+        (Pattern::Uniform, flags.uniform_samples.or(flags.regular_samples)),
         (Pattern::Jittered, flags.jittered_samples),
     ];
-    Ok(match given.into_iter().find_map(|(pattern, count)| Some((pattern, count?))) {
+    match given.into_iter().find_map(|(pattern, count)| Some((pattern, count?))) {
         Some((pattern, count)) => Sampler::new(pattern, count, rng),
         None if flags.jitter && triples => Sampler::DISPLACED,
         None if flags.adaptive_samples.is_some() => Sampler::of_adaptive(rng),
         None => Sampler::new(Pattern::Uniform, 1, rng),
-    })
+    }
 }
 
 pub(super) fn tolerance(flags: &Flags) -> Result<Option<Tolerance>, CliError> {

@@ -2,8 +2,7 @@
 
 use super::error::CliError;
 use crate::image_io::Format;
-use crate::scene::edition::Edition;
-use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue};
 use serde::Serializer;
 use std::ffi::OsStr;
@@ -46,23 +45,9 @@ pub(super) fn number((range, problem): Numbers) -> impl TypedValueParser<Value =
     move |word: &str| word.parse().ok().filter(|number| range.contains(number)).ok_or(problem)
 }
 
-pub(super) fn edition() -> impl TypedValueParser<Value = Edition> {
-    PossibleValuesParser::new(Edition::NAMES).try_map(|name| Edition::named(&name).ok_or("no edition"))
-}
-
 /// A picture to read.
 pub(super) fn picture() -> impl TypedValueParser<Value = PathBuf> {
     path(|path| Format::of_input(path).is_some(), NOT_PICTURE)
-}
-
-/// A picture of bytes.
-pub(super) fn byte_picture() -> impl TypedValueParser<Value = PathBuf> {
-    path(|path| Format::of(path).is_some_and(|format| !format.is_float()), NOT_BYTES)
-}
-
-/// A picture that may be a part of another.
-pub(super) fn part() -> impl TypedValueParser<Value = PathBuf> {
-    path(|path| Format::of(path).is_some_and(Format::has_parts), "neither .tga nor .png, as parts are")
 }
 
 /// A path that meets a condition.

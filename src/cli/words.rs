@@ -74,8 +74,8 @@ pub(super) fn shaping_words(flags: &clap::Command, matches: &ArgMatches) -> Vec<
     given(flags, matches, shapes).into_iter().flat_map(words).collect()
 }
 
-/// Returns the command line that renders this region with all else as in `argv`, whose first word is the program's name.
-/// The pictures get names of their own.
+/// Returns the command line that renders this region with all else as in `argv`, whose first word is the program's
+/// name. The pictures get names of their own.
 pub fn command_of_rest(argv: &[OsString], region: Window, shell: Shell) -> String {
     let Some((program, words)) = argv.split_first() else { return String::new() };
     let flags = command();
@@ -102,8 +102,8 @@ fn words_of(Window { x, y, width, height }: Window) -> String {
     format!(" -region {x} {y} {width} {height}")
 }
 
-/// Returns the command line that joins the part that is there and its rest. `region` is the part of the picture that they
-/// are, unless they are the whole.
+/// Returns the command line that joins the part that is there and its rest. `region` is the part of the picture that
+/// they are, unless they are the whole.
 pub fn command_of_merge(
     program: &OsStr,
     [part, file]: [&Path; 2],

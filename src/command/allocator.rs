@@ -7,9 +7,13 @@ use raytracer::memory::Bytes;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Write, stderr};
 use std::process::exit;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[global_allocator]
 static ALLOCATOR: Allocator = Allocator;
+
+/// True if a thread is ending the program.
+static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
 struct Allocator;
 
@@ -44,6 +48,10 @@ fn given(block: *mut u8, bytes: usize) -> *mut u8 {
 /// Ends the program. Writing the line does not allocate.
 #[cold]
 fn end(bytes: usize) -> ! {
+    while IS_ENDING.swap(true, Ordering::Relaxed) {
+        // Another thread has said so, and ends this one too.
+        std::thread::yield_now();
+    }
     let _ = writeln!(stderr(), "error: not enough memory: at least {} more are needed", Bytes(bytes as u64));
     exit(1)
 }

@@ -7,9 +7,10 @@ use super::signals::Signals;
 use super::{End, Outcome, live, refused, threads};
 use raytracer::cli::{self, Options};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::distinct_files::{ReadFile, Written, check_distinct};
 use raytracer::escape::quoted;
-use raytracer::image_io::{Format, OutputFile, Remarks, read_remarked_picture};
+use raytracer::image_io::{
+    Format, OutputFile, ReadFile, Remarks, Written, check_distinct, read_remarked_picture,
+};
 use raytracer::memory;
 use raytracer::picture::Picture;
 use raytracer::render::{Layer, Request};

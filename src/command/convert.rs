@@ -6,7 +6,7 @@ use super::log::Log;
 use super::signals::Signals;
 use super::{End, Outcome, refused};
 use raytracer::cli::Converting;
-use raytracer::distinct_files::{Written, check_distinct};
+use raytracer::image_io::{Written, check_distinct};
 
 /// Reads the picture and writes it.
 pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome, End> {

@@ -8,9 +8,8 @@ use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::distinct_files::{Written, check_distinct};
 use raytracer::escape::quoted;
-use raytracer::image_io::{OutputFile, put_in_place};
+use raytracer::image_io::{OutputFile, Written, check_distinct, put_in_place};
 use raytracer::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::scene_io;
@@ -83,7 +82,7 @@ fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
 fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(Renderer, Options), End> {
     let options = &reporting.options;
     let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads.install(|| scene_io::load_announcing(input, &options.hints(), &|_| ()))?;
+    let loaded = threads.install(|| scene_io::load_with(input, &options.hints()))?;
     let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
     check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))
         .map_err(refused)?;

@@ -5,8 +5,7 @@ use super::progress::{ProgressLine, rows_text};
 use super::signals::Signals;
 use super::{End, Outcome, refused};
 use raytracer::cli::Merging;
-use raytracer::distinct_files::{Written, check_distinct};
-use raytracer::image_io::{Content, Merge};
+use raytracer::image_io::{Content, Merge, Written, check_distinct};
 use raytracer::render::Progress;
 
 /// Reads the parts and writes the picture.

@@ -13,14 +13,15 @@ use super::{End, Outcome, refused, threads, warnings};
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::distinct_files::{ReadFile, Written, check_distinct};
-use raytracer::image_io::{CompleteFile, Exceptional, Format, OutputFile, part_beside};
+use raytracer::image_io::{
+    CompleteFile, Exceptional, Format, OutputFile, ReadFile, Written, check_distinct, part_beside,
+};
 use raytracer::memory::Bytes;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::scene::Color;
 use raytracer::scene::edition::Edition;
-use raytracer::scene::load::{LoadedScene, load_announcing};
+use raytracer::scene::load::{LoadedScene, load_with};
 use raytracer::scene::parser::Places;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
@@ -50,7 +51,7 @@ pub fn run(
 
     // Load the scene.
     let mut clock = Clock(Instant::now());
-    let mut loaded = load_announcing(input, &options.hints(), &|_| ())?;
+    let mut loaded = load_with(input, &options.hints())?;
 
     // Settle the options.
     let options = &options.in_edition(loaded.choice.edition);

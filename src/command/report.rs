@@ -2,11 +2,10 @@
 
 use super::compare::ComparisonResult;
 use super::complete_files::CompleteFiles;
-use super::json::Document;
 use super::log::Log;
 use super::render::Rendered;
 use super::signals::Signals;
-use super::{End, Outcome};
+use super::{End, Outcome, json};
 use raytracer::cli::Options;
 use raytracer::image_io::OutputFile;
 use std::io::{Write, stderr};
@@ -29,14 +28,12 @@ impl Report<'_> {
         signals: &Signals,
         log: &Log,
     ) -> Result<Outcome, End> {
-        let json = || {
-            let warnings = log.messages();
-            Document::new(options, &warnings, self.rendered.as_ref(), self.compared.as_ref()).to_json()
-        };
+        let json =
+            || json::document(options, &log.messages(), self.rendered.as_ref(), self.compared.as_ref());
         if let Some(file) = document {
-            files.add(file.text(&json()?)?)?;
+            files.add(file.text(&json())?)?;
         }
-        let mut text = if options.prints_json() { json()? } else { self.text(options) };
+        let mut text = if options.prints_json() { json() } else { self.text(options) };
         files.finish(signals)?;
         if options.has_standard_output() {
             let _ = stderr().write_all(text.as_bytes());

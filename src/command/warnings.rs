@@ -26,7 +26,7 @@ pub fn say(found: Vec<Diagnostic>, options: &Options, source: &Source, log: &Log
 pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
     let scene = &loaded.scene;
     // Nobody has asked for the bounces of an edition.
-    let effects = &Effects { bounces: options.given_bounces.unwrap_or(0), ..options.effects };
+    let effects = &Effects { bounces: options.given.bounces.unwrap_or(0), ..options.effects };
     let mut found = std::mem::take(&mut loaded.warnings);
     found.extend(open_edition(&loaded.choice));
     let no_lights = warnings::no_lights(scene);
@@ -45,7 +45,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     }
     // `-bounces 0` is meant. In later editions every material with a highlight mirrors if it is asked to, and is not
     // doubtful without.
-    let is_meant = options.given_bounces == Some(0) || options.edition.unwrap_or_default() != Edition::Y2004;
+    let is_meant = options.given.bounces == Some(0) || options.edition.unwrap_or_default() != Edition::Y2004;
     // Where the cells of the grid are drawn no ray bounces.
     if !options.visualize_grid {
         found.extend(warnings::rays_without_effect(scene, effects, is_meant));

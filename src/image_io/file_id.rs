@@ -6,7 +6,7 @@ use std::fs::{self, Metadata};
 use std::path::Path;
 
 /// Identifies a regular file, by whatever links and paths it is named.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum FileId {
     /// A file that exists.
     Existing(Node),

@@ -2,6 +2,7 @@
 //! when all are complete. The reader takes any common variant. Parts of a picture say where they lie, and are put
 //! together.
 
+mod distinct_files;
 mod error;
 mod exr;
 mod file_id;
@@ -14,8 +15,8 @@ mod part;
 mod reader;
 mod writer;
 
+pub use distinct_files::{ReadFile, SameFile, Written, check_distinct};
 pub use error::ImageError;
-pub use file_id::FileId;
 pub use format::Format;
 pub use merge::Merge;
 pub use output::{CompleteFile, OutputFile, put_in_place};

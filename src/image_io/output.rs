@@ -103,17 +103,20 @@ impl OutputFile {
 
     /// Returns the file with this text.
     pub fn text(self, text: &str) -> Result<CompleteFile, ImageError> {
-        let mut content = self.spool();
-        content.write_all(text.as_bytes()).map_err(|error| ImageError::io("write", &self.path, error))?;
+        let written = self
+            .spool(text.len())
+            .and_then(|mut content| content.write_all(text.as_bytes()).map(|()| content));
+        let content = written.map_err(|error| ImageError::io("write", &self.path, error))?;
         Ok(CompleteFile { output: self, content })
     }
 
-    /// Returns an empty content, whose temporary file is on the disk of the target.
-    pub(super) fn spool(&self) -> SpooledTempFile {
-        match &self.target {
+    /// Returns a content of zeros, which may become longer. Its temporary file is on the disk of the target.
+    pub(super) fn spool(&self, length: usize) -> io::Result<SpooledTempFile> {
+        let mut content = match &self.target {
             Target::Replace { file, .. } => tempfile::spooled_tempfile_in(IN_MEMORY, folder_of(file)),
             Target::Direct(_) | Target::StandardOutput => tempfile::spooled_tempfile(IN_MEMORY),
-        }
+        };
+        content.set_len(length as u64).map(|()| content)
     }
 }
 

@@ -96,13 +96,14 @@ impl OutputFile {
     ) -> Result<PictureWriter, ImageError> {
         let header = header_of(format, size, content, part);
         let header = header.map_err(|reason| ImageError::new("write", &self.path, reason))?;
-        let mut spool = Shared(Arc::new(Mutex::new(self.spool())));
-        let mut begin = || {
+        let rows = size[1].saturating_mul(row_length(format, size[0], content));
+        let begin = || {
+            let mut spool = Shared(Arc::new(Mutex::new(self.spool(header.len().saturating_add(rows))?)));
             spool.write_all(&header)?;
             let encoder = (format == Format::Png).then(|| png_encoder(spool.clone(), size, part));
-            io::Result::Ok(encoder.transpose()?.map(Box::new))
+            io::Result::Ok((spool, encoder.transpose()?.map(Box::new)))
         };
-        let png = begin().map_err(|error| ImageError::io("write", &self.path, error))?;
+        let (spool, png) = begin().map_err(|error| ImageError::io("write", &self.path, error))?;
         let (header, top) = (header.len(), part.map_or(0, |part| part.at[1] as usize));
         let (output, rows, bytes, exceptional) = (self, 0, vec![], Exceptional::default());
         Ok(PictureWriter { output, format, size, content, top, spool, header, png, rows, bytes, exceptional })
@@ -267,6 +268,18 @@ fn header_of(
             header::exr(size, whole, at, if is_grey { &["Z"] } else { &["B", "G", "R"] })
         }
     })
+}
+
+/// Returns the length of an encoded row in bytes; 0 for PNG, which compresses them.
+fn row_length(format: Format, width: usize, content: Content) -> usize {
+    let numbers = if content == Content::Distances { width } else { CHANNELS * width };
+    match format {
+        Format::Tga | Format::Ppm => CHANNELS * width,
+        Format::Png => 0,
+        Format::Bmp => header::bmp_row(width),
+        Format::Pfm => size_of::<f32>() * numbers,
+        Format::Exr => header::exr_row(0, 0).len() + size_of::<f32>() * numbers,
+    }
 }
 
 /// Returns an encoder for three channels of eight bits, with the fastest compression that the crate has.

@@ -53,8 +53,8 @@ pub const MAX_CAUSE_RAYS: usize = 1 << 22;
 /// The triangles, shapes and planes of a scene that is typed in, with those of its meshes, and of all such scenes that
 /// are open.
 pub const MAX_PRIMITIVES: usize = 1_000_000;
-/// The lights of such a scene.
-pub const MAX_LIGHTS: usize = 1000;
+/// The lights of such a scene times its primitives: it is looked for which of them lie on each other.
+pub const MAX_LIGHT_PAIRS: usize = 1 << 24;
 /// The mesh files that it names.
 pub const MAX_MESHES: usize = 32;
 /// The bytes of these files together: reading them takes about a second.

@@ -75,18 +75,8 @@ self_cell! {
     }
 }
 
-/// What a scene is prepared for.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// To show it, or the cells of its grid.
-    Picture,
-    /// To cast single rays through its structure, or to count the work, too.
-    Rays,
-    CountedRays,
-}
-
-/// What a preparation depends on: the scene's revision, its structure, whether cells are drawn and work is counted, and
-/// the camera's rays where their number matters.
+/// What a preparation depends on: the scene's revision, its structure, whether cells are drawn and whether work is
+/// counted, and the camera's rays where their number matters.
 type Preparation = (u64, Structure, bool, bool, Option<usize>);
 
 pub struct Painter {
@@ -110,8 +100,7 @@ impl Painter {
     /// Paints a picture of the scene, unless it is stopped.
     pub fn paint(&self, subject: &Subject, stop: &Stop) -> Result<Painted, Answer> {
         let start = Instant::now();
-        let purpose = if subject.cost.is_some() { Purpose::CountedRays } else { Purpose::Picture };
-        let ready = self.ready(subject, purpose)?;
+        let ready = self.ready(subject, subject.cost.is_some(), subject.options.visualize_grid)?;
         let request = subject.request(subject.cost.map_or(Layer::Color, Layer::Cost));
         let [width, height] = request.layer_size(&Layer::Color);
         let (mut bytes, mut counts, mut nans) = (vec![], vec![], 0);
@@ -139,11 +128,10 @@ impl Painter {
         Ok(Painted { picture, costs, nans, time: start.elapsed() })
     }
 
-    /// Prepares the scene of a picture, unless it is prepared already.
-    pub fn ready(&self, subject: &Subject, purpose: Purpose) -> Result<Arc<Ready>, Answer> {
+    /// Prepares the scene of a picture, unless it is prepared already: to count the work, or to show the grid's cells.
+    pub fn ready(&self, subject: &Subject, counts: bool, shows_cells: bool) -> Result<Arc<Ready>, Answer> {
         let Subject { scene, options, .. } = subject;
-        let (structure, counts) = (options.structure, purpose == Purpose::CountedRays);
-        let shows_cells = purpose == Purpose::Picture && options.visualize_grid;
+        let structure = options.structure;
         let whole = Request { layers: vec![Layer::Color], ..options.request() };
         let rays = (counts || shows_cells).then(|| whole.camera_rays());
         let preparation = (scene.revision, structure, shows_cells, counts, rays);
@@ -179,9 +167,8 @@ fn prepare<'r>(
         let world = renderer.world();
         let references = most_references(world, &Lattice::new(bounds_of(world), cells));
         if references > MAX_REFERENCES && !may_be_large {
-            return Err(Answer::impossible(
-                "-grid: these cells hold more than this page allows: choose fewer",
-            ));
+            let reason = "-grid: these cells hold more than this page allows: choose fewer";
+            return Err(Answer::impossible(reason));
         }
         memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
     }

@@ -1,11 +1,10 @@
 //! Writes the pictures that the command line names, and no others.
 
 use super::http::Answer;
-use super::painter::{Painter, Purpose, Subject};
+use super::painter::{Painter, Subject};
 use crate::cli::Output;
-use crate::distinct_files::{SameFile, Written, check_distinct};
 use crate::escape::quoted;
-use crate::image_io::{CompleteFile, Content, OutputFile, put_in_place};
+use crate::image_io::{CompleteFile, Content, OutputFile, SameFile, Written, check_distinct, put_in_place};
 use crate::render::{Layer, Progress};
 use crate::scene::Color;
 use crate::scene::edition::Edition;
@@ -65,7 +64,7 @@ fn complete(
         return Ok(file.picture(output.format, &painted.picture)?);
     }
     let request = subject.request(output.layer);
-    let ready = painter.ready(subject, Purpose::Picture)?;
+    let ready = painter.ready(subject, false, subject.options.visualize_grid)?;
     let content = if output.layer.is_distance() { Content::Distances } else { Content::Colors };
     let size = request.layer_size(&output.layer);
     let mut writer = file.begin(output.format, size, content, None)?;

@@ -50,7 +50,7 @@ pub struct Scenes {
 impl Scenes {
     /// Opens the scene of the command line.
     pub fn open(path: &Path, hints: Hints) -> Result<Self, Diagnostic> {
-        let loaded = scene_io::load_announcing(path, &hints, &|_| ())?;
+        let loaded = scene_io::load_with(path, &hints)?;
         let choice = loaded.choice.clone();
         let renderer = Renderer::new(loaded, Meshes::Kept)?;
         let first = Arc::new(OpenScene { revision: 0, named: hints.edition, choice, renderer });
@@ -146,8 +146,10 @@ impl Scenes {
         if primitives > MAX_PRIMITIVES {
             return refused(format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives"));
         }
-        if lights > MAX_LIGHTS {
-            return refused(format!("a page opens scenes of at most {MAX_LIGHTS} lights"));
+        if lights.saturating_mul(primitives) > MAX_LIGHT_PAIRS {
+            return refused(format!(
+                "{lights} lights and {primitives} primitives are more than a page opens"
+            ));
         }
         if let Err(error) = memory::ask(primitives as u64 * BYTES_PER_PRIMITIVE) {
             return refused(error.to_string());

@@ -4,7 +4,7 @@ use super::camera::{camera_block, camera_values};
 use super::http::Answer;
 use super::limits::*;
 use super::objects::ObjectMap;
-use super::painter::{Painted, Painter, Purpose, Subject};
+use super::painter::{Painted, Painter, Subject};
 use super::queue::Queue;
 use super::rays::Rays;
 use super::saving::save;
@@ -146,15 +146,16 @@ impl Session {
         has_left: &mut dyn FnMut() -> bool,
     ) -> Found {
         let deadline = Instant::now() + answer_time(path);
-        let question = if path == "/reference" { Question::default() } else { Question::read(path, &body)? };
-        // Of these only the newest of a page counts.
+        // Of some kinds only the newest question of a page counts.
         let kind = match path {
             "/picture" | "/compare" | "/cause" => Some("picture"),
             "/scene" => Some("scene"),
             "/objects" => Some("objects"),
             "/trace" => Some("trace"),
-            _ => None,
+            "/start" | "/save" | "/reference" => None,
+            _ => return Err(Answer::text(404, "there is nothing here")),
         };
+        let question = if path == "/reference" { Question::default() } else { Question::read(path, &body)? };
         let turn = kind.zip(question.page).map(|(kind, page)| self.queue.turn(page, kind, question.turn));
         let mut gives_up = || match () {
             // This is no failure, and a browser lists failures.
@@ -203,11 +204,10 @@ impl Session {
             "/compare" => (Box::new(move |session, stop| session.compare(&subject, stop)), 2 * size),
             "/cause" => (Box::new(move |session, stop| session.cause(&subject, stop)), 2 * with_copy),
             "/objects" => (Box::new(move |session, stop| session.objects(&subject, stop)), with_copy),
-            "/trace" => {
+            _ => {
                 let pixel = question.pixel.ok_or_else(incomplete)?;
                 (Box::new(move |session, stop| session.trace(&subject, pixel, stop)), with_copy)
             }
-            _ => return Err(Answer::text(404, "there is nothing here")),
         })
     }
 
@@ -295,7 +295,7 @@ impl Session {
 
     fn objects(&self, subject: &Subject, stop: &Stop) -> Found {
         let size = clipped(subject.options.picture_size());
-        let ready = self.painter.ready(subject, Purpose::Rays)?;
+        let ready = self.painter.ready(subject, false, false)?;
         let map = ObjectMap::new(ready.borrow_dependent(), subject.camera, size, stop);
         let map = map?;
         Ok(Answer::described(&json!({ "size": size, "objects": map.objects }), &[&map.places]))
@@ -305,7 +305,7 @@ impl Session {
         if subject.options.reduced {
             return Err(Answer::impossible("the pixels of a picture that is reduced are not traced"));
         }
-        let ready = self.painter.ready(subject, Purpose::CountedRays)?;
+        let ready = self.painter.ready(subject, true, false)?;
         let prepared = ready.borrow_dependent();
         let explainer = Explainer::new(prepared)?;
         let tree = explainer.pixel(&subject.request(Layer::Color), pixel, stop)?;
@@ -380,8 +380,8 @@ impl Session {
     /// Returns what the page needs to know of a scene to turn it, and of the edition that it was read in.
     fn description(&self, scene: &OpenScene) -> Value {
         let (renderer, choice) = (&scene.renderer, &scene.choice);
-        let named = ["-edition".to_owned(), choice.edition.to_string()];
-        let defaults = self.most.options(&named).map(|options| options.effects).unwrap_or_default();
+        let defaults = self.most.options(&[]).map(|options| options.in_edition(choice.edition).effects);
+        let defaults = defaults.unwrap_or_default();
         json!({
             "revision": scene.revision,
             "camera": camera_values(&renderer.scene.camera, renderer.scene.model.screen),

@@ -225,6 +225,25 @@ fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
     }
 }
 
+#[test]
+fn the_watch_ends_a_long_row_before_its_end() {
+    for tracing in [Tracing::Fast, Tracing::Counted] {
+        let layers = vec![Layer::Color];
+        let request = Request { sampler: jittered(1024), layers, ..Request::new([64, 1]) };
+        let asked = Mutex::new(vec![]);
+        let watch = |progress: Progress| {
+            asked.lock().unwrap().push(progress.done);
+            ControlFlow::Break(())
+        };
+        let result =
+            render_scene(&scene(""), &request, tracing, &watch, &mut |_, _| ControlFlow::Continue(()));
+        assert_eq!(
+            (result.err(), asked.into_inner().unwrap()),
+            (Some(Stopped::Cancelled { rows: 0 }), vec![0])
+        );
+    }
+}
+
 /// The rows of a picture whose samples contribute to their own rows only, and those of windows of one row.
 #[test]
 fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {

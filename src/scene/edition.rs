@@ -24,7 +24,7 @@ pub enum Edition {
 use Edition::{Aalto, Y2004, Y2012A4, Y2012A5, Y2019};
 
 /// The words that only some editions have.
-const WORDS: [(&str, &[Edition]); 18] = [
+const WORDS: [(&str, &[Edition]); 22] = [
     ("OrthographicCamera", &[Y2004, Aalto]),
     ("Checkerboard", &[Y2004, Aalto]),
     ("Marble", &[Y2004, Aalto]),
@@ -43,9 +43,6 @@ const WORDS: [(&str, &[Edition]); 18] = [
     ("textCoord0", &[Aalto]),
     ("textCoord1", &[Aalto]),
     ("textCoord2", &[Aalto]),
-];
-/// Those of them that are followed by what tells them from other uses of the word.
-const LATER_WORDS: [(&str, &[Edition]); 4] = [
     ("refractionIndex", &[Y2012A5]),
     ("texture", &[Y2012A4, Y2012A5, Aalto]),
     ("falloff", &[Y2012A5, Y2019]),
@@ -54,16 +51,7 @@ const LATER_WORDS: [(&str, &[Edition]); 4] = [
 
 /// The editions that have a word which not all have; none for other words.
 pub(super) fn editions_of(word: &str) -> Option<&'static [Edition]> {
-    let mut words = WORDS.iter().chain(&LATER_WORDS);
-    words.find(|(known, _)| *known == word).map(|(_, editions)| *editions)
-}
-
-/// What beside the words of a scene may tell its edition.
-pub trait Clues {
-    /// Whether there is a picture `right` with this ending for the cube map in this folder.
-    fn has_face(&self, folder: &str, ending: &str) -> bool;
-    /// Whether pictures with this ending are written.
-    fn writes(&self, ending: &str) -> bool;
+    WORDS.iter().find(|(known, _)| *known == word).map(|(_, editions)| *editions)
 }
 
 /// An edition, and what told it.
@@ -71,28 +59,28 @@ pub trait Clues {
 pub struct Choice {
     /// The edition.
     pub edition: Edition,
-    /// The words of a sentence after `because of`; none if nobody had to find it out.
+    /// The words of a sentence after `because of`; none if the edition was named, or is that of 2004.
     pub because: Option<String>,
-    /// The later editions that read the text too, and draw another picture, where nothing tells which one is meant.
+    /// The other editions that have all words of the scene, where the words leave open which one is meant.
     pub others: Vec<Edition>,
 }
 
 impl Choice {
-    /// What is to be said of it, unless somebody has named it.
+    /// A note on an edition that the scene's words have told.
     pub fn note(&self) -> Option<String> {
-        let (edition, because) = (self.edition, self.because.as_ref()?);
+        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| self.others.is_empty())?);
         Some(format!(
             "the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
         ))
     }
 
-    /// A warning and its hint if nothing tells which edition is meant.
+    /// A warning and its hint if the words leave the edition open.
     pub fn doubt(&self) -> Option<[String; 2]> {
-        let flags: Vec<String> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
-        let (last, rest) = flags.split_last()?;
-        let flags = if rest.is_empty() { last.clone() } else { format!("{} or {last}", rest.join(", ")) };
-        let problem = "nothing tells the scene's edition: it is taken as one of 2004, and is another picture in later ones";
-        Some([problem.into(), format!("add {flags} if it is a later one, or `-edition 2004` if not")])
+        let others: Vec<String> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
+        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| !others.is_empty())?);
+        let problem =
+            format!("the scene is taken as one of the edition {edition}, but {because} may be of others");
+        Some([problem, format!("add `-edition {edition}`, or {} for another picture", others.join(" or "))])
     }
 }
 
@@ -170,100 +158,58 @@ impl Edition {
         }
     }
 
-    /// The edition of a scene that is not one of 2004, by its words and by what is around them.
-    pub fn of_words(text: &str, clues: &dyn Clues) -> Option<Choice> {
-        let words = LaterWords::of(text)?;
-        let choice = |edition, because: &str| {
-            let mut because = because.to_owned();
-            if let Some(word) = words.first.filter(|word| !because.contains(*word)) {
-                because = format!("`{word}`, and {because}");
-            }
-            Some(Choice { edition, because: Some(because), others: vec![] })
-        };
-        let (first, map) = (words.first?, words.cube_map);
-        if let Some(word) = words.of_2012a5 {
-            return choice(Y2012A5, &format!("`{word}`"));
-        }
-        if let Some(folder) = map {
-            let face = |ending| clues.has_face(folder, ending);
-            match [face("png"), face("bmp")] {
-                [true, false] => return choice(Y2019, "the cube map of PNG files"),
-                [false, true] => return choice(Y2012A5, "the cube map of BMP files"),
-                _ => {}
-            }
-        }
-        if words.names_models {
-            return choice(Y2019, "the meshes in `models/`");
-        }
-        let is_a5 = words.has_falloff || map.is_some();
-        let of_2012 = if is_a5 { Y2012A5 } else { Y2012A4 };
-        if clues.writes("bmp") {
-            return choice(of_2012, "the picture in BMP");
-        }
-        if words.has_texture {
-            return choice(of_2012, "`texture`");
-        }
-        if words.has_shininess && words.has_falloff {
-            return choice(Y2019, "`shininess` with `falloff`");
-        }
-        if !is_a5 && clues.writes("png") {
-            return choice(Y2019, "the picture in PNG");
-        }
-        choice(of_2012, &format!("`{first}`"))
-    }
-}
-
-/// The words in a scene that tell editions apart.
-#[derive(Default)]
-struct LaterWords<'t> {
-    /// The first that 2004 has not.
-    first: Option<&'t str>,
-    /// One that only assignment 5 of 2012 has.
-    of_2012a5: Option<&'t str>,
-    cube_map: Option<&'t str>,
-    names_models: bool,
-    has_falloff: bool,
-    has_shininess: bool,
-    has_texture: bool,
-}
-
-impl<'t> LaterWords<'t> {
-    /// None if there is a word of 2004, or one that only Aalto has.
-    fn of(text: &'t str) -> Option<Self> {
-        let (mut found, mut lexer, mut depth) = (Self::default(), Lexer::new(text), 0u32);
-        let mut before = "";
-        loop {
-            let word = lexer.next_word().text;
+    /// Returns the edition of a scene that is not one of 2004, by its words. `None` if a word is one of 2004, or one that
+    /// only Aalto has, whose scenes have to be named.
+    pub fn of_words(text: &str) -> Option<Choice> {
+        let mut lexer = Lexer::new(text);
+        let words = std::iter::from_fn(|| Some(lexer.next_word().text).filter(|word| !word.is_empty()));
+        let mut possible = vec![Y2012A4, Y2012A5, Y2019];
+        // The first word that 2004 has not, and the last that only some of the later editions have.
+        let (mut first, mut telling) = (None, None);
+        let (mut has_shininess, mut has_falloff, mut has_cube_map, mut has_models) =
+            (false, false, false, false);
+        let (mut depth, mut before) = (0u32, "");
+        for word in words {
             match word {
-                "" => return Some(found),
                 "{" => depth += 1,
                 "}" => depth = depth.saturating_sub(1),
-                "falloff" => found.has_falloff = true,
-                "shininess" => found.has_shininess = true,
-                "texture" => found.has_texture = true,
-                // In the materials of 2004 it is a material itself.
-                "Noise" if depth >= 2 => found.of_2012a5 = Some(word),
-                "Noise" => return None,
-                _ => {}
-            }
-            match editions_of(word) {
-                // A word of Aalto's is no later one either, whose flags have to say whose scene it is.
-                Some(editions) if !editions.iter().any(|edition| edition.is_later()) => return None,
-                Some(editions) => {
-                    found.first = found.first.or(Some(word));
-                    if editions == [Y2012A5] {
-                        found.of_2012a5 = Some(word);
-                    }
-                }
-                None => {}
-            }
-            match before {
-                "cubeMap" => found.cube_map = Some(word),
-                "obj_file" => found.names_models |= word.starts_with("models/"),
-                _ => {}
+                "shininess" => has_shininess = true,
+                "falloff" => has_falloff = true,
+                "cubeMap" => has_cube_map = true,
+                _ => has_models |= before == "obj_file" && word.starts_with("models/"),
             }
             before = word;
+            let editions: &[Edition] = match word {
+                // In the materials of 2004 it is a material itself.
+                "Noise" if depth >= 2 => &[Y2012A5],
+                "Noise" => return None,
+                _ => editions_of(word).unwrap_or(&Self::ALL),
+            };
+            let is_possible = |edition: &Edition| editions.contains(edition);
+            if !possible.iter().all(is_possible) {
+                telling = Some(word);
+            }
+            possible.retain(is_possible);
+            if !editions.contains(&Y2004) {
+                first = first.or(Some(word));
+            }
         }
+        let first = first?;
+        let mut because = format!("`{}`", telling.unwrap_or(first));
+        if possible.len() > 1 && possible.contains(&Y2019) && has_models {
+            (possible, because) = (vec![Y2019], "the meshes in `models/`".into());
+        } else if possible.len() > 1 && has_shininess && (has_falloff || !has_cube_map) {
+            // In 2012a5 it has no effect. That edition's own scenes have it beside a cube map without `falloff`.
+            possible.retain(|edition| *edition != Y2012A5);
+            if has_falloff {
+                because = "`shininess` with `falloff`".into();
+            }
+        }
+        if !because.contains(first) {
+            because = format!("`{first}`, and {because}");
+        }
+        let (edition, others) = possible.split_first()?;
+        Some(Choice { edition: *edition, because: Some(because), others: others.to_vec() })
     }
 }
 
@@ -283,57 +229,30 @@ impl Serialize for Edition {
 mod tests {
     use super::*;
 
-    /// A cube map with this ending is there, and pictures with this one are written.
-    struct Around(&'static str, &'static str);
-
-    impl Clues for Around {
-        fn has_face(&self, folder: &str, ending: &str) -> bool {
-            folder == "tex/sky" && ending == self.0
-        }
-
-        fn writes(&self, ending: &str) -> bool {
-            ending == self.1
-        }
-    }
-
-    fn found(text: &str, around: Around) -> Option<(Edition, String)> {
-        let choice = Edition::of_words(text, &around)?;
-        Some((choice.edition, choice.because.unwrap()))
-    }
-
     #[test]
-    fn words_and_what_is_around_them_tell_the_edition() {
-        for (text, around, edition, because) in [
-            ("shininess", Around("", ""), Y2012A4, "`shininess`"),
-            ("shininess", Around("", "bmp"), Y2012A4, "`shininess`, and the picture in BMP"),
-            ("shininess", Around("", "png"), Y2019, "`shininess`, and the picture in PNG"),
-            ("falloff", Around("", "png"), Y2012A5, "`falloff`"),
-            ("shininess falloff", Around("", ""), Y2019, "`shininess` with `falloff`"),
-            ("shininess falloff", Around("", "bmp"), Y2012A5, "`shininess`, and the picture in BMP"),
-            ("texture a.bmp", Around("", "png"), Y2012A4, "`texture`"),
-            (
-                "shininess refractionIndex falloff",
-                Around("", ""),
-                Y2012A5,
-                "`shininess`, and `refractionIndex`",
-            ),
-            (
-                "Materials { Material { Noise { } } Matrix4f",
-                Around("", ""),
-                Y2012A5,
-                "`Matrix4f`, and `Noise`",
-            ),
-            ("cubeMap tex/sky", Around("png", "bmp"), Y2019, "`cubeMap`, and the cube map of PNG files"),
-            ("cubeMap tex/sky", Around("bmp", "png"), Y2012A5, "`cubeMap`, and the cube map of BMP files"),
-            ("cubeMap tex/none", Around("bmp", "png"), Y2012A5, "`cubeMap`"),
-            (
-                "shininess obj_file models/a.obj",
-                Around("", ""),
-                Y2019,
-                "`shininess`, and the meshes in `models/`",
-            ),
+    fn words_tell_the_edition_or_leave_it_open() {
+        let open =
+            |edition, others: &[Edition], because: &str| (edition, others.to_vec(), because.to_owned());
+        let told = |edition, because| open(edition, &[], because);
+        for (text, expected) in [
+            ("shininess", open(Y2012A4, &[Y2019], "`shininess`")),
+            ("falloff", open(Y2012A5, &[Y2019], "`falloff`")),
+            ("bump a.bmp", open(Y2012A5, &[Y2019], "`bump`")),
+            ("texture a.bmp", open(Y2012A4, &[Y2012A5], "`texture`")),
+            ("cubeMap tex/sky", open(Y2012A5, &[Y2019], "`cubeMap`")),
+            ("cubeMap tex/sky shininess", open(Y2012A5, &[Y2019], "`cubeMap`")),
+            ("cubeMap tex/sky shininess falloff", told(Y2019, "`cubeMap`, and `shininess` with `falloff`")),
+            ("texture a.bmp shininess", told(Y2012A4, "`texture`")),
+            ("shininess bump a.bmp", told(Y2019, "`shininess`, and `bump`")),
+            ("texture a.bmp falloff", told(Y2012A5, "`texture`, and `falloff`")),
+            ("shininess falloff", told(Y2019, "`shininess` with `falloff`")),
+            ("shininess refractionIndex falloff", told(Y2012A5, "`shininess`, and `refractionIndex`")),
+            ("Materials { Material { Noise { } } Matrix4f", told(Y2012A5, "`Noise`")),
+            ("Matrix4f Materials { Material { Noise { } }", told(Y2012A5, "`Matrix4f`, and `Noise`")),
+            ("shininess obj_file models/a.obj", told(Y2019, "`shininess`, and the meshes in `models/`")),
         ] {
-            assert_eq!(found(text, around), Some((edition, because.to_owned())), "{text}");
+            let choice = Edition::of_words(text).unwrap();
+            assert_eq!((choice.edition, choice.others, choice.because.unwrap()), expected, "{text}");
         }
     }
 
@@ -342,14 +261,13 @@ mod tests {
         for text in [
             "",
             "Sphere { radius 1 }",
+            "obj_file models/a.obj",
             "shininess exponent",
             "Materials { Noise { falloff",
-            "texture",
             "texture a.tga mipmap",
             "noise",
         ] {
-            // A texture is a word of 2012 only.
-            assert_eq!(found(text, Around("png", "bmp")).is_some(), text == "texture", "{text}");
+            assert_eq!(Edition::of_words(text), None, "{text}");
         }
     }
 

@@ -1,23 +1,24 @@
 //! Reads a scene and its meshes from files.
 
 mod named_files;
+mod near_names;
 
-use crate::base::distinct_files::ReadFile;
 use crate::diagnostic::{Diagnostic, limited};
 use crate::escape::quoted;
-use crate::scene::edition::{Choice, Clues, Edition};
+use crate::image_io::ReadFile;
+use crate::scene::edition::{Choice, Edition};
 use crate::scene::foreign_format::is_wide_text;
 use crate::scene::lexer::Lexer;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, ObjFile};
 use crate::scene::model::Shows;
-use crate::scene::near_names::nearest_file;
 use crate::scene::parser::{Places, Reading, read_in};
 use crate::scene::texels::{ImageFile, Texels};
-use crate::scene::{MeshFile, Object, Position, Scene};
+use crate::scene::{MeshFile, Position, Scene};
 pub use named_files::mesh_places;
 use named_files::{find_texels, read_mesh};
 pub(crate) use named_files::{image_unreadable, in_mesh, mesh_unreadable};
+use near_names::nearest_file;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -56,27 +57,8 @@ impl LoadedScene {
 pub struct Hints {
     /// The edition, if somebody has named it.
     pub edition: Option<Edition>,
-    /// The endings of the pictures that are written of it, without the dot.
-    pub endings: Vec<String>,
     /// Whether the places of pixels are shown in place of the scene.
     pub shows_places: bool,
-}
-
-/// Those, and the files beside a scene.
-struct Around<'a> {
-    hints: &'a Hints,
-    folder: &'a Path,
-}
-
-impl Clues for Around<'_> {
-    fn has_face(&self, folder: &str, ending: &str) -> bool {
-        let name = format!("{folder}/right.{ending}");
-        mesh_places(&name, self.folder, Edition::Y2019).iter().any(|place| place.is_file())
-    }
-
-    fn writes(&self, ending: &str) -> bool {
-        self.hints.endings.iter().any(|written| written.eq_ignore_ascii_case(ending))
-    }
 }
 
 /// A scene's text, without a byte order mark, and the file that it comes from.
@@ -103,33 +85,18 @@ const LONGEST_STREAM: u64 = 1 << 28;
 /// A mesh is looked for in the working directory and then beside the scene, and read once however
 /// often it is named. Errors: an unreadable or malformed scene, or mesh.
 pub fn load(path: &Path) -> Result<LoadedScene, Diagnostic> {
-    load_announcing(path, &Hints::default(), &|_| ())
+    load_with(path, &Hints::default())
 }
 
-/// The same, with what is known of the scene's edition. `announce` is told the size of each mesh's file, in bytes, before
-/// it is parsed.
-pub fn load_announcing(
-    path: &Path,
-    hints: &Hints,
-    announce: &dyn Fn(usize),
-) -> Result<LoadedScene, Diagnostic> {
+/// Reads a scene like [`load`], of which more is known than its words.
+pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> {
     let is_standard_input = path == Path::new("-");
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
     let bytes = bytes.map_err(|error| unreadable(path, &error))?;
-    load_source(Source { path: path.to_owned(), text: decode(path, bytes)? }, hints, announce)
-}
-
-/// Reads a scene from the text of its file.
-pub fn load_source(
-    source: Source,
-    hints: &Hints,
-    announce: &dyn Fn(usize),
-) -> Result<LoadedScene, Diagnostic> {
-    let path = source.path.clone();
+    let source = Source { path: path.to_owned(), text: decode(path, bytes)? };
     let directory = path.parent().unwrap_or(Path::new(""));
-    let read =
-        |file: &MeshFile, edition, is_textured| read_mesh(file, (directory, edition), is_textured, announce);
+    let read = |file: &MeshFile, edition, is_textured| read_mesh(file, (directory, edition), is_textured);
     let read_image = |image: &ImageFile, edition| find_texels(image, (directory, edition));
     let readers = Readers { mesh: &read, image: &read_image };
     load_text(source, hints, readers)
@@ -163,8 +130,7 @@ pub struct Readers<'a> {
 
 /// Reads a scene from its text, and the files that it names.
 pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, Diagnostic> {
-    let folder = source.path.parent().unwrap_or(Path::new(""));
-    let read = read_words(&source.text, Around { hints, folder }).and_then(|(choice, mut reading)| {
+    let read = read_words(&source.text, hints.edition).and_then(|(choice, mut reading)| {
         let found = read_files(&mut reading.scene, choice.edition, readers)?;
         Ok((choice, reading, found))
     });
@@ -188,19 +154,21 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
     }
 }
 
-/// Reads a scene in the language of the edition that the hints name. Without one it is that of 2004, and if the scene is
-/// not written in it, that which its words and the files around it tell.
-fn read_words(text: &str, around: Around) -> Result<(Choice, Reading), Diagnostic> {
-    let named = around.hints.edition;
+/// Reads a scene in the language of the edition that is named. Without one it is that of 2004, and if the scene is not
+/// written in it, that which its words tell.
+fn read_words(text: &str, named: Option<Edition>) -> Result<(Choice, Reading), Diagnostic> {
     let edition = named.unwrap_or_default();
     let error = match read_in(edition, text) {
-        Ok(reading) => return Ok(told_by_pictures(text, &around, reading)),
+        Ok(reading) => return Ok((Choice { edition, ..Choice::default() }, reading)),
         Err(error) => error,
     };
-    let found = if named.is_none() { Edition::of_words(text, &around) } else { None };
-    let Some(choice) = found else { return Err(error) };
+    let told = if named.is_none() { Edition::of_words(text) } else { None };
+    let Some(mut choice) = told else { return Err(error) };
     match read_in(choice.edition, text) {
-        Ok(reading) => Ok((choice, reading)),
+        Ok(reading) => {
+            choice.others.retain(|&other| read_in(other, text).is_ok());
+            Ok((choice, reading))
+        }
         Err(error) => {
             let because = choice.because.unwrap_or_default();
             let read =
@@ -229,27 +197,6 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-/// A scene that has been read in the language of the edition that is named or, without one, of 2004. If later editions
-/// have its words too, the pictures that are written of it may tell which one is meant.
-fn told_by_pictures(text: &str, around: &Around, reading: Reading) -> (Choice, Reading) {
-    let choice = Choice { edition: around.hints.edition.unwrap_or_default(), ..Choice::default() };
-    // The pictures of 2004 are TGA.
-    let is_told = around.hints.edition.is_some() || around.hints.endings.is_empty() || around.writes("tga");
-    let is_of_2003 = |object: &Object| matches!(object, Object::Box { .. } | Object::Grid { .. });
-    if is_told || reading.scene.objects.iter().any(is_of_2003) {
-        return (choice, reading);
-    }
-    if around.writes("bmp")
-        && let Ok(reading) = read_in(Edition::Y2012A4, text)
-    {
-        let because = Some("the picture in BMP".to_owned());
-        return (Choice { edition: Edition::Y2012A4, because, ..choice }, reading);
-    }
-    let later = [Edition::Y2019, Edition::Y2012A4, Edition::Y2012A5];
-    let others = later.into_iter().filter(|&edition| read_in(edition, text).is_ok()).collect();
-    (Choice { others, ..choice }, reading)
-}
-
 /// Reads the meshes and the pictures that a scene names.
 fn read_files(scene: &mut Scene, edition: Edition, readers: Readers) -> Result<Vec<FoundMesh>, Diagnostic> {
     let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image { .. }));
@@ -268,7 +215,7 @@ pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
     let text = bytes.and_then(|bytes| decode(scene, bytes).ok());
     let folder = scene.parent().unwrap_or(Path::new(""));
-    let read = |text: String| read_words(&text, Around { hints, folder });
+    let read = |text: String| read_words(&text, hints.edition);
     let Some(Ok((choice, Reading { scene: named, .. }))) = text.map(read) else { return vec![] };
     let find =
         |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));

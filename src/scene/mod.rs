@@ -14,7 +14,6 @@ mod list;
 pub mod load;
 pub mod material;
 pub mod mesh;
-mod near_names;
 mod object;
 pub mod model;
 mod obj_lines;

@@ -1,7 +1,7 @@
 //! Tables of valid command lines, each with its options.
 
 use raytracer::caster::choose::{Resolution, Structure};
-use raytracer::cli::{CliError, Command, Comparison, LivePage, Options, Output, ShowProgress, parse};
+use raytracer::cli::{CliError, Command, Comparison, Given, LivePage, Options, Output, ShowProgress, parse};
 use raytracer::image_io::Format;
 use raytracer::render::{Layer, Window};
 use raytracer::sampling::adaptive::Adaptive;
@@ -43,7 +43,7 @@ fn plain() -> Options {
         uv: false,
         jitter: false,
         reduced: false,
-        given_bounces: None,
+        given: Given::default(),
         effects: none(),
         sampler: Sampler::CENTER,
         filter: Filter::Box { radius: 0.5 },
@@ -112,8 +112,13 @@ fn each_flag_sets_its_option() {
     accepts("-input s.txt -transparent_shadows", with_shadows(Shadows::Transparent));
     accepts("-input s.txt -transparent_shadows -shadows", with_shadows(Shadows::Transparent));
     let bounces = with_effects(Effects { bounces: 2147483647, ..none() });
-    accepts("-input s.txt -bounces 2147483647", Options { given_bounces: Some(2147483647), ..bounces });
-    accepts("-input s.txt -weight 0.01", with_effects(Effects { min_weight: 0.01, ..none() }));
+    accepts(
+        "-input s.txt -bounces 2147483647",
+        Options { given: Given { bounces: Some(2147483647), ..Given::default() }, ..bounces },
+    );
+    let weight = with_effects(Effects { min_weight: 0.01, ..none() });
+    let given = Given { weight: Some(0.01), ..Given::default() };
+    accepts("-input s.txt -weight 0.01", Options { given, ..weight });
     accepts("-input s.txt -grid auto", Options { structure: Structure::Grid(Resolution::Auto), ..plain() });
     accepts("-input s.txt -grid none", Options { structure: Structure::List, ..plain() });
     accepts(
@@ -163,7 +168,8 @@ fn each_sampler_and_its_count() {
     let sampled = |pattern, count, rng| Options { sampler: Sampler::new(pattern, count, rng), ..plain() };
     let unseeded = Drand48::UNSEEDED;
     accepts("-input s.txt -random_samples 9", sampled(Pattern::Random, 9, unseeded));
-    accepts("-uniform_samples 4 -input s.txt", sampled(Pattern::Uniform, 4, unseeded));
+    let uniform = |options| Options { given: Given { uniform_samples: true, ..Given::default() }, ..options };
+    accepts("-uniform_samples 4 -input s.txt", uniform(sampled(Pattern::Uniform, 4, unseeded)));
     accepts("-input s.txt -jittered_samples 16", sampled(Pattern::Jittered, 16, unseeded));
     let adaptive = |most, error| Options {
         sampler: Sampler::of_adaptive(unseeded),
@@ -172,8 +178,8 @@ fn each_sampler_and_its_count() {
     };
     accepts("-input s.txt -adaptive_samples 4 0", adaptive(4, 0.0));
     accepts("-adaptive_samples 1024 2.5 -input s.txt", adaptive(1024, 2.5));
-    accepts("-input s.txt -uniform_samples 7", sampled(Pattern::Uniform, 7, unseeded));
-    accepts("-input s.txt -uniform_samples 1", plain());
+    accepts("-input s.txt -uniform_samples 7", uniform(sampled(Pattern::Uniform, 7, unseeded)));
+    accepts("-input s.txt -uniform_samples 1", uniform(plain()));
     accepts("-input s.txt -random_samples 1", sampled(Pattern::Random, 1, unseeded));
     accepts("-input s.txt -random_samples 65536", sampled(Pattern::Random, 65536, unseeded));
     accepts("-seed 7 -input s.txt -random_samples 2", sampled(Pattern::Random, 2, Drand48::seeded(7)));
@@ -279,7 +285,7 @@ fn lines_in_the_style_of_the_course() {
         "-input s.txt -size 200 200 -output o.tga -shadows -bounces 5 -weight 0.01 -shade_back -gui -tessellation 30 15",
         Options {
             effects: Effects { shadows: Shadows::Opaque, bounces: 5, min_weight: 0.01, shade_back: true },
-            given_bounces: Some(5),
+            given: Given { bounces: Some(5), weight: Some(0.01), uniform_samples: false },
             preview: true,
             page: Some(page("-size 200 200 -shade_back -shadows -bounces 5 -weight 0.01")),
             ..sized()

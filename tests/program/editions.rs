@@ -31,16 +31,24 @@ Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}\n"
 
 #[test]
 fn a_note_says_which_edition_is_taken_and_why() {
-    for (text, flags, edition) in [
-        (later("shininess 5", "", ""), "", "2012a4, because of `shininess`"),
-        (later("shininess 5", "falloff 1", ""), "", "2019, because of `shininess` with `falloff`"),
-        (later("", "falloff 1", ""), "", "2012a5, because of `falloff`"),
-        (later("refractionIndex 1.5", "", ""), "", "2012a5, because of `refractionIndex`"),
+    for (text, edition) in [
+        (later("shininess 5", "", ""), "2012a4, because of `shininess`"),
+        (later("shininess 5", "falloff 1", ""), "2019, because of `shininess` with `falloff`"),
+        (
+            later("shininess 5 refractionIndex 1.5", "", ""),
+            "2012a5, because of `shininess`, and `refractionIndex`",
+        ),
+        (later("refractionIndex 1.5", "", ""), "2012a5, because of `refractionIndex`"),
+        // Without `falloff` a point light of 2019 would be infinitely bright.
+        (later("bump none.bmp", "", ""), "2012a5, because of `bump`"),
     ] {
-        let run = Folder::with_scene(&text).run(&format!("-input s.txt -output o.tga {flags}")).ok();
         let note =
             format!("note: the scene is taken as one of the edition {edition}; `-edition` names another\n");
-        assert_eq!(run.stderr, note, "{text}");
+        // The pictures tell nothing.
+        for picture in ["o.tga", "o.png", "o.bmp"] {
+            let run = Folder::with_scene(&text).run(&format!("-input s.txt -output {picture}")).ok();
+            assert_eq!(run.stderr, note, "{text}");
+        }
     }
     // Nothing is to be said of what somebody has named, or of a scene of 2004.
     let folder = Folder::with_scene(&later("shininess 5", "", ""));
@@ -290,40 +298,48 @@ fn a_report_has_the_flags_of_its_edition() {
     assert!(table.contains("-regular_samples 16") && !table.contains("-random_samples"), "{table}");
 }
 
-/// Where neither words nor pictures tell the edition, a warning names the flags of those that read the scene too.
+/// Where the words of a scene leave open which later edition is meant, a warning names the flags.
 #[test]
-fn a_scene_that_several_editions_read_is_a_warning_with_their_flags() {
-    let scene = |light: &str, material: &str, object: &str| {
+fn words_that_leave_the_edition_open_are_a_warning_with_the_flags() {
+    let sun = |text: &str| text.replace("PointLight { position 0 0 5", "DirectionalLight { direction 0 0 -1");
+    for (text, edition, flags) in [
+        (sun(&later("shininess 5", "", "")), "2012a4, but `shininess`", "2012a4`, or `-edition 2019`"),
+        (sun(&later("bump none.bmp", "", "")), "2012a5, but `bump`", "2012a5`, or `-edition 2019`"),
+        (later("", "falloff 1", ""), "2012a5, but `falloff`", "2012a5`, or `-edition 2019`"),
+    ] {
+        let folder = Folder::with_scene(&text);
+        for picture in ["-output o.tga", "-output o.png", "-normals o.bmp", "-stats"] {
+            let stderr = folder.run(&format!("-input s.txt -size 9 9 {picture}")).ok().stderr;
+            let warning = format!(
+                "warning: the scene is taken as one of the edition {edition} may be of others
+  hint: add `-edition {flags} for another picture\n"
+            );
+            assert_eq!(stderr, warning);
+            let message = folder.run(&format!("-input s.txt -size 9 9 {picture} -strict")).message(1);
+            assert!(message.starts_with(warning.replace("warning", "error").trim_end()), "{message}");
+            let named = folder.run(&format!("-input s.txt -size 9 9 {picture} -edition 2012a5")).ok();
+            assert_eq!(named.stderr, "");
+        }
+    }
+}
+
+/// A scene that 2004 reads is one of 2004, whatever later editions would make of it and whatever is written.
+#[test]
+fn scenes_of_2004_are_not_doubted() {
+    let scene = |material: &str, object: &str| {
         format!(
-            "{EYE}Lights {{ numLights 1 {light} }}\nMaterials {{ numMaterials 1 Material {{ {material} }} }}
+            "{EYE}Lights {{ numLights 1 DirectionalLight {{ direction 0 -1 -1 color 1 1 1 }} }}
+            Materials {{ numMaterials 1 Material {{ {material} }} }}
             Group {{ numObjects 1 MaterialIndex 0 {object} }}"
         )
     };
-    let (sun, ball) =
-        ("DirectionalLight { direction 0 -1 -1 color 1 1 1 }", "Sphere { center 0 0 0 radius 1 }");
-    let lamp = "PointLight { position 0 0 5 color 1 1 1 }";
-    let warning = "warning: nothing tells the scene's edition: it is taken as one of 2004";
-    let all = "add `-edition 2019`, `-edition 2012a4` or `-edition 2012a5` if";
-    let of_2012 = "add `-edition 2012a4` or `-edition 2012a5` if";
-    for (text, flags, hint) in [
-        (scene(sun, "diffuseColor .9 .8 .7", ball), "-output o.png", all),
-        (scene(sun, "", "Group { numObjects 0 }"), "-normals o.PNG -depth 1 9 d.png", all),
-        // Highlights are other ones in each edition, though the word is the same.
-        (scene(sun, "specularColor 1 1 1", ball), "-output o.ppm", all),
-        (scene(lamp, "", ball), "-output o.png", of_2012),
-    ] {
-        let folder = Folder::with_scene(&text);
-        let stderr = folder.run(&format!("-input s.txt -size 9 9 {flags}")).ok().stderr;
-        assert!(stderr.starts_with(warning) && stderr.contains(&format!("\n  hint: {hint}")), "{stderr}");
-        let message = folder.run(&format!("-input s.txt -size 9 9 {flags} -strict")).message(1);
-        assert!(message.starts_with(&warning.replace("warning", "error")), "{message}");
-    }
+    let ball = "Sphere { center 0 0 0 radius 1 }";
     for (text, flags) in [
-        (scene(sun, "diffuseColor .9 .8 .7", ball), "-output o.tga"),
-        (scene(sun, "diffuseColor .9 .8 .7", ball), "-output o.png -edition 2004"),
-        (scene(sun, "diffuseColor .9 .8 .7", ball), "-stats"),
-        (scene(sun, "exponent 5", ball), "-output o.png"),
-        (scene(sun, "", "Box { min 0 0 0 max 1 1 1 }"), "-output o.png"),
+        (scene("diffuseColor .9 .8 .7", ball), "-output o.tga"),
+        (scene("diffuseColor .9 .8 .7", ball), "-output o.png -normals o.bmp"),
+        (scene("diffuseColor .9 .8 .7", ball), "-stats"),
+        (scene("exponent 5", ball), "-output o.png"),
+        (scene("", "Box { min -1 -1 -1 max 1 1 1 }"), "-output o.png"),
         (sphere(), "-output o.png"),
     ] {
         let stderr = Folder::with_scene(&text).run(&format!("-input s.txt -size 9 9 {flags}")).ok().stderr;

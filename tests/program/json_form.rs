@@ -184,7 +184,8 @@ fn of_a_cube_map(documents: &mut Vec<Value>) {
     let folder = Folder::with_scene(
         "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 120 }
         Background { cubeMap sky }
-        Materials { numMaterials 1 Material { } }
+        Lights { numLights 1 PointLight { position 0 0 5 color .5 .5 .5 falloff 1 } }
+        Materials { numMaterials 1 Material { shininess 5 } }
         Group { numObjects 1 MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }",
     );
     fs::create_dir(folder.path().join("sky")).expect("a folder");

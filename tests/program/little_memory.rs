@@ -151,10 +151,6 @@ fn a_refusal_says_how_much_would_be_needed() {
         ("-input plain.txt", "plain.txt: error: not enough memory: at least 3.1 MB are needed"),
         ("-input copies.txt", "copies.txt: error: not enough memory: at least 10.8 MB are needed"),
         ("-input one.txt -grid 900 900 900", "error: the grid does not fit into memory"),
-        (
-            "-input one.txt -size 1 5000 -threads 4096",
-            "error: `-threads`: the system does not start the threads: ",
-        ),
     ] {
         let message = run_within(&folder, least(&folder) + 1500, line).message(1);
         let errors = message.lines().filter(|line| !line.starts_with("warning: "));
@@ -201,8 +197,8 @@ fn the_live_page_refuses_beforehand_and_goes_on() {
     };
     let refused = |size: &str| format!("not enough memory: at least {size} are needed");
     assert_eq!(picture("-size 2000 2000").unwrap_err().1.trim_end(), refused("256.0 MB"));
-    assert_eq!(typed(1, "large.obj"), Some(refused("349.0 MB")));
-    assert_eq!(typed(50, "m.obj"), Some(refused("384.0 MB")));
+    assert_eq!(typed(1, "large.obj"), Some(refused("174.5 MB")));
+    assert_eq!(typed(30, "m.obj"), Some(refused("230.4 MB")));
     assert_eq!((typed(1, "m.obj"), picture("-size 20 20")), (None, Ok(())));
 }
 

@@ -95,7 +95,7 @@ fn a_scene_that_multiplies_its_meshes_is_refused() {
     let server = Server::start(folder.path(), "");
     let objects = "TriangleMesh { obj_file m.obj }\n".repeat(100);
     let said = typed(&server, &scene(100, &objects));
-    assert_eq!(said["errors"][0]["problem"], "a page opens scenes of at most 2000000 primitives");
+    assert_eq!(said["errors"][0]["problem"], "a page opens scenes of at most 1000000 primitives");
     let names: String =
         (0..40).map(|k| format!("TriangleMesh {{ obj_file {}m.obj }}\n", "./".repeat(k + 1))).collect();
     let said = typed(&server, &scene(40, &names));

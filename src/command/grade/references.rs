@@ -4,9 +4,8 @@ use super::folder::entries;
 use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Options, parse_commands};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::distinct_files::ReadFile;
 use raytracer::escape::quoted;
-use raytracer::image_io::{Format, read_picture};
+use raytracer::image_io::{Format, ReadFile, read_picture};
 use raytracer::picture::{FloatPicture, Picture};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::renderer::{Meshes, Renderer};
@@ -121,7 +120,7 @@ impl References {
 /// The scene, and the options as its edition settles them.
 fn renderer(options: &Options) -> Result<(Renderer, Options), String> {
     let input = options.input.as_deref().ok_or("there is no scene")?;
-    let loaded = scene_io::load_announcing(input, &options.hints(), &|_| ());
+    let loaded = scene_io::load_with(input, &options.hints());
     let renderer = loaded.and_then(|loaded| {
         let options = options.in_edition(loaded.choice.edition);
         Ok((Renderer::new(loaded, Meshes::Kept)?, options))

@@ -51,6 +51,9 @@ const SIZE: usize = 256;
 /// According to measurements they take more time than they save otherwise.
 const RAYS_PER_TRIANGLE: usize = 48;
 
+/// Upper bound on the pixel tests of all maps together: a fraction of a second, which nothing can interrupt.
+const MAX_PIXELS: usize = 1 << 28;
+
 impl ShadowMaps {
     /// Maps for so many rays to each light. There is none for a light that is too close to the primitives, or where
     /// there is no memory for it, or where casting the rays is less work.
@@ -65,7 +68,8 @@ impl ShadowMaps {
         if memory::ask(at_once * bytes_for::<Projected>(world, SIZE * (SIZE + tile::LANES))).is_err() {
             return Self::default();
         }
-        Self(world.lights.par_iter().map(|light| ShadowMap::new(world, light)).collect())
+        let most_pixels = MAX_PIXELS / world.lights.len().max(1);
+        Self(world.lights.par_iter().map(|light| ShadowMap::new(world, light, most_pixels)).collect())
     }
 
     /// What a ray from a point to the light with this index may hit.
@@ -79,11 +83,11 @@ impl ShadowMaps {
 }
 
 impl ShadowMap {
-    fn new(world: &World, light: &Light) -> Option<Self> {
+    fn new(world: &World, light: &Light, most_pixels: usize) -> Option<Self> {
         let boxes: Vec<Aabb> = world.boxes().collect();
         let bounds = Aabb::around(boxes.iter().flat_map(Aabb::corners).chain(world.vertices.iter().copied()));
         let view = LightView::new(light, &bounds, SIZE)?;
-        Some(Self { view, nearest_ids: draw(&view, world, &boxes) })
+        Some(Self { view, nearest_ids: draw(&view, world, &boxes, most_pixels)? })
     }
 
     #[inline(always)]
@@ -100,8 +104,9 @@ impl ShadowMap {
     }
 }
 
-/// Draws the triangles, and marks the pixels that may show something in these boxes.
-fn draw(view: &LightView, world: &World, boxes: &[Aabb]) -> Vec<u32> {
+/// Draws the triangles, and marks the pixels that may show something in these boxes; none where triangles lie in more
+/// pixels altogether.
+fn draw(view: &LightView, world: &World, boxes: &[Aabb], most_pixels: usize) -> Option<Vec<u32>> {
     let (screen, rows) = (view.screen(), 0..SIZE);
     let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect();
     let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
@@ -109,6 +114,9 @@ fn draw(view: &LightView, world: &World, boxes: &[Aabb]) -> Vec<u32> {
         let on_screen = || corners(id).map(|corner| corner.on(&screen));
         world.may_be_hit(id).then(|| TriangleBounds::ahead(&screen, &rows, on_screen(), id)).flatten()
     });
+    if bins.pixels() > most_pixels {
+        return None;
+    }
     let on_screen = |bounds: &Aabb| {
         let corners = bounds.corners().map(|corner| view.project(corner).on(&screen));
         TriangleBounds::of_box_ahead(&screen, &rows, corners)
@@ -120,7 +128,7 @@ fn draw(view: &LightView, world: &World, boxes: &[Aabb]) -> Vec<u32> {
             tile.mark_unsure(columns.range(), rows.range(), f32::INFINITY);
         }
     };
-    bins.draw(screen, |id| edge_functions(corners(id), SCREEN_ERROR), mark)
+    Some(bins.draw(screen, |id| edge_functions(corners(id), SCREEN_ERROR), mark))
 }
 
 #[cfg(test)]

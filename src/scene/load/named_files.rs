@@ -1,13 +1,13 @@
 //! The files that a scene names: where its meshes and its pictures lie, and what is in them.
 
 use super::FoundMesh;
+use super::near_names::nearest_file;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::escape::{escape, quoted};
 use crate::image_io::read_picture;
 use crate::memory::{self, NoMemory};
 use crate::scene::edition::Edition;
 use crate::scene::mesh::{self, memory_for, read_obj};
-use crate::scene::near_names::nearest_file;
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position};
 use std::fs;
@@ -78,13 +78,11 @@ pub fn read_mesh(
     MeshFile { name, at, .. }: &MeshFile,
     (scene_directory, edition): (&Path, Edition),
     is_textured: bool,
-    announce: &dyn Fn(usize),
 ) -> Result<FoundMesh, Diagnostic> {
     let mut tried = Vec::new();
     for place in mesh_places(name, scene_directory, edition) {
         match read_mesh_file(&place)? {
             Ok(bytes) => {
-                announce(bytes.len());
                 let in_mesh = |found| in_mesh(found, *at, &lossy(&place), &bytes);
                 let content = read_obj(&bytes, is_textured).map_err(in_mesh)?;
                 let warnings = content.doubts.iter().map(|doubt| in_mesh(doubt.clone())).collect();

@@ -57,7 +57,7 @@ pub struct Speckles {
 
 /// The speckles in which `a` differs from `b`, if they are what distinguishes `a`. Both are whole pictures.
 pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckles> {
-    if !can_show(original) {
+    if !can_show(original) || original.is_cancelled() {
         return None;
     }
     let differing = Differing::new(original, a, b);

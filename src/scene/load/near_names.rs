@@ -1,24 +1,26 @@
-//! Finds the file that somebody meant whose name is nearly right.
+//! Finds the file that a name means which is nearly right.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The largest number of files that are looked at.
 const MAX_FILES: usize = 10_000;
-/// The longest name that is compared, in bytes, which bounds the time.
+/// The longest name that is compared, in bytes, which bounds the time. Longer names have no files.
 const MAX_LENGTH: usize = 255;
+/// The least similarity, by Jaro and Winkler, of two names that may have been confused.
+const LEAST_LIKENESS: f64 = 0.8;
 
-/// The other file in the folder of `path` with the nearest name and the same extension (or `.txt` for none), if a third of
-/// the name or less differs or if it only lacks its end. If there is none, and `path` is a bare name, it is looked
-/// for in the folders of the working directory.
+/// Returns the other file in the folder of `path` with the most similar name and the same extension (or `.txt` for none),
+/// if it is similar. If there is none, and `path` is a bare name, it is looked for in the folders of the working
+/// directory.
 pub fn nearest_file(path: &Path) -> Option<PathBuf> {
     let name = path.file_name()?.to_str().filter(|name| name.len() <= MAX_LENGTH)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let others = names_in(folder).into_iter().filter(|other| other != name);
     let near = others
-        .filter_map(|other| Some((distance(name, &other)?, other)))
-        .filter(|(_, other)| folder.join(other).is_file())
-        .min();
+        .map(|other| (likeness(name, &other), other))
+        .filter(|(likeness, other)| *likeness >= LEAST_LIKENESS && folder.join(other).is_file())
+        .max_by(|(one, name), (other, other_name)| one.total_cmp(other).then_with(|| other_name.cmp(name)));
     match near {
         Some((_, other)) => Some(folder.join(other)),
         None if folder == Path::new("") => in_a_folder(name),
@@ -38,26 +40,12 @@ fn names_in(folder: &Path) -> Vec<String> {
     entries.filter_map(|entry| entry.file_name().into_string().ok()).collect()
 }
 
-/// How far two names are from each other, if they may have been confused.
-fn distance(name: &str, other: &str) -> Option<usize> {
-    let ((stem, extension), (other_stem, other_extension)) = (parts(name), parts(other));
-    let is_of_kind = extension == other_extension || (extension.is_empty() && other_extension == "txt");
-    if !is_of_kind || other.len() > MAX_LENGTH {
-        return None;
-    }
-    const LEAST_START: usize = 4;
-    if stem.len() >= LEAST_START && other_stem.starts_with(&stem) {
-        return Some(0);
-    }
-    let distance = strsim::levenshtein(&stem, &other_stem);
-    (distance <= ((stem.chars().count() + 1) / 3).max(1)).then_some(distance)
-}
-
-/// The lower-case name without its extension, and the extension.
-fn parts(name: &str) -> (String, String) {
-    let name = name.to_lowercase();
-    let (stem, extension) = name.rsplit_once('.').unwrap_or((&name, ""));
-    (stem.to_owned(), extension.to_owned())
+/// Returns how similar two names are, from 0 to 1; 0 for files of different kinds.
+fn likeness(name: &str, other: &str) -> f64 {
+    let [name, other] = [name, other].map(str::to_lowercase);
+    let [(stem, kind), (other_stem, other_kind)] =
+        [&name, &other].map(|name| name.rsplit_once('.').unwrap_or((name, "txt")));
+    if kind == other_kind { strsim::jaro_winkler(stem, other_stem) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -66,18 +54,19 @@ mod tests {
 
     #[test]
     fn names_that_are_nearly_there() {
-        for (name, other, expected) in [
-            ("scene6_1_sphere.txt", "scene6_01_sphere.txt", Some(1)),
-            ("scene6_01.txt", "scene6_01_sphere.txt", Some(0)),
-            ("Scene.TXT", "scene.txt", Some(0)),
-            ("scene.txt", "scene.obj", None),
-            ("scene", "scene.txt", Some(0)),
-            ("scene", "scene.obj", None),
-            ("a.txt", "b.txt", Some(1)),
-            ("ab.txt", "xy.txt", None),
-            ("s.txt", "scene.txt", None),
+        for (name, other, is_near) in [
+            ("scene6_1_sphere.txt", "scene6_01_sphere.txt", true),
+            ("scene6_01.txt", "scene6_01_sphere.txt", true),
+            ("Scene.TXT", "scene.txt", true),
+            ("scene.txt", "scene.obj", false),
+            ("scene", "scene.txt", true),
+            ("scene", "scene.obj", false),
+            ("tepaot.txt", "teapot.txt", true),
+            ("ab.txt", "xy.txt", false),
+            ("s.txt", "scene.txt", false),
+            ("sphere.txt", "plane.txt", false),
         ] {
-            assert_eq!(distance(name, other), expected, "{name} {other}");
+            assert_eq!(likeness(name, other) >= LEAST_LIKENESS, is_near, "{name} {other}");
         }
     }
 

@@ -1,10 +1,9 @@
 //! Checks that a run writes no file that it also reads or writes under another name.
 
-use super::escape::quoted;
+use super::file_id::FileId;
+use crate::escape::quoted;
 use std::collections::HashMap;
-use std::ffi::OsStr;
 use std::fmt;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A file that a run writes. The path `-` is standard output.
@@ -30,7 +29,7 @@ pub fn check_distinct(
     written: impl IntoIterator<Item = Written>,
     read: impl IntoIterator<Item = ReadFile>,
 ) -> Result<(), SameFile> {
-    let mut known: HashMap<Identity, Written> = HashMap::new();
+    let mut known: HashMap<FileId, Written> = HashMap::new();
     for file in written {
         let Some(identity) = file.identity() else { continue };
         if let Some(other) = known.get(&identity) {
@@ -38,10 +37,10 @@ pub fn check_distinct(
         }
         known.insert(identity, file);
     }
-    if known.keys().any(|identity| matches!(identity, Identity::Existing(_))) {
+    if known.keys().any(FileId::exists) {
         for (kind, path) in read {
             let place = if is_stream(&path) { Path::new("/dev/stdin") } else { &path };
-            if let Some(file) = Identity::of(place).and_then(|identity| known.get(&identity)) {
+            if let Some(file) = FileId::of(place).and_then(|identity| known.get(&identity)) {
                 return Err(SameFile::read(file, kind, &path));
             }
         }
@@ -77,8 +76,8 @@ impl fmt::Display for SameFile {
 impl std::error::Error for SameFile {}
 
 impl Written {
-    fn identity(&self) -> Option<Identity> {
-        Identity::of(match self {
+    fn identity(&self) -> Option<FileId> {
+        FileId::of(match self {
             Self::Named(path) if is_stream(path) => Path::new("/dev/stdout"),
             Self::Named(path) | Self::PartOf { part: path, .. } => path,
         })
@@ -99,62 +98,4 @@ impl fmt::Display for Written {
 
 fn is_stream(path: &Path) -> bool {
     path == Path::new("-")
-}
-
-/// Two paths lead to one file if their identities are equal.
-#[derive(PartialEq, Eq, Hash)]
-enum Identity {
-    /// A regular file, by its device and its index there.
-    #[cfg(unix)]
-    Existing((u64, u64)),
-    /// A regular file, by its path without links.
-    #[cfg(not(unix))]
-    Existing(PathBuf),
-    /// A file that does not exist, by its path without links.
-    New(PathBuf),
-}
-
-impl Identity {
-    /// Returns `None` for pipes and devices, and for a file whose folder does not exist.
-    fn of(path: &Path) -> Option<Self> {
-        match fs::metadata(path) {
-            #[cfg(unix)]
-            Ok(found) if found.is_file() => {
-                use std::os::unix::fs::MetadataExt;
-                Some(Self::Existing((found.dev(), found.ino())))
-            }
-            #[cfg(not(unix))]
-            Ok(found) if found.is_file() => Some(Self::Existing(fs::canonicalize(path).ok()?)),
-            Ok(_) => None,
-            Err(_) => {
-                let path = follow_links(path.to_owned());
-                let folder = fs::canonicalize(folder_of(&path)).ok()?;
-                Some(Self::New(folder.join(spelled(path.file_name()?))))
-            }
-        }
-    }
-}
-
-/// The name as the system compares it: Windows and macOS do not tell capitals from small letters.
-fn spelled(name: &OsStr) -> PathBuf {
-    match cfg!(any(windows, target_os = "macos")) {
-        true => name.to_string_lossy().to_lowercase().into(),
-        false => name.into(),
-    }
-}
-
-/// Returns the file to which a chain of symbolic links leads, which need not exist.
-fn follow_links(mut path: PathBuf) -> PathBuf {
-    const MAX_LINKS: usize = 40;
-    for _ in 0..MAX_LINKS {
-        match fs::read_link(&path) {
-            Ok(next) => path = folder_of(&path).join(next),
-            Err(_) => break,
-        }
-    }
-    path
-}
-
-fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
