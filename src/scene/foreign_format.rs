@@ -5,10 +5,10 @@ use crate::diagnostic::Diagnostic;
 const EXPORT: &str = "export the mesh as OBJ";
 
 /// The name of a format, and advice.
-type Kind = (&'static str, &'static str);
+type Format = (&'static str, &'static str);
 
 /// Formats by how their files begin, in capitals or small letters.
-const FORMATS: [(Kind, &[&[u8]]); 13] = [
+const FORMATS: [(Format, &[&[u8]]); 13] = [
     (("PLY", EXPORT), &[b"ply\n", b"ply\r"]),
     (("binary glTF", EXPORT), &[b"glTF"]),
     (("OFF", EXPORT), &[b"OFF", b"COFF", b"NOFF"]),
@@ -59,7 +59,7 @@ pub fn foreign_without_faces(bytes: &[u8]) -> Option<Diagnostic> {
     is_library.then(|| refused(("a material library", "name the `.obj` file that it belongs to")))
 }
 
-fn refused((format, hint): Kind) -> Diagnostic {
+fn refused((format, hint): Format) -> Diagnostic {
     Diagnostic::error(format!("the file is {format}, not OBJ")).with_hint(hint)
 }
 

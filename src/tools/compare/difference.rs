@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn sizes_that_differ_are_named() {
         let error = Comparison::new(&Picture::new(7, 3).unwrap(), &reference()).unwrap_err();
-        assert_eq!(error.to_string(), "the pictures differ in size: 7 x 3 pixels against 5 x 4");
+        assert_eq!(error.message, "the pictures differ in size: 7 x 3 pixels against 5 x 4");
         assert!(Comparison::new(&Picture::new(4, 5).unwrap(), &reference()).is_err());
     }
 
