@@ -73,19 +73,22 @@ fn a_singular_transform_under_a_sphere_is_shown() {
 }
 
 #[test]
-fn a_target_that_cannot_be_written_is_reported_before_anything_else() {
-    // If the targets were not checked first, the missing scene would be reported.
-    let folder = Folder::new();
+fn a_target_that_cannot_be_written_is_reported_before_anything_is_rendered() {
+    // No test waits for this picture.
+    let folder = Folder::with_scene(&sphere());
     std::fs::create_dir(folder.path().join("folder.tga")).unwrap();
     for flags in ["-output", "-depth 1 2", "-normals"] {
-        let message = folder.run(&format!("-input s.txt {flags} no/such/o.tga")).message(1);
+        let message = folder
+            .run(&format!("-input s.txt -size 60000 60000 -random_samples 1000 {flags} no/such/o.tga"))
+            .message(1);
         assert!(only_line(&message).starts_with("error: cannot write `no/such/o.tga`: "), "{message}");
     }
     for flags in ["-render_samples folder.tga 2", "-render_filter folder.tga 2"] {
-        let message = folder.run(&format!("-input s.txt {flags}")).message(1);
+        let message =
+            folder.run(&format!("-input s.txt -size 30000 30000 -random_samples 1000 {flags}")).message(1);
         assert_eq!(only_line(&message), "error: cannot write `folder.tga`: it is a folder");
     }
-    assert_eq!(folder.names(), ["folder.tga"]);
+    assert_eq!(folder.names(), ["folder.tga", "s.txt"]);
 }
 
 #[test]
@@ -194,7 +197,7 @@ fn a_grid_whose_contents_do_not_fit_into_memory_is_one_line() {
     let run = |flags: &str| {
         let line = format!("-input s.txt -grid 300 300 300 -threads 1 {flags}");
         let mut command = std::process::Command::new("sh");
-        command.args(["-c", "ulimit -v 180000 && exec \"$@\"", "sh", env!("CARGO_BIN_EXE_raytracer")]);
+        command.args(["-c", "ulimit -v 250000 && exec \"$@\"", "sh", env!("CARGO_BIN_EXE_raytracer")]);
         finish(command.args(line.split_whitespace()).current_dir(folder.path()))
     };
     let message = run("-stats").message(1);
