@@ -273,16 +273,16 @@ impl Prepared<'_> {
     /// The samples of the pixel in this column and row from the bottom left: their offsets from its centre, and the
     /// parts of the pixel that they stand for, up to a factor.
     pub(crate) fn samples(&self, request: &Request, [column, row]: [usize; 2]) -> Vec<(DVec2, f64)> {
-        let Some(settings) = request.adaptive else {
+        if request.adaptive.is_none() {
             if let Some(mut c_rand) = request.sampler.c_rand([column, row], request.size[0]) {
                 return vec![(c_rand.next_offset(), 1.0)];
             }
             let index = (column * request.size[1] + row) as u64;
             return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
-        };
+        }
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
-        let offsets = render::adaptive_offsets(scene, self.view(), request, settings, [column, row]);
+        let offsets = render::adaptive_offsets(scene, self.view(), request, [column, row]);
         // Where only a pixel's own samples count, it makes no difference.
         let part = if request.filter.support() == 0 { 1.0 } else { 1.0 / offsets.len() as f64 };
         offsets.into_iter().map(|offset| (offset, part)).collect()

@@ -4,12 +4,13 @@
 mod delivery;
 pub mod grid_view;
 pub mod layer;
+mod plan;
 mod request;
 mod row;
+mod small_things;
 mod strip;
 mod tally;
 mod tracing;
-mod unseen;
 
 pub use layer::{Cost, Layer};
 pub use request::{Request, View, Window};
@@ -19,13 +20,13 @@ use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::memory::{self, NoMemory};
 use crate::picture::{BadSize, FloatPicture};
-use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
 use crate::scene::Color;
 use crate::stats::Counts;
 use crate::trace::Patience;
 use glam::DVec2;
+use plan::Planner;
 use rayon::prelude::*;
 use row::RenderSetting;
 use std::fmt;
@@ -33,7 +34,6 @@ use std::ops::ControlFlow;
 use strip::Strip;
 use tally::Tally;
 use tracing::PictureTracer;
-use unseen::Unseen;
 
 /// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,17 +110,20 @@ pub fn render(
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
     // No strip takes more than the first.
-    memory::ask(Strip::below(&setting, None, rows.end, rows.start).bytes())?;
+    memory::ask(Strip::below(&setting, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = || tally.asks();
     let patience = Patience::until(&is_cancelled);
     let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
-    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
-    let mut counts = Counts::default();
-    let mut end = rows.end;
+    let planner = Planner::new(camera, setting);
+    let (mut counts, mut bands, mut end) = (Counts::default(), vec![], rows.end);
     while end > rows.start {
-        let strip = Strip::below(&setting, unseen.as_ref(), end, rows.start);
-        counts = counts.merge(strip.render(&tracer, &tally, take_row)?);
+        let strip = Strip::below(&setting, end, rows.start);
+        if let Some(planner) = &planner {
+            let planned = planner.bands(&tracer, &strip.traced(), bands, &tally)?;
+            bands = planned.ok_or(Stopped::Cancelled { rows: rows.end - end })?;
+        }
+        counts = counts.merge(strip.render(&tracer, &bands, &tally, take_row)?);
         end = strip.rows.start;
     }
     Ok(counts)
@@ -140,7 +143,11 @@ pub fn render_some_rows(
     let is_cancelled = || tally.asks();
     let patience = Patience::until(&is_cancelled);
     let tracer = PictureTracer::new(camera, caster, view, request, setting.tracing, patience);
-    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
+    let bands = match Planner::new(camera, setting) {
+        Some(planner) => planner.bands(&tracer, &request.traced_rows(request.rows()), vec![], &tally)?,
+        None => Some(vec![]),
+    };
+    let bands = bands.ok_or(Stopped::Cancelled { rows: 0 })?;
     let colors = |row: &usize| {
         let end = request.rows().end - row;
         let mut colors = memory::with_room(request.columns().len())?;
@@ -148,7 +155,7 @@ pub fn render_some_rows(
             colors.extend_from_slice(row);
             ControlFlow::Continue(())
         };
-        Strip::below(&setting, unseen.as_ref(), end, end - 1).render(&tracer, &tally, &mut take_row)?;
+        Strip::below(&setting, end, end - 1).render(&tracer, &bands, &tally, &mut take_row)?;
         Ok(colors)
     };
     let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
@@ -187,14 +194,18 @@ pub fn adaptive_offsets(
     (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
-    settings: Adaptive,
-    pixel: [usize; 2],
+    [column, row]: [usize; 2],
 ) -> Vec<DVec2> {
-    let tracing = Tracing::Counted;
+    let (tracing, y) = (Tracing::Counted, request.size[1] - 1 - row);
+    let window = Some(Window { x: column, y, width: 1, height: 1 });
+    let request = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tracer = PictureTracer::new(camera, caster, view, request, tracing, Patience::endless());
     let setting = RenderSetting { caster, view, request, tracing };
-    let unseen = Unseen::new(camera, caster.world, request);
-    setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel)
+    let tally = Tally::new(1, &|_| ControlFlow::Continue(()));
+    let planner = Planner::new(camera, setting);
+    let bands = planner.and_then(|planner| planner.bands(&tracer, &(row..row + 1), vec![], &tally).ok()?);
+    let plan = bands.iter().flatten().find_map(|band| band.plan(row));
+    plan.map_or(vec![], |plan| setting.offsets(&plan, [column, row]).collect())
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without
