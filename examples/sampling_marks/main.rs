@@ -129,7 +129,7 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
         halves
     };
     let mut speed_ups = vec![];
-    for error in ERRORS {
+    for error in ERRORS.into_iter().filter(|e| std::env::var("ONLY").map_or(true, |o| o.split(',').any(|x| x.parse() == Ok(*e)))) {
         let requests: Vec<Request> = (1..=ERROR_SEEDS).map(|seed| adaptive(error, seed)).collect();
         let [time, found, rays] = time_and_error(&prepared, &one, &requests, &halves)?;
         let bias = if BIASED.contains(&error) && seeds > 0 {

@@ -1,4 +1,4 @@
-//! Adaptive sampling: how many samples a pixel needs.
+//! Adaptive sampling: how many samples a pixel needs for what is in it.
 //!
 //! Rays through the corners of all pixels are cast first, once for the four pixels at each. They say what is in a pixel: an
 //! edge that crosses it has corners on both sides. With n samples in strata the squared error of a pixel is about
@@ -7,15 +7,9 @@
 //! graphics", SIGGRAPH 1996). Samples are spent where one more lessens the squared error by most, down to the same amount
 //! in all pixels.
 //!
-//! Corners miss what lies between them: dots, hairs, shadows, highlights, reflections. Probes at random places find it. How
-//! far the colours that they see are beyond those of their pixels' corners estimates the variance around them. A pixel's own
-//! probes do not count for it, so that they are a test of the plan: what error it leaves, without bias. Where that is more
-//! than the one that is asked for, all pixels get more samples, in proportion to what they need. Of two plans, one by the
-//! probes around each pixel and one by their mean, the one with fewer samples is taken.
-//!
-//! Neither corners nor probes count in the picture, and they do not depend on its random numbers. So the picture has the
-//! expected value that it would have with any number of samples (Kirk and Arvo, "Unbiased sampling techniques for image
-//! synthesis", SIGGRAPH 1991).
+//! What lies between corners is found by probes, as [`allotment`](super::allotment) tells. Neither corners nor probes count
+//! in the picture, and they do not depend on its random numbers. So the picture has the expected value that it would have
+//! with any number of samples (Kirk and Arvo, "Unbiased sampling techniques for image synthesis", SIGGRAPH 1991).
 
 use crate::scene::Color;
 use glam::Vec3A;
@@ -26,7 +20,7 @@ use serde::Serialize;
 pub struct Adaptive {
     /// The largest number of samples of a pixel, from [`BASE`](Self::BASE) to [`LIMIT`](Self::LIMIT).
     pub most: u32,
-    /// The error of the picture that is aimed at, in levels.
+    /// The error of the picture that is asked for, in levels.
     pub error: f64,
 }
 
@@ -49,61 +43,15 @@ pub struct Contents {
     /// The square of a steady change.
     steady: f32,
     /// The variance of things that are no larger than a pixel.
-    pub variance: f32,
-}
-
-/// A probe that has seen a colour beyond those of its pixel's corners.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Find {
-    /// The index of the pixel.
-    pub pixel: usize,
-    /// The squared distance from the corners' colours.
-    pub square: f32,
-}
-
-/// What is known of some rows of pixels.
-pub struct Known<'a> {
-    /// The number of pixels in a row.
-    pub width: usize,
-    /// The contents of each pixel, row by row.
-    pub contents: &'a [Contents],
-    /// The probes that have found something.
-    pub finds: Vec<Find>,
-    /// The number of probes of a pixel on average.
-    pub probes: f64,
-    /// The brightest colour that has been seen.
-    pub brightest: f32,
-    /// Whether colours brighter than white count in full.
-    pub has_floats: bool,
-}
-
-/// How many samples some pixels get.
-pub struct Planned {
-    /// For each pixel.
-    pub samples: Vec<u16>,
-    /// The part of the squared error that is the uncertainty of what is known.
-    pub doubt: f64,
+    variance: f32,
 }
 
 /// Edges of this contrast, in levels, have the error that is asked for.
 const EDGE: f64 = 160.0;
 
 /// Things that are no larger than a pixel have 1.4 times the error that is asked for if this is their standard
-/// deviation, in levels, and few pixels have them. Were samples spent as for edges, they would have much more.
+/// deviation, in levels. Were samples spent as for edges, scenes that are full of them would have much more.
 const SMALL_THINGS: f64 = 36.0;
-
-/// The part of the squared error that is asked for which something may leave that all probes are likely to miss.
-const MISSED: f64 = 0.5;
-
-/// The standard errors by which what probes have found may be less than there is.
-const CAUTION: f64 = 1.0;
-
-/// The number of probes around a pixel that tell of it, and how many of them count as much as all that are further away.
-const AROUND: f64 = 64.0;
-const OF_ALL: f64 = 16.0;
-
-/// The probes that a pixel has at most.
-pub const MOST_PROBES: f64 = 64.0;
 
 /// All that is brighter has this brightness in pictures of bytes, where corners see it.
 pub const BRIGHTEST: f32 = 2.0;
@@ -130,127 +78,22 @@ impl Adaptive {
     }
 
     /// The squared error that is asked for, where white is 1.
-    fn square(self) -> f64 {
+    pub(super) fn square(self) -> f64 {
         (self.error / LEVELS) * (self.error / LEVELS)
     }
 
-    /// The number of probes of a pixel, of so many, that are worth while where something may have this contrast.
-    ///
-    /// Something of contrast c that covers a part p of the pixels leaves a squared error of p c^2 / n with n samples in
-    /// each, and m probes in each of k pixels hit it m k p times. Where that is once, the error is c^2 / (k m n), so that
-    /// m = n is the cheapest way to make it small.
-    pub fn probes(self, pixels: usize, contrast: f32) -> f64 {
-        let product = self.missed(contrast) / pixels as f64;
-        // There is nothing to be found out where all pixels get the most.
-        if product.sqrt() < f64::from(self.most) { product.min(product.sqrt()).min(MOST_PROBES) } else { 0.0 }
-    }
-
-    /// The number of samples of a pixel times that of all probes at which something of this contrast that one of them hits
-    /// leaves no more than is allowed.
-    fn missed(self, contrast: f32) -> f64 {
-        f64::from(contrast * contrast) / (MISSED * self.square())
-    }
-
-    /// How many samples pixels need.
-    pub fn plan(self, known: &Known) -> Planned {
-        let height = known.contents.len() / known.width;
-        let side = (AROUND / known.probes).sqrt() / 3.0;
-        let local = self.plan_by(known, side.ceil().max(1.0) as usize);
-        // Nothing that probes have found decides.
-        if known.finds.is_empty() {
-            return local;
-        }
-        let even = self.plan_by(known, known.width.max(height));
-        let total = |planned: &Planned| planned.samples.iter().map(|&n| u64::from(n)).sum::<u64>();
-        if total(&even) < total(&local) { even } else { local }
-    }
-
-    /// The same if cells of this side are as large as what makes probes differ.
-    fn plan_by(self, known: &Known, side: usize) -> Planned {
-        let Known { contents, ref finds, has_floats, .. } = *known;
-        let square = self.square();
+    /// How many samples the edges, the steady change and the small things of pixels need.
+    pub(super) fn needs(self) -> impl Fn(Contents) -> [f32; 3] {
         // The squared error that one more sample saves.
-        let least = 1.5 * square / self.of_usual_edge();
+        let least = 1.5 * self.square() / self.of_usual_edge();
         let [edge_unit, steady_unit] = [1.5 / 8.0 / least, 0.25 / least].map(|unit| unit as f32);
-        let of_variance = (SMALL_THINGS / LEVELS / (2.0 * square)) as f32;
-        let root = |x: f32| x.sqrt().sqrt();
-        let need = |(contents, found): (&Contents, f32)| {
-            let Contents { edge, steady, variance } = *contents;
-            let variance = variance.max(found);
+        let of_variance = (SMALL_THINGS / LEVELS / (2.0 * self.square())) as f32;
+        move |Contents { edge, steady, variance }| {
+            let root = |x: f32| x.sqrt().sqrt();
             // About the power of 2/5.
             let of_edge = root(edge_unit * edge) * root(edge_unit * edge).sqrt();
             [of_edge, root(steady_unit * steady), variance.sqrt() * of_variance]
-        };
-        let needs: Vec<[f32; 3]> = contents.iter().zip(known.variances(side)).map(need).collect();
-
-        let probes = (known.probes * contents.len() as f64).max(1.0);
-        let floor = (self.missed(known.contrast()) / probes).ceil().clamp(1.0, self.most.into()) as f32;
-        let most = self.most as f32;
-        let mut fineness = 1.0f32;
-        loop {
-            let by = [root(fineness) * root(fineness).sqrt(), root(fineness), fineness.sqrt()];
-            let count = |need: &[f32; 3]| {
-                let [a, b, c] = [0, 1, 2].map(|k| need[k] * by[k]);
-                // NaN for what is not finite or 0 / 0, which more samples do not make better.
-                a.max(b).max(c).max(floor).ceil().min(most)
-            };
-            let left = |(contents, need): (&Contents, &[f32; 3])| f64::from(contents.error(count(need)));
-            let of_corners = contents.iter().zip(&needs).map(left).sum::<f64>() / contents.len() as f64;
-            let [mut sum, mut squares] = [0.0; 2];
-            for find in finds {
-                let count = count(&needs[find.pixel]);
-                // A pixel of bytes that one of its samples makes white is off by no more than from black to white.
-                let left = f64::from((find.square / count).min(if has_floats { f32::MAX } else { count }));
-                (sum, squares) = (sum + left, squares + left * left);
-            }
-            let doubt = CAUTION * squares.sqrt() / probes;
-            let error = of_corners + sum / probes + doubt;
-            if error <= (1.0 - MISSED) * square || fineness > 1e12 {
-                let samples = needs.iter().map(|need| count(need) as u16).collect();
-                return Planned { samples, doubt: doubt / square };
-            }
-            fineness *= 1.5;
         }
-    }
-}
-
-impl Known<'_> {
-    /// The largest contrast that something may have which probes have missed.
-    pub fn contrast(&self) -> f32 {
-        if self.has_floats { self.brightest } else { 1.0 }
-    }
-
-    /// The variance around each pixel that probes of others have found, by the nine cells of this side around it.
-    fn variances(&self, side: usize) -> impl Iterator<Item = f32> {
-        let Self { width, probes, .. } = *self;
-        let height = self.contents.len() / width;
-        let [columns, rows] = [width, height].map(|count| count.div_ceil(side));
-        let (mut own, mut cells) = (vec![0.0f32; self.contents.len()], vec![0.0f64; columns * rows]);
-        let mut total = 0.0;
-        for find in &self.finds {
-            own[find.pixel] += find.square;
-            cells[find.pixel / width / side * columns + find.pixel % width / side] += f64::from(find.square);
-            total += f64::from(find.square);
-        }
-        let around = move |cell: usize, count: usize, pixels: usize| {
-            let cells = cell.saturating_sub(1)..(cell + 2).min(count);
-            let covered = cells.start * side..(cells.end * side).min(pixels);
-            (cells, covered.len())
-        };
-        let mut sums = vec![[0.0f64; 2]; columns * rows];
-        for (cell, sum) in sums.iter_mut().enumerate() {
-            let ((i, across), (j, along)) =
-                (around(cell % columns, columns, width), around(cell / columns, rows, height));
-            let found = j.map(|j| cells[j * columns..][i.clone()].iter().sum::<f64>()).sum::<f64>();
-            *sum = [found, (across * along - 1) as f64 * probes];
-        }
-        let others = (own.len() - 1) as f64 * probes;
-        own.into_iter().enumerate().map(move |(pixel, own)| {
-            let [found, number] = sums[pixel / width / side * columns + pixel % width / side];
-            let own = f64::from(own);
-            let mean = if others > 0.0 { (total - own) / others } else { 0.0 };
-            ((found - own + OF_ALL * mean) / (number + OF_ALL)).max(0.0) as f32
-        })
     }
 }
 
@@ -300,8 +143,13 @@ impl Contents {
         }
     }
 
+    /// With at least this variance.
+    pub fn with_variance(self, variance: f32) -> Self {
+        Self { variance: self.variance.max(variance), ..self }
+    }
+
     /// The squared error that this number of samples is expected to leave.
-    fn error(&self, count: f32) -> f32 {
+    pub(super) fn error(&self, count: f32) -> f32 {
         let part = count.recip();
         let Self { edge, steady, variance } = *self;
         part * (part.sqrt() * edge / 8.0 + part * part * steady / 12.0 + variance)
@@ -372,24 +220,27 @@ mod tests {
 
     #[test]
     fn less_error_and_more_contrast_take_more_samples() {
-        let count = |most, error, level: f64| {
+        let needs = |error, level: f64| {
             let square = (level / LEVELS).powi(2) as f32;
-            let count = Adaptive { most, error }.counts();
-            let all = [
-                Contents { edge: square, ..Contents::default() },
-                Contents { steady: square, ..Contents::default() },
-                Contents { variance: square, ..Contents::default() },
-            ];
-            all.map(count)
+            let needs = Adaptive { most: 1024, error }.needs();
+            [
+                needs(Contents { edge: square, ..Contents::default() })[0],
+                needs(Contents { steady: square, ..Contents::default() })[1],
+                needs(Contents { variance: square, ..Contents::default() })[2],
+            ]
         };
-        assert_eq!(count(1024, 1.0, 0.0), [1; 3]);
-        assert_eq!(count(1024, 0.0, 1.0), [1024; 3]);
-        assert_eq!(count(1024, 0.0, 0.0), [1; 3]);
-        assert_eq!(count(64, 1e-9, 1.0), [64; 3]);
-        assert_eq!(count(64, 1.0, f64::NAN), [1; 3]);
-        let counts = [(8.0, 60.0), (4.0, 60.0), (2.0, 60.0), (2.0, 120.0)].map(|(e, c)| count(1024, e, c));
+        assert_eq!(needs(1.0, 0.0), [0.0; 3]);
+        let counts = [(8.0, 60.0), (4.0, 60.0), (2.0, 60.0), (2.0, 120.0)].map(|(e, c)| needs(e, c));
         assert!(counts.windows(2).all(|pair| (0..3).all(|k| pair[0][k] < pair[1][k])), "{counts:?}");
         let usual = [16.0, 4.0, 1.0, 0.0].map(|error| Adaptive { most: 512, error }.usual());
         assert!(usual[0] >= 1 && usual.is_sorted() && usual[3] == 512, "{usual:?}");
+    }
+
+    #[test]
+    fn only_what_differs_from_corners_is_beyond_them() {
+        let corners = [Vec3A::ONE, 0.5 * Vec3A::ONE, 3.0 * Vec3A::ONE, Vec3A::ONE];
+        let square = |level: f32, has_floats| beyond(Vec3A::splat(level), corners, has_floats);
+        assert_eq!([0.75, 2.0, 5.0].map(|level| square(level, false)), [0.0; 3]);
+        assert_eq!([0.25, 2.0, 5.0].map(|level| square(level, true)), [0.0625, 0.0, 4.0]);
     }
 }
