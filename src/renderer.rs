@@ -9,6 +9,7 @@ use crate::math::instructions;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
+use crate::sampling::sampler::Sampler;
 use crate::scene::Color;
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
@@ -226,16 +227,18 @@ impl Prepared<'_> {
         self.render_traced(request, Tracing::Fast, watch, take_row).map(drop)
     }
 
-    /// Renders the colours of these rows of a request's window, counted from the top, without counting.
+    /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers, without
+    /// counting.
     pub(crate) fn render_some_rows(
         &self,
         request: &Request,
+        samplers: &[Sampler],
         rows: &[usize],
         watch: Watch,
-    ) -> Result<Vec<Color>, Stopped> {
+    ) -> Result<Vec<Vec<Color>>, Stopped> {
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
-        let render = || render::render_some_rows(scene, self.view(), request, rows, watch);
+        let render = || render::render_some_rows(scene, self.view(), request, samplers, rows, watch);
         self.renderer.on_own_threads(render)
     }
 

@@ -103,33 +103,18 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
     };
     let prepared =
         renderer.prepare_for(options.structure, &jittered(settings.reference, 0), Tracing::Fast)?;
-    let name = format!("/tmp/helpers/ad2/cache/{}-{}-{}", case.name.replace(' ', "_"), side, settings.reference);
+    let halves =
+        [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(settings.reference, seed))));
+    let [a, b] = halves;
+    let halves = [a?.remove(0), b?.remove(0)];
+
     let mut curve = vec![];
-    let halves = if let Ok(bytes) = std::fs::read(&name) {
-        let n: Vec<f64> = bytes.chunks(8).map(|c| f64::from_le_bytes(c.try_into().unwrap())).collect();
-        let points = n[0] as usize;
-        curve = n[1..1 + 3 * points].chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
-        let colors: Vec<Color> = n[1 + 3 * points..].chunks(3).map(|c| Color::new(c[0], c[1], c[2])).collect();
-        let half = |k: usize| FloatPicture { size: [side; 2], colors: colors[k * side * side..][..side * side].to_vec() };
-        [half(0), half(1)]
-    } else {
-        let halves =
-            [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(settings.reference, seed))));
-        let [a, b] = halves;
-        let halves = [a?.remove(0), b?.remove(0)];
-        for count in COUNTS.into_iter().filter(|&count| count <= settings.reference) {
-            let requests: Vec<Request> = (1..=ERROR_SEEDS).map(|seed| jittered(count, seed)).collect();
-            curve.push(time_and_error(&prepared, &one, &requests, &halves)?);
-        }
-        let mut n = vec![curve.len() as f64];
-        n.extend(curve.iter().flatten());
-        n.extend(halves.iter().flat_map(|h| &h.colors).flat_map(|c| [c.x, c.y, c.z]));
-        std::fs::create_dir_all("/tmp/helpers/ad2/cache")?;
-        std::fs::write(&name, n.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())?;
-        halves
-    };
+    for count in COUNTS.into_iter().filter(|&count| count <= settings.reference) {
+        let requests: Vec<Request> = (1..=ERROR_SEEDS).map(|seed| jittered(count, seed)).collect();
+        curve.push(time_and_error(&prepared, &one, &requests, &halves)?);
+    }
     let mut speed_ups = vec![];
-    for error in ERRORS.into_iter().filter(|e| std::env::var("ONLY").map_or(true, |o| o.split(',').any(|x| x.parse() == Ok(*e)))) {
+    for error in ERRORS {
         let requests: Vec<Request> = (1..=ERROR_SEEDS).map(|seed| adaptive(error, seed)).collect();
         let [time, found, rays] = time_and_error(&prepared, &one, &requests, &halves)?;
         let bias = if BIASED.contains(&error) && seeds > 0 {

@@ -22,6 +22,7 @@ use crate::memory::{self, NoMemory};
 use crate::picture::{BadSize, FloatPicture};
 use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
+use crate::sampling::sampler::Sampler;
 use crate::scene::Color;
 use crate::stats::Counts;
 use crate::trace::Patience;
@@ -129,37 +130,47 @@ pub fn render(
     Ok(counts)
 }
 
-/// Renders the colours of these rows of the window, counted from its top, which are not reduced. Each row is rendered by
-/// itself.
+/// Renders the colours of these rows of the window, counted from its top, which are not reduced, with each of these
+/// samplers. Each row is rendered by itself.
 pub fn render_some_rows(
     (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
+    samplers: &[Sampler],
     rows: &[usize],
     watch: Watch,
-) -> Result<Vec<Color>, Stopped> {
-    let setting = RenderSetting { caster, view, request, tracing: Tracing::Fast };
+) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = || tally.asks();
     let patience = Patience::until(&is_cancelled);
-    let tracer = PictureTracer::new(camera, caster, view, request, setting.tracing, patience);
-    let bands = match Planner::new(camera, setting) {
-        Some(planner) => planner.bands(&tracer, &request.traced_rows(request.rows()), vec![], &tally)?,
+    let tracing = Tracing::Fast;
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
+    // Adaptive samples of all samplers have the same plan.
+    let planner = Planner::new(camera, RenderSetting { caster, view, request, tracing });
+    let all = request.traced_rows(request.rows());
+    let bands = match planner {
+        Some(planner) => planner.bands(&tracer, &all, vec![], &tally)?,
         None => Some(vec![]),
     };
     let bands = bands.ok_or(Stopped::Cancelled { rows: 0 })?;
-    let colors = |row: &usize| {
-        let end = request.rows().end - row;
-        let mut colors = memory::with_room(request.columns().len())?;
-        let mut take_row = |_: usize, row: &[Color]| {
-            colors.extend_from_slice(row);
-            ControlFlow::Continue(())
+    let render = |&sampler: &Sampler| {
+        let request = &Request { sampler, ..request.clone() };
+        let setting = RenderSetting { caster, view, request, tracing };
+        let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
+        let colors = |row: &usize| {
+            let end = request.rows().end - row;
+            let mut colors = memory::with_room(request.columns().len())?;
+            let mut take_row = |_: usize, row: &[Color]| {
+                colors.extend_from_slice(row);
+                ControlFlow::Continue(())
+            };
+            Strip::below(&setting, end, end - 1).render(&tracer, &bands, &tally, &mut take_row)?;
+            Ok(colors)
         };
-        Strip::below(&setting, end, end - 1).render(&tracer, &bands, &tally, &mut take_row)?;
-        Ok(colors)
+        let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
+        Ok(colors.concat())
     };
-    let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
-    Ok(colors.concat())
+    samplers.iter().map(render).collect()
 }
 
 /// The same for a request whose colours are reduced.

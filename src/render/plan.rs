@@ -113,7 +113,8 @@ impl<'a> Planner<'a> {
     pub fn new(camera: &Camera, setting: RenderSetting<'a>) -> Option<Self> {
         let settings = setting.request.adaptive.filter(|_| setting.request.traces_colors(setting.tracing))?;
         let world = setting.caster.world;
-        let reflects = setting.request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
+        let reflects =
+            setting.request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let reflected = if reflects { brightest(world) } else { 1.0 };
         Some(Self { setting, settings, small_things: SmallThings::new(camera, world), reflected })
     }

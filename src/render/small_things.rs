@@ -60,7 +60,8 @@ impl<'a> SmallThings<'a> {
         for (id, triangle) in self.world.triangles.iter().enumerate() {
             let [a, b, c] = triangle.map(|vertex| self.vertices[vertex as usize]);
             let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-            if max.y < band[0] || min.y > band[1] || !self.world.may_be_hit(id as u32) {
+            let is_ahead = (a + b + c).is_finite();
+            if !is_ahead || max.y < band[0] || min.y > band[1] || !self.world.may_be_hit(id as u32) {
                 continue;
             }
             let double_area = (b - a).perp_dot(c - a).abs();
@@ -74,7 +75,6 @@ impl<'a> SmallThings<'a> {
                 if is_longer { side } else { longest }
             });
             let way = b - a;
-            // Never where a vertex is not ahead.
             if double_area < SMALL * way.length() {
                 let foot = ((c - a).dot(way) / way.length_squared()).clamp(0.01, 0.99);
                 let height = c - a.lerp(b, foot);
@@ -87,10 +87,11 @@ impl<'a> SmallThings<'a> {
         }
         for shape in &self.world.shapes {
             let corners = shape.bounds().corners().map(|corner| self.view.project(corner));
-            let [min, max] = corners.into_iter().fold([Vec2::INFINITY, Vec2::NEG_INFINITY], |[min, max], at| {
-                // NaN stays.
-                [Vec2::select(at.cmpge(min), min, at), Vec2::select(at.cmple(max), max, at)]
-            });
+            let [min, max] =
+                corners.into_iter().fold([Vec2::INFINITY, Vec2::NEG_INFINITY], |[min, max], at| {
+                    // NaN stays.
+                    [Vec2::select(at.cmpge(min), min, at), Vec2::select(at.cmple(max), max, at)]
+                });
             let size = max - min;
             if size.min_element() < SMALL && max.y > band[0] && min.y < band[1] {
                 found.add_box(min, max, 0.8 * size.element_product());
@@ -118,6 +119,8 @@ impl Specks {
         let across = if width < THIN { [0.5].as_slice() } else { &[0.5, 0.02, 0.98] };
         let part = area / ((steps + 1.0) * across.len() as f32);
         for k in 0..=steps as u32 {
+            // From the ends to the middle, which is the surest place.
+            let k = if k % 2 == 0 { k / 2 } else { steps as u32 - k / 2 };
             let t = if steps > 0.0 { 0.01 + 0.98 * k as f32 / steps } else { 0.5 };
             for &u in across {
                 let place = at(t, u);

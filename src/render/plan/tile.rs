@@ -91,8 +91,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         let contrast = self.planner.reflected.max(if has_floats { brightest } else { 1.0 });
         let (width, mut probes) = (self.columns.len(), settings.probes(contents.len(), contrast));
         let gains = [LEAST_GAIN; 2];
-        let mut known =
-            Known { width, contents, finds: vec![], probes: 0.0, contrast, has_floats, gains };
+        let mut known = Known { width, contents, finds: vec![], probes: 0.0, contrast, has_floats, gains };
         for round in 0.. {
             let found = self.probe(round, probes - known.probes)?;
             known.probes = probes;
@@ -165,7 +164,8 @@ impl<'t, 'a> Tile<'t, 'a> {
         let (rows, width) = (self.band.rows.clone(), self.columns.len());
         let by_corners = of_rows(&(0..rows.len()), self.tally, |row| Some(contents(&self.corners, row)))?;
         let mut contents = by_corners.concat();
-        let (specks, columns) = (self.planner.small_things.specks(&self.columns, &rows), self.columns.clone());
+        let (specks, columns) =
+            (self.planner.small_things.specks(&self.columns, &rows), self.columns.clone());
         let seen = self.cast(|j| {
             let row = &specks[(j - rows.start) * width..][..width];
             let alone = columns.clone().zip(row).filter(|(_, speck)| speck.is_alone());
@@ -195,7 +195,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         let (columns, height) = (self.columns.clone(), self.planner.setting.request.size[1]);
         let jump = Jump::of(height as u64 * DRAWS);
         let seen = self.cast(|j| {
-            let mut next = PROBES.jumped(round << 40 | (columns.start * height + j) as u64 * DRAWS);
+            let mut next = PROBES.jumped((round << 40) + (columns.start * height + j) as u64 * DRAWS);
             let of_column = |column: usize| {
                 let mut rng = next;
                 next = next.after(jump);
@@ -224,7 +224,7 @@ impl<'t, 'a> Tile<'t, 'a> {
                 let column = start + pixel - row;
                 let index = 2 * (column * height + j) as u64;
                 [index, index + 1].into_iter().flat_map(move |index| {
-                    let rng = PROBES.jumped((2 | round) << 45 | index * MultiJittered::draws(most));
+                    let rng = PROBES.jumped(((2 + round) << 45) + index * MultiJittered::draws(most));
                     MultiJittered::new(strata(pixel), rng).map(move |offset| (column, offset))
                 })
             };
