@@ -83,7 +83,9 @@ impl Adaptive {
     /// m = n is the cheapest way to make it small.
     pub fn probes(self, pixels: usize, contrast: f32) -> f64 {
         let product = self.missed(contrast) / pixels as f64;
-        product.min(product.sqrt()).min(MOST_PROBES)
+        // There is nothing to be found out where all pixels get the most.
+        let is_open = product < MOST_PROBES * f64::from(self.most);
+        if is_open { product.min(product.sqrt()).min(MOST_PROBES) } else { 0.0 }
     }
 
     /// The number of samples of a pixel times that of all probes at which something of this contrast that one of them hits
@@ -96,9 +98,9 @@ impl Adaptive {
 impl Known {
     /// How many samples pixels need for what is asked for.
     pub fn allot(&self, settings: Adaptive) -> Allotment {
-        let side = (AROUND / self.probes).sqrt() / 3.0;
-        let local = self.allot_by(settings, side.ceil().max(1.0) as usize);
-        // Nothing that probes have found decides.
+        let side = ((AROUND / self.probes).sqrt() / 3.0).ceil().clamp(1.0, self.contents.len() as f64);
+        let local = self.allot_by(settings, side as usize);
+        // Nothing has been found that could be uneven.
         if self.finds.is_empty() {
             return local;
         }
@@ -316,6 +318,15 @@ mod tests {
         let scattered = |pixel: usize| if pixel * 7919 % 100 == 3 { 0.4 } else { 0.0 };
         let error = left(scattered, &probed(scattered, 4).allot(SETTINGS).samples);
         assert!((0.1..1.1).contains(&error), "{error}");
+    }
+
+    #[test]
+    fn no_probes_are_cast_where_all_pixels_get_the_most() {
+        let probes = |error, pixels| Adaptive { most: 64, error }.probes(pixels, 1.0);
+        assert_eq!([probes(0.0, 100), probes(1.0, 100)], [0.0; 2]);
+        assert!(probes(2.0, 100) > 0.0 && probes(2.0, 10_000) > probes(2.0, 60_000));
+        let none = Known { probes: 0.0, ..probed(|_| 0.0, 0) };
+        assert_eq!(none.allot(Adaptive { most: 64, error: 0.0 }).samples, [64; SIDE * SIDE]);
     }
 
     #[test]

@@ -49,6 +49,7 @@ fn of_rows<T: Send>(
     tally: &Tally,
     work: impl Fn(usize) -> Option<T> + Sync,
 ) -> Option<Vec<T>> {
+    let work = |j| if tally.asks() { None } else { work(j) };
     in_parallel(rows.clone(), tally, work).into_iter().map(Option::flatten).collect()
 }
 
@@ -100,12 +101,14 @@ impl<'t, 'a> Tile<'t, 'a> {
                 known.finds.push(find);
             }
             // More probes are worth while if there are bright things, or if few have found much.
-            let allotment = known.allot(settings);
-            let affordable = OF_SAMPLES * allotment.total() as f64 / known.contents.len() as f64;
-            let doubled = if allotment.doubt > DOUBT { (2.0 * probes).min(affordable) } else { 0.0 };
-            probes = settings.probes(known.contents.len(), known.contrast).max(doubled);
-            if probes < 1.5 * known.probes {
-                return self.tested(known, allotment.total());
+            let (allotment, pixels) = (known.allot(settings), known.contents.len());
+            let total = allotment.total();
+            let is_open = allotment.doubt > DOUBT && total < pixels as u64 * u64::from(settings.most);
+            let affordable = OF_SAMPLES * total as f64 / pixels as f64;
+            let doubled = if is_open { (2.0 * probes).min(affordable) } else { 0.0 };
+            probes = settings.probes(pixels, known.contrast).max(doubled);
+            if probes <= 1.25 * known.probes {
+                return self.tested(known, total);
             }
         }
         None
