@@ -27,7 +27,7 @@ const fn text(name: &'static str, text: fn() -> String, flags: &'static str) -> 
 }
 
 /// All scenes.
-pub const CASES: [Case; 16] = [
+pub const CASES: [Case; 24] = [
     file("checkerboard", "scene6_13_checkerboard.txt", "-shadows"),
     file("glass", "scene6_14_glass_sphere.txt", "-shadows -shade_back -bounces 5 -weight 0.01"),
     file("rabbit", "scene6_07_bunny_mesh_40k.txt", "-shadows"),
@@ -44,6 +44,14 @@ pub const CASES: [Case; 16] = [
     text("tiles", tiles, "-shadows"),
     text("fence", fence, "-shadows"),
     text("bubbles", bubbles, "-bounces 2"),
+    text("shadows of dots", shadows_of_dots, "-shadows"),
+    text("sieve", sieve, "-shadows"),
+    text("lamp above a sieve", lamp_above_a_sieve, "-shadows"),
+    text("comb", comb, "-shadows"),
+    text("torn leaf", torn_leaf, "-shadows"),
+    text("two suns", two_suns, "-shadows"),
+    text("shadows in a mirror", shadows_in_a_mirror, "-shadows -bounces 2"),
+    text("far away", far_away, "-shadows"),
 ];
 
 impl Case {
@@ -257,4 +265,99 @@ fn bubbles() -> String {
         &[material],
         &objects,
     )
+}
+
+const MIDDAY: &str = "Lights { numLights 1 DirectionalLight { direction -.15 -1 .1 color 1 1 1 } }";
+const GROUND: &str = "MaterialIndex 0 Plane { normal 0 1 0 offset -1 }";
+const WHITE_AND_DARK: [&str; 2] =
+    ["Material { diffuseColor .95 .95 .9 }", "Material { diffuseColor .2 .1 .1 }"];
+const DARK_BLUE: &str = "Background { color .1 .2 .4 ambientLight .1 .1 .1 }";
+
+/// The ground and things that shade it.
+fn shaded(head: &str, shading: impl Iterator<Item = String>) -> String {
+    let objects: Vec<String> = std::iter::once(GROUND.into()).chain(shading).collect();
+    scene(&format!("{AHEAD} {head}"), &WHITE_AND_DARK, &objects)
+}
+
+/// Spheres out of sight, whose shadows are smaller than a pixel.
+fn floating_dots(count: usize, radius: f64) -> impl Iterator<Item = String> {
+    (0..count).map(move |k| {
+        let [x, z] = spread(k);
+        let [x, z] = [6.4 * x - 3.2, 6.0 * z - 4.2];
+        format!("MaterialIndex 1 Sphere {{ center {x} 3.7 {z} radius {radius} }}")
+    })
+}
+
+fn shadows_of_dots() -> String {
+    shaded(&format!("{MIDDAY} {DARK_BLUE}"), floating_dots(500, 0.017))
+}
+
+/// Bars along two axes that leave small holes.
+fn bars(gap: f64) -> impl Iterator<Item = String> {
+    (0..60).map(move |k| {
+        let at = f64::from(k % 30) * 0.21 - 3.15;
+        let end = at + 0.21 - gap;
+        match k < 30 {
+            true => format!("MaterialIndex 1 Box {{ min {at} 1.8 -4 max {end} 1.81 2.2 }}"),
+            false => format!("MaterialIndex 1 Box {{ min -3.2 1.83 {at} max 3.2 1.84 {end} }}"),
+        }
+    })
+}
+
+fn sieve() -> String {
+    shaded(&format!("{MIDDAY} {DARK_BLUE}"), bars(0.02))
+}
+
+fn lamp_above_a_sieve() -> String {
+    let lamp = "Lights { numLights 1 PointLight { position .4 4.7 -.3 color 4 4 4 attenuation 1 0 .03 } }";
+    shaded(&format!("{lamp} {DARK_BLUE}"), bars(0.025))
+}
+
+/// Thin teeth, closer to each other than pixels.
+fn comb() -> String {
+    let tooth = |k: i32| {
+        let x = f64::from(k) * 0.029 - 3.2;
+        format!("MaterialIndex 1 Box {{ min {x} 2 -3.5 max {} 2.02 1.5 }}", x + 0.003)
+    };
+    shaded(&format!("{MIDDAY} {DARK_BLUE}"), (0..220).map(tooth))
+}
+
+/// A surface of triangles, some of which are missing.
+fn torn_leaf() -> String {
+    let triangles = (0..3200).filter(|k| k * 7919 % 83 != 5).map(|k| {
+        let [x, z] = [k / 2 % 40, k / 80].map(|n| n as f64 * 0.15 - 3.0);
+        let [x2, z2] = [x + 0.15, z + 0.15];
+        let third = if k % 2 == 0 { format!("{x2} 2.5 {z}") } else { format!("{x} 2.5 {z2}") };
+        format!("MaterialIndex 1 Triangle {{ vertex0 {x} 2.5 {z} vertex1 {x2} 2.5 {z2} vertex2 {third} }}")
+    });
+    shaded(&format!("{MIDDAY} {DARK_BLUE}"), triangles)
+}
+
+fn two_suns() -> String {
+    let suns = "Lights { numLights 2 DirectionalLight { direction .4 -1 .2 color .2 .4 .6 }
+                PointLight { position -2 9 3 color .7 .5 .2 } }";
+    shaded(&format!("{suns} {DARK_BLUE}"), floating_dots(300, 0.025))
+}
+
+/// Shadows of dots that are seen in a mirror only.
+fn shadows_in_a_mirror() -> String {
+    let mut objects: Vec<String> = vec![GROUND.into()];
+    objects.extend(floating_dots(400, 0.02));
+    objects.push("MaterialIndex 2 Triangle { vertex0 -9 -1 -5 vertex1 9 -1 -5 vertex2 0 19 -5.5 }".into());
+    objects.push("MaterialIndex 1 Box { min -4 -1 2.4 max 4 .1 2.5 }".into());
+    let mirror = "Material { diffuseColor 0 0 0 reflectiveColor .9 .9 .9 }";
+    let materials = [WHITE_AND_DARK[0], WHITE_AND_DARK[1], mirror];
+    scene(&format!("{AHEAD} {MIDDAY} {DARK_BLUE}"), &materials, &objects)
+}
+
+/// Dots above the ground, ten thousand times as large, turned and moved.
+fn far_away() -> String {
+    let head = format!(
+        "PerspectiveCamera {{ center 0 10000 60000 direction 0 -.15 -1 up 0 1 0 angle 40 }} {MIDDAY} {DARK_BLUE}"
+    );
+    let dots = floating_dots(400, 0.02).collect::<String>();
+    let group = format!(
+        "Transform {{ UniformScale 10000 Translate 0 0 -.5 YRotate 25 Group {{ numObjects 401 {GROUND} {dots} }} }}"
+    );
+    scene(&head, &WHITE_AND_DARK, &[group])
 }

@@ -4,13 +4,14 @@
 mod delivery;
 pub mod grid_view;
 pub mod layer;
+mod plan;
 pub mod renderer;
 mod request;
 mod row;
+mod small_things;
 mod strip;
 mod tally;
 mod tracing;
-mod unseen;
 
 pub use layer::{Cost, Layer};
 pub use request::{Request, View};
@@ -22,13 +23,14 @@ use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::memory::{self, NoMemory};
 use crate::picture::{BadSize, FloatPicture};
-use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
+use crate::sampling::sampler::Sampler;
 use crate::scene::Color;
 use crate::stats::Counts;
 use crate::trace::{MOST_WAITING, Patience};
 use glam::DVec2;
+use plan::Planner;
 use rayon::prelude::*;
 use row::RenderSetting;
 use std::fmt;
@@ -36,7 +38,6 @@ use std::ops::ControlFlow;
 use strip::Strip;
 use tally::Tally;
 use tracing::PictureTracer;
-use unseen::Unseen;
 
 /// The progress of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,51 +123,69 @@ pub fn render(
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
     // No strip takes more than the first.
-    memory::ask(Strip::below(&setting, None, rows.end, rows.start).bytes())?;
+    memory::ask(Strip::below(&setting, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = |waiting| tally.asks(waiting);
     let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
-    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
-    let mut counts = Counts::default();
-    let mut end = rows.end;
+    let planner = Planner::new(camera, setting);
+    let (mut counts, mut bands, mut end) = (Counts::default(), vec![], rows.end);
     while end > rows.start {
-        let strip = Strip::below(&setting, unseen.as_ref(), end, rows.start);
-        let rendered = strip.render(&tracer, &tally, take_row);
-        counts = counts.merge(rendered.map_err(|stopped| tally.reason(stopped))?);
+        let strip = Strip::below(&setting, end, rows.start);
+        if let Some(planner) = &planner {
+            let planned = planner.bands(&tracer, &strip.traced(), bands, &tally)?;
+            bands = planned.ok_or(Stopped::Cancelled { rows: rows.end - end })?;
+        }
+        counts = counts
+            .merge(strip.render(&tracer, &bands, &tally, take_row).map_err(|stopped| tally.reason(stopped))?);
         end = strip.rows.start;
     }
     Ok(counts)
 }
 
-/// Renders the colours of these rows of the window, counted from its top, which are not reduced. Each row is rendered by
-/// itself.
+/// Renders the colours of these rows of the window, counted from its top, which are not reduced, with each of these
+/// samplers. Each row is rendered by itself.
 pub fn render_some_rows(
     (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
+    samplers: &[Sampler],
     rows: &[usize],
     watch: Watch,
-) -> Result<Vec<Color>, Stopped> {
-    let setting = RenderSetting { caster, view, request, tracing: Tracing::Fast };
+) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = |waiting| tally.asks(waiting);
     let patience = Patience::until(&is_cancelled, caster.world.lights.len());
-    let tracer = PictureTracer::new(camera, caster, view, request, setting.tracing, patience);
-    let unseen = request.adaptive.map(|_| Unseen::new(camera, caster.world, request));
-    let colors = |row: &usize| {
-        let end = request.rows().end - row;
-        let mut colors = memory::with_room(request.columns().len())?;
-        let mut take_row = |_: usize, row: &[Color]| {
-            colors.extend_from_slice(row);
-            ControlFlow::Continue(())
-        };
-        let strip = Strip::below(&setting, unseen.as_ref(), end, end - 1);
-        strip.render(&tracer, &tally, &mut take_row).map_err(|stopped| tally.reason(stopped))?;
-        Ok(colors)
+    let tracing = Tracing::Fast;
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
+    // Adaptive samples of all samplers have the same plan.
+    let planner = Planner::new(camera, RenderSetting { caster, view, request, tracing });
+    let all = request.traced_rows(request.rows());
+    let bands = match planner {
+        Some(planner) => planner.bands(&tracer, &all, vec![], &tally)?,
+        None => Some(vec![]),
     };
-    let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
-    Ok(colors.concat())
+    let bands = bands.ok_or(Stopped::Cancelled { rows: 0 })?;
+    let render = |&sampler: &Sampler| {
+        let request = &Request { sampler, ..request.clone() };
+        let setting = RenderSetting { caster, view, request, tracing };
+        let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
+        let colors = |row: &usize| {
+            let end = request.rows().end - row;
+            let mut colors = memory::with_room(request.columns().len())?;
+            let mut take_row = |_: usize, row: &[Color]| {
+                colors.extend_from_slice(row);
+                ControlFlow::Continue(())
+            };
+            Strip::below(&setting, end, end - 1)
+                .render(&tracer, &bands, &tally, &mut take_row)
+                .map_err(|stopped| tally.reason(stopped))?;
+            Ok(colors)
+        };
+        let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
+        Ok(colors.concat())
+    };
+    samplers.iter().map(render).collect()
 }
 
 /// The same for a request whose colours are reduced.
@@ -202,18 +221,21 @@ pub fn adaptive_offsets(
     (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
-    settings: Adaptive,
-    pixel: [usize; 2],
+    [column, row]: [usize; 2],
     watch: Watch,
 ) -> Vec<DVec2> {
-    let tracing = Tracing::Counted;
+    let (tracing, y) = (Tracing::Counted, request.size[1] - 1 - row);
+    let window = Some(Window { x: column, y, width: 1, height: 1 });
+    let request = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tally = Tally::new(1, watch);
     let is_cancelled = |waiting| tally.asks(waiting);
     let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
     let setting = RenderSetting { caster, view, request, tracing };
-    let unseen = Unseen::new(camera, caster.world, request);
-    setting.adaptive_offsets(settings, &tracer.rows(0..0), &unseen, pixel, &tally)
+    let planner = Planner::new(camera, setting);
+    let bands = planner.and_then(|planner| planner.bands(&tracer, &(row..row + 1), vec![], &tally).ok()?);
+    let plan = bands.iter().flatten().find_map(|band| band.plan(row));
+    plan.map_or(vec![], |plan| setting.offsets(&plan, [column, row]).collect())
 }
 
 /// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without

@@ -10,6 +10,7 @@ use crate::math::instructions;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
+use crate::sampling::sampler::Sampler;
 use crate::scene::Color;
 use crate::scene::Scene;
 use crate::scene::mesh::Mesh;
@@ -226,16 +227,18 @@ impl Prepared<'_> {
         self.render_traced(request, Tracing::Fast, watch, take_row).map(drop)
     }
 
-    /// Renders the colours of these rows of a request's window, counted from the top, without counting.
+    /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers, without
+    /// counting.
     pub(crate) fn render_some_rows(
         &self,
         request: &Request,
+        samplers: &[Sampler],
         rows: &[usize],
         watch: Watch,
-    ) -> Result<Vec<Color>, Stopped> {
+    ) -> Result<Vec<Vec<Color>>, Stopped> {
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
-        let render = || render::render_some_rows(scene, self.view(), request, rows, watch);
+        let render = || render::render_some_rows(scene, self.view(), request, samplers, rows, watch);
         self.renderer.on_own_threads(render)
     }
 
@@ -279,16 +282,16 @@ impl Prepared<'_> {
         [column, row]: [usize; 2],
         watch: Watch,
     ) -> Vec<(DVec2, f64)> {
-        let Some(settings) = request.adaptive else {
+        if request.adaptive.is_none() {
             if let Some(mut c_rand) = request.sampler.c_rand([column, row], request.size[0]) {
                 return vec![(c_rand.next_offset(), 1.0)];
             }
             let index = (column * request.size[1] + row) as u64;
             return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
-        };
+        }
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
-        let offsets = render::adaptive_offsets(scene, self.view(), request, settings, [column, row], watch);
+        let offsets = render::adaptive_offsets(scene, self.view(), request, [column, row], watch);
         // Where only a pixel's own samples count, it makes no difference.
         let part = if request.filter.support() == 0 { 1.0 } else { 1.0 / offsets.len() as f64 };
         offsets.into_iter().map(|offset| (offset, part)).collect()

@@ -130,6 +130,11 @@ impl Request {
         if self.has_colors() { self.filter.support() } else { 0 }
     }
 
+    /// These rows and those around them whose samples contribute to them.
+    pub(super) fn traced_rows(&self, rows: Range<usize>) -> Range<usize> {
+        rows.start.saturating_sub(self.support())..(rows.end + self.support()).min(self.size[1])
+    }
+
     /// Whether depths or normals at the pixels' centres are needed, whatever the positions of the samples.
     pub(super) fn measures(&self) -> bool {
         self.layers.iter().any(|layer| layer.has_depth() || layer.has_normals())

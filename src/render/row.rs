@@ -1,6 +1,7 @@
 //! A row of pixels: its samples are traced, and their colours are added to the layers.
 
 use super::layer::Layer;
+use super::plan::Plan;
 use super::request::{Request, View};
 use super::tracing::{RowTracer, Tracing};
 use crate::caster::Caster;
@@ -15,16 +16,16 @@ use crate::shading::light::incident;
 use crate::stats::Counts;
 use crate::trace::Observer;
 use crate::world::World;
-use adaptive::Plan;
 use glam::DVec2;
 use plot::plots;
 use std::ops::Range;
 
-pub mod adaptive;
 mod measure;
+mod planned;
 mod plot;
 mod traced;
 
+pub use planned::Looked;
 pub use traced::{Colors, Row};
 
 /// Everything that is needed to trace any row of a picture.
@@ -125,7 +126,7 @@ struct Painter<'a> {
     /// The random numbers of the next sample, where they are drawn row by row.
     c_rand: Option<CRand>,
     /// How many samples pixels get, if it is not the same number.
-    plan: Option<Plan>,
+    plan: Option<Plan<'a>>,
     row: Row,
 }
 
@@ -157,7 +158,7 @@ impl Painter<'_> {
         }
         let mut cost = self.row.counts.since(before);
         if let Some(plan) = &self.plan {
-            cost = cost.merge(plan.corner_counts(column));
+            cost = cost.merge(plan.cost(column));
         }
         for (layer, colors) in self.setting.request.layers.iter().zip(&mut self.row.layers) {
             if let Layer::Cost(kind) = layer {

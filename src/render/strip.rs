@@ -5,12 +5,11 @@
 //! as well, so that the strip's pixels are those of the whole picture.
 
 use super::layer::Layer;
+use super::plan::Band;
 use super::request::Request;
-use super::row::adaptive::{BYTES_PER_PIXEL, Pilot, Plan, ROWS_BESIDE};
 use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
 use super::tracing::{PictureTracer, RowsTracer};
-use super::unseen::Unseen;
 use super::{Stopped, TakeRow, delivery};
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
@@ -39,8 +38,6 @@ const ROWS_PER_SUPPORT: usize = 64;
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a> {
     setting: &'a RenderSetting<'a>,
-    /// What adaptive samples may miss, if there are any.
-    unseen: Option<&'a Unseen<'a>>,
     pub rows: Range<usize>,
 }
 
@@ -53,12 +50,7 @@ struct Finished {
 
 impl<'a> Strip<'a> {
     /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
-    pub fn below(
-        setting: &'a RenderSetting<'a>,
-        unseen: Option<&'a Unseen<'a>>,
-        end: usize,
-        first: usize,
-    ) -> Self {
+    pub fn below(setting: &'a RenderSetting<'a>, end: usize, first: usize) -> Self {
         let Request { sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
         let rows = MEMORY / (setting.colors_per_row() * size_of::<Color>()).max(1);
@@ -68,46 +60,41 @@ impl<'a> Strip<'a> {
         // The number of adaptive samples is not known; they seldom are the most.
         let samples = adaptive.map_or(sampler.count(), |adaptive| adaptive.most / 4) as usize;
         let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
-        let rows = if Self::hands_out_at_once(setting.request) { rows.min(few) } else { rows };
+        // Rows are handed out together if they depend on each other, and adaptive samples are planned together.
+        let rows = if support > 0 || adaptive.is_some() { rows.min(few) } else { rows };
         let rows = rows.max(8 * support).max(rayon::current_num_threads());
-        Self { setting, unseen, rows: end.saturating_sub(rows).max(first)..end }
-    }
-
-    /// Whether rows depend on each other, so that all of a strip are handed out at once.
-    fn hands_out_at_once(request: &Request) -> bool {
-        request.support() > 0 || request.adaptive.is_some()
+        Self { setting, rows: end.saturating_sub(rows).max(first)..end }
     }
 
     /// Traces the strip and hands it out, and returns what was counted.
     pub fn render(
         &self,
         picture: &PictureTracer,
+        bands: &[Band],
         tally: &Tally,
         take_row: TakeRow,
     ) -> Result<Counts, Stopped> {
         let RenderSetting { request, .. } = *self.setting;
-        // What adaptive samples depend on are corners of pixels in the rows beside, too.
-        let beside = if request.adaptive.is_some() { ROWS_BESIDE } else { 0 };
-        let Range { start, end } = self.traced();
-        let tracer = picture.rows(start.saturating_sub(beside)..(end + beside).min(request.size[1]));
-        if Self::hands_out_at_once(request) {
-            let finished = self.finish(&tracer, tally);
+        let tracer = picture.rows(self.traced());
+        if request.support() > 0 {
+            let finished = self.finish(&tracer, bands, tally);
             return finished.ok_or(self.cancelled_above(self.rows.end))?.hand_out(request, take_row);
         }
-        self.hand_out_one_by_one(&tracer, tally, take_row)
+        self.hand_out_one_by_one(&tracer, bands, tally, take_row)
     }
 
     /// Traces the rows and hands them out as soon as they are finished.
     fn hand_out_one_by_one(
         &self,
         tracer: &RowsTracer,
+        bands: &[Band],
         tally: &Tally,
         take_row: TakeRow,
     ) -> Result<Counts, Stopped> {
         let RenderSetting { request, .. } = *self.setting;
         let trace = |from_top, used| {
             let j = self.rows.end - 1 - from_top;
-            self.row(self.setting.empty_row(j, used), tracer, None, tally)
+            self.row(self.setting.empty_row(j, used), tracer, bands, tally)
         };
         let mut counts = Counts::default();
         let hand_out_row = |row: &mut Row| {
@@ -126,14 +113,12 @@ impl<'a> Strip<'a> {
     }
 
     /// The rows that are traced: those of the strip and those around it whose samples contribute to it.
-    fn traced(&self) -> Range<usize> {
-        let Request { size: [_, height], .. } = *self.setting.request;
-        let support = self.setting.request.support();
-        self.rows.start.saturating_sub(support)..(self.rows.end + support).min(height)
+    pub fn traced(&self) -> Range<usize> {
+        self.setting.request.traced_rows(self.rows.clone())
     }
 
     /// Traces the strip; none if the watch cancels the render.
-    fn finish(&self, tracer: &RowsTracer, tally: &Tally) -> Option<Finished> {
+    fn finish(&self, tracer: &RowsTracer, bands: &[Band], tally: &Tally) -> Option<Finished> {
         let Request { filter, size, .. } = *self.setting.request;
         let traced = self.traced();
         let mut film = Film::starting_at(filter, size, traced.start);
@@ -141,28 +126,24 @@ impl<'a> Strip<'a> {
             Finished { counts: Counts::default(), rows: vec![Default::default(); self.rows.len()] };
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            for row in self.trace(rows, tracer, tally) {
-                finished.take(row?, self, &mut film);
+            let trace = |j| self.row(self.setting.empty_row(j, None), tracer, bands, tally);
+            for row in in_parallel(rows, tally, trace) {
+                finished.take(row??, self, &mut film);
             }
         }
         Some(finished)
     }
 
-    /// The number of rows that are traced before they are added to the film: at least one for each thread. Adaptive
-    /// samples are traced in as many rows at once as the memory allows, since those beside them are traced as well.
+    /// The number of rows that are traced before they are added to the film: at least one for each thread.
     fn rows_in_flight(&self) -> usize {
         let threads = rayon::current_num_threads();
-        let most = match self.setting.request.adaptive {
-            Some(_) => usize::MAX,
-            None => ROWS_IN_FLIGHT_PER_THREAD * threads,
-        };
+        let most = ROWS_IN_FLIGHT_PER_THREAD * threads;
         (MEMORY_IN_FLIGHT / self.bytes_in_flight()).min(most).max(threads).max(1)
     }
 
     /// The memory of a row in progress, in bytes.
     fn bytes_in_flight(&self) -> usize {
-        let Request { size, adaptive, .. } = *self.setting.request;
-        self.bytes_of_sums() + (32 + adaptive.map_or(0, |_| BYTES_PER_PIXEL)) * size[0]
+        self.bytes_of_sums() + 32 * self.setting.request.size[0]
     }
 
     /// The memory of the sums of rows to which the samples of one row contribute, in bytes.
@@ -174,7 +155,7 @@ impl<'a> Strip<'a> {
     /// The memory of the rows that are in memory at the same time, in bytes.
     pub fn bytes(&self) -> u64 {
         let finished = self.setting.colors_per_row() * size_of::<Color>();
-        let bytes = if Self::hands_out_at_once(self.setting.request) {
+        let bytes = if self.setting.request.support() > 0 {
             let in_flight = self.rows_in_flight().min(self.traced().len());
             // The film has sums as well.
             self.rows.len() * finished + in_flight * self.bytes_in_flight() + self.bytes_of_sums()
@@ -184,29 +165,12 @@ impl<'a> Strip<'a> {
         bytes as u64
     }
 
-    /// Traces these rows; those are none that the watch cancels.
-    fn trace(&self, rows: Range<usize>, tracer: &RowsTracer, tally: &Tally) -> Vec<Option<Row>> {
-        let RenderSetting { request, .. } = *self.setting;
-        let adaptive = request.adaptive.filter(|_| request.traces_colors(self.setting.tracing));
-        let Some((settings, unseen)) = adaptive.zip(self.unseen) else {
-            let row = |j| self.row(self.setting.empty_row(j, None), tracer, None, tally);
-            return in_parallel(rows, tally, row).into_iter().map(Option::flatten).collect();
-        };
-        let columns = self.setting.columns();
-        let pilot = Pilot::new(self.setting, (tracer, unseen), settings, [columns, rows.clone()], tally);
-        let Some(pilot) = pilot else { return rows.map(|_| None).collect() };
-        let row = |j| {
-            let mut row = self.row(self.setting.empty_row(j, None), tracer, Some(pilot.plan(j)), tally)?;
-            row.counts = row.counts.merge(pilot.counts(j));
-            Some(row)
-        };
-        in_parallel(rows, tally, row).into_iter().map(Option::flatten).collect()
-    }
-
     /// Traces a row; none if the render is cancelled meanwhile.
-    fn row(&self, empty: Row, tracer: &RowsTracer, plan: Option<Plan>, tally: &Tally) -> Option<Row> {
+    fn row(&self, empty: Row, tracer: &RowsTracer, bands: &[Band], tally: &Tally) -> Option<Row> {
         let is_shown = self.rows.contains(&empty.j);
-        let row = self.setting.row(empty, tracer.row(), is_shown, plan)?;
+        let plan = bands.iter().find_map(|band| band.plan(empty.j));
+        let mut row = self.setting.row(empty, tracer.row(), is_shown, plan)?;
+        row.counts = row.counts.merge(plan.map_or(Counts::default(), |plan| plan.counts));
         if is_shown {
             tally.row_is_done(row.counts.rays());
         }

@@ -1,15 +1,15 @@
-//! Adaptive sampling: how many samples a pixel needs.
+//! Adaptive sampling: how many samples a pixel needs for what is in it.
 //!
 //! Rays through the corners of all pixels are cast first, once for the four pixels at each. They say what is in a pixel: an
-//! edge that crosses it has corners on both sides. From them, and from what is known without any ray, follows the number
-//! of samples of a pixel, and these alone are its colour. So that has the expected value that it would have with any
-//! number of samples: the rays that decide do not count, and those that count do not decide (Kirk and Arvo, "Unbiased
-//! sampling techniques for image synthesis", SIGGRAPH 1991). They are not even random.
+//! edge that crosses it has corners on both sides. With n samples in strata the squared error of a pixel is about
+//! c^2 n^-3/2 / 8 if an edge of contrast c crosses it, g^2 n^-3 / 12 if its colours change steadily by g, and v / n if it is
+//! full of things that are smaller than its strata, with a variance of v (Mitchell, "Consequences of stratified sampling in
+//! graphics", SIGGRAPH 1996). Samples are spent where one more lessens the squared error by most, down to the same amount
+//! in all pixels.
 //!
-//! With n samples in strata the squared error of a pixel is about c^2 n^-3/2 / 8 if an edge of contrast c crosses it,
-//! g^2 n^-3 / 12 if its colours change steadily by g, and v / n if it is full of things that are smaller than its strata,
-//! with a variance of v (Mitchell, "Consequences of stratified sampling in graphics", SIGGRAPH 1996). Samples are spent
-//! where one more lessens the squared error by most, down to the same amount in all pixels.
+//! What lies between corners is found by probes, as [`allotment`](super::allotment) tells. Neither corners nor probes count
+//! in the picture, and they do not depend on its random numbers. So the picture has the expected value that it would have
+//! with any number of samples (Kirk and Arvo, "Unbiased sampling techniques for image synthesis", SIGGRAPH 1991).
 
 use crate::scene::Color;
 use glam::Vec3A;
@@ -20,21 +20,8 @@ use serde::Serialize;
 pub struct Adaptive {
     /// The largest number of samples of a pixel, from [`BASE`](Self::BASE) to [`LIMIT`](Self::LIMIT).
     pub most: u32,
-    /// The error of a pixel's colour that is aimed at, in levels.
+    /// The error of the picture that is asked for, in levels.
     pub error: f64,
-}
-
-/// What a ray through a corner of pixels sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Corner {
-    /// Its colour. No more than single precision is needed to decide.
-    pub color: Vec3A,
-    /// The variance that its surface may have without showing it, such as that of highlights.
-    pub hidden: f32,
-    /// The material of the surface, if there is any.
-    pub material: Option<u32>,
-    /// How far ahead the surface is.
-    pub depth: f32,
 }
 
 /// The colours of four corners in a line.
@@ -48,7 +35,7 @@ pub struct Line {
     back: f32,
 }
 
-/// What the corners of a pixel and of those around it tell of it.
+/// What is known of a pixel before it is probed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contents {
     /// The squared contrast of edges in it.
@@ -66,11 +53,8 @@ const EDGE: f64 = 160.0;
 /// deviation, in levels. Were samples spent as for edges, scenes that are full of them would have much more.
 const SMALL_THINGS: f64 = 36.0;
 
-/// The part of the squared contrast of edges that pixels around get: between two edges may be a gap that no corner sees.
-const BESIDE_EDGES: f32 = 1.0 / 1024.0;
-
-/// Colours that are brighter are as bright as this.
-const BRIGHTEST: f64 = 2.0;
+/// All that is brighter has this brightness in pictures of bytes, where corners see it.
+pub const BRIGHTEST: f32 = 2.0;
 
 /// The number of levels from black to white.
 const LEVELS: f64 = 255.0;
@@ -93,47 +77,52 @@ impl Adaptive {
         libm::pow(ce * ce / 8.0, 2.0 / 3.0)
     }
 
-    /// How many samples pixels need, by their contents.
-    pub fn counts(self) -> impl Fn(Contents) -> u32 {
-        let square = self.error * self.error / (LEVELS * LEVELS);
+    /// The squared error that is asked for, where white is 1.
+    pub(super) fn square(self) -> f64 {
+        (self.error / LEVELS) * (self.error / LEVELS)
+    }
+
+    /// How many samples the edges, the steady change and the small things of pixels need.
+    pub(super) fn needs(self) -> impl Fn(Contents) -> [f32; 3] {
         // The squared error that one more sample saves.
-        let least = 1.5 * square / self.of_usual_edge();
+        let least = 1.5 * self.square() / self.of_usual_edge();
         let [edge_unit, steady_unit] = [1.5 / 8.0 / least, 0.25 / least].map(|unit| unit as f32);
-        let of_variance = (SMALL_THINGS / LEVELS / (2.0 * square)) as f32;
+        let of_variance = (SMALL_THINGS / LEVELS / (2.0 * self.square())) as f32;
         move |Contents { edge, steady, variance }| {
             let root = |x: f32| x.sqrt().sqrt();
             // About the power of 2/5.
             let of_edge = root(edge_unit * edge) * root(edge_unit * edge).sqrt();
-            let of_steady = root(steady_unit * steady);
-            // NaN for what is not finite or 0 / 0, which more samples do not make better.
-            let count = of_edge.max(of_steady).max(variance.sqrt() * of_variance).ceil();
-            (count as u32).clamp(1, self.most)
+            [of_edge, root(steady_unit * steady), variance.sqrt() * of_variance]
         }
     }
 }
 
-impl Corner {
-    /// The one that follows two, if colours change steadily.
-    fn beyond(self, before: Self) -> Self {
-        Self { color: 2.0 * self.color - before.color, ..self }
-    }
+/// A colour in single precision, which is enough to decide.
+pub fn finite(color: Color) -> Vec3A {
+    color.clamp(Color::ZERO, Color::splat(1e6)).as_vec3a()
 }
 
-/// The colour of a corner.
-pub fn color_of_corner(color: Color) -> Vec3A {
-    color.clamp(Color::ZERO, Color::splat(BRIGHTEST)).as_vec3a()
+/// The squared distance of a colour from those between the corners of its pixel. In bytes all that is brighter than white
+/// is white.
+pub fn beyond(color: Vec3A, [a, b, c, d]: [Vec3A; 4], has_floats: bool) -> f32 {
+    let between = color.max(a.min(b).min(c).min(d)).min(a.max(b).max(c).max(d));
+    let is_white = !has_floats && color.min(between).min_element() >= 1.0;
+    if is_white { 0.0 } else { mean_square(color - between) }
+}
+
+fn mean_square(v: Vec3A) -> f32 {
+    v.length_squared() / 3.0
 }
 
 impl Line {
-    /// Of four corners, the first and the last of which may be outside the picture.
+    /// Of four corners, the first and the last of which may be outside, where colours are assumed to change steadily.
     #[inline(always)]
-    pub fn new(first: Option<Corner>, second: Corner, third: Corner, fourth: Option<Corner>) -> Self {
-        let first = first.unwrap_or(second.beyond(third)).color;
-        let fourth = fourth.unwrap_or(third.beyond(second)).color;
-        let [a, b, c] = [second.color - first, third.color - second.color, fourth - third.color];
+    pub fn new(first: Option<Vec3A>, second: Vec3A, third: Vec3A, fourth: Option<Vec3A>) -> Self {
+        let first = first.unwrap_or(2.0 * second - third);
+        let fourth = fourth.unwrap_or(2.0 * third - second);
+        let [a, b, c] = [second - first, third - second, fourth - third];
         let steady = a.min(b).min(c).max(Vec3A::ZERO) + a.max(b).max(c).min(Vec3A::ZERO);
         let back = a.abs() + b.abs() + c.abs() - (fourth - first).abs();
-        let mean_square = |v: Vec3A| v.length_squared() / 3.0;
         Self { edge: mean_square(b - steady), steady: mean_square(steady), back: mean_square(back) }
     }
 }
@@ -154,15 +143,16 @@ impl Contents {
         }
     }
 
-    /// With at least this variance, and with a part of the squared contrast of edges around it.
-    pub fn among(self, variance: f32, edges: f32) -> Self {
-        let edge = self.edge.max(BESIDE_EDGES * edges);
-        Self { edge, variance: self.variance.max(variance), ..self }
+    /// With at least this variance.
+    pub fn with_variance(self, variance: f32) -> Self {
+        Self { variance: self.variance.max(variance), ..self }
     }
 
-    /// The squared contrast of edges, and the variance of things that are no larger than a pixel.
-    pub fn edge_and_variance(&self) -> [f32; 2] {
-        [self.edge, self.variance]
+    /// The squared error that this number of samples is expected to leave.
+    pub(super) fn error(&self, count: f32) -> f32 {
+        let part = count.recip();
+        let Self { edge, steady, variance } = *self;
+        part * (part.sqrt() * edge / 8.0 + part * part * steady / 12.0 + variance)
     }
 }
 
@@ -170,9 +160,8 @@ impl Contents {
 mod tests {
     use super::*;
 
-    fn corner(level: f64) -> Corner {
-        let color = color_of_corner(Color::splat(level / LEVELS));
-        Corner { color, hidden: 0.0, material: None, depth: 1.0 }
+    fn corner(level: f64) -> Vec3A {
+        finite(Color::splat(level / LEVELS))
     }
 
     /// The contents of the middle pixel of three by three, whose colours in levels depend on the place.
@@ -231,24 +220,27 @@ mod tests {
 
     #[test]
     fn less_error_and_more_contrast_take_more_samples() {
-        let count = |most, error, level: f64| {
+        let needs = |error, level: f64| {
             let square = (level / LEVELS).powi(2) as f32;
-            let count = Adaptive { most, error }.counts();
-            let all = [
-                Contents { edge: square, ..Contents::default() },
-                Contents { steady: square, ..Contents::default() },
-                Contents { variance: square, ..Contents::default() },
-            ];
-            all.map(count)
+            let needs = Adaptive { most: 1024, error }.needs();
+            [
+                needs(Contents { edge: square, ..Contents::default() })[0],
+                needs(Contents { steady: square, ..Contents::default() })[1],
+                needs(Contents { variance: square, ..Contents::default() })[2],
+            ]
         };
-        assert_eq!(count(1024, 1.0, 0.0), [1; 3]);
-        assert_eq!(count(1024, 0.0, 1.0), [1024; 3]);
-        assert_eq!(count(1024, 0.0, 0.0), [1; 3]);
-        assert_eq!(count(64, 1e-9, 1.0), [64; 3]);
-        assert_eq!(count(64, 1.0, f64::NAN), [1; 3]);
-        let counts = [(8.0, 60.0), (4.0, 60.0), (2.0, 60.0), (2.0, 120.0)].map(|(e, c)| count(1024, e, c));
+        assert_eq!(needs(1.0, 0.0), [0.0; 3]);
+        let counts = [(8.0, 60.0), (4.0, 60.0), (2.0, 60.0), (2.0, 120.0)].map(|(e, c)| needs(e, c));
         assert!(counts.windows(2).all(|pair| (0..3).all(|k| pair[0][k] < pair[1][k])), "{counts:?}");
         let usual = [16.0, 4.0, 1.0, 0.0].map(|error| Adaptive { most: 512, error }.usual());
         assert!(usual[0] >= 1 && usual.is_sorted() && usual[3] == 512, "{usual:?}");
+    }
+
+    #[test]
+    fn only_what_differs_from_corners_is_beyond_them() {
+        let corners = [Vec3A::ONE, 0.5 * Vec3A::ONE, 3.0 * Vec3A::ONE, Vec3A::ONE];
+        let square = |level: f32, has_floats| beyond(Vec3A::splat(level), corners, has_floats);
+        assert_eq!([0.75, 2.0, 5.0].map(|level| square(level, false)), [0.0; 3]);
+        assert_eq!([0.25, 2.0, 5.0].map(|level| square(level, true)), [0.0625, 0.0, 4.0]);
     }
 }

@@ -19,7 +19,7 @@ impl Drand48 {
     pub const UNSEEDED: Self = Self { state: 0 };
 
     /// The state after C's `srand48(seed)`.
-    pub fn seeded(seed: u32) -> Self {
+    pub const fn seeded(seed: u32) -> Self {
         Self { state: (seed as u64) << 16 | 0x330E }
     }
 

@@ -2,6 +2,7 @@
 //! up.
 
 pub mod adaptive;
+pub mod allotment;
 pub mod sample_packet;
 pub mod drand48;
 pub mod c_rand;

@@ -66,7 +66,6 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
 
     let taken: Vec<usize> = rows.iter().map(|&(row, _)| row).collect();
     let taken = are_some.then_some(&*taken);
-    let colors = |sampler| colors(prepared, &Request { sampler, ..request.clone() }, taken, watch);
     let is_uniform = sampler.pattern() == Pattern::Uniform;
     let others = match sampler.pattern() {
         Pattern::Uniform => Sampler::new(Pattern::Jittered, REFERENCE * sampler.count(), sampler.rng()),
@@ -74,13 +73,15 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
         Pattern::Displaced => Sampler::new(Pattern::Jittered, 1, sampler.rng()),
         Pattern::Random | Pattern::Jittered => sampler,
     };
-    let mut other = || others.with_rng(Drand48::seeded(rng.random()));
-    let base = colors(if is_uniform { sampler } else { other() })?;
-    // For each pixel, over the pictures, the sum of differences from the first one, and that of their squares.
-    let mut sums = vec![(Color::ZERO, 0.0); base.len()];
     let pictures = ROWS_OF_ALL.div_ceil(rows.len().max(1)).clamp(2, 16);
-    for _ in usize::from(!is_uniform)..pictures {
-        for ((sum, squares), (own, base)) in sums.iter_mut().zip(colors(other())?.iter().zip(&base)) {
+    let mut samplers = if is_uniform { vec![sampler] } else { vec![] };
+    samplers.extend((0..pictures).map(|_| others.with_rng(Drand48::seeded(rng.random()))));
+    let colors = colors(prepared, request, &samplers, taken, watch)?;
+    // For each pixel, over the pictures, the sum of differences from the first one, and that of their squares.
+    let base = &colors[0];
+    let mut sums = vec![(Color::ZERO, 0.0); base.len()];
+    for colors in &colors[1..] {
+        for ((sum, squares), (own, base)) in sums.iter_mut().zip(colors.iter().zip(base)) {
             *sum += own - base;
             *squares += (own - base).length_squared();
         }
@@ -112,37 +113,39 @@ fn differences(
     let step = (LOOKED_AT / width.max(1)).max(1);
     for from in (0..height).step_by(step) {
         let window = Window { x: columns.start, y: top + from, width, height: step.min(height - from) };
-        let look = |sampler| {
-            let request = Request { window: Some(window), adaptive: None, sampler, ..request.clone() };
-            colors(prepared, &request, None, watch)
-        };
-        let [one, other] = [look(samplers[0])?, look(samplers[1])?];
-        let squares: Vec<f64> = one.iter().zip(&other).map(|(a, b)| (a - b).length_squared()).collect();
+        let request = Request { window: Some(window), adaptive: None, ..request.clone() };
+        let looks = colors(prepared, &request, &samplers, None, watch)?;
+        let squares: Vec<f64> =
+            looks[0].iter().zip(&looks[1]).map(|(a, b)| (a - b).length_squared()).collect();
         differences.extend(squares.chunks(width.max(1)).map(|row| row.iter().sum::<f64>()));
     }
     Ok(differences)
 }
 
-/// The colours of the window as a picture shows them, or of some rows of it, counted from the top.
+/// The colours of the window as pictures with these samplers show them, or of some rows of it, counted from the top.
 fn colors(
     prepared: &Prepared,
     request: &Request,
+    samplers: &[Sampler],
     rows: Option<&[usize]>,
     watch: Watch,
-) -> Result<Vec<Color>, Stopped> {
-    let mut colors;
-    if let Some(rows) = rows {
-        colors = prepared.render_some_rows(request, rows, watch)?;
-    } else {
-        colors = crate::memory::with_room(request.layer_size(&Layer::Color).iter().product())?;
+) -> Result<Vec<Vec<Color>>, Stopped> {
+    let whole = |&sampler: &Sampler| {
+        let mut colors = crate::memory::with_room(request.layer_size(&Layer::Color).iter().product())?;
         let mut take_row = |_: usize, row: &[Color]| {
             colors.extend_from_slice(row);
             ControlFlow::Continue(())
         };
-        prepared.render_rows_fast(request, watch, &mut take_row)?;
-    }
+        let request = Request { sampler, ..request.clone() };
+        prepared.render_rows_fast(&request, watch, &mut take_row)?;
+        Ok::<Vec<Color>, Stopped>(colors)
+    };
+    let mut colors = match rows {
+        Some(rows) => prepared.render_some_rows(request, samplers, rows, watch)?,
+        None => samplers.iter().map(whole).collect::<Result<_, _>>()?,
+    };
     if !request.has_floats {
-        colors.iter_mut().for_each(|color| *color = color.clamp(Color::ZERO, Color::ONE));
+        colors.iter_mut().flatten().for_each(|color| *color = color.clamp(Color::ZERO, Color::ONE));
     }
     Ok(colors)
 }

@@ -8,7 +8,7 @@ use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Color;
 use raytracer::scene_io::{self, LoadedScene};
 use raytracer::stats::Counts;
-use raytracer::trace::Effects;
+use raytracer::trace::{Effects, Shadows};
 use std::fmt::Write;
 use std::ops::ControlFlow;
 
@@ -113,6 +113,72 @@ fn scene(head: &str, materials: &str, objects: &[String]) -> Renderer {
     let path = folder.path().join("scene.txt");
     std::fs::write(&path, text).expect("a file");
     Renderer::new(scene_io::load(&path).expect("a scene"), Meshes::Moved).expect("a world")
+}
+
+/// What shades the ground, with a lamp or the sun, so that shadows are smaller than a pixel.
+fn shaded(light: &str, shading: &[String]) -> Renderer {
+    let text = format!(
+        "PerspectiveCamera {{ center 0 1 6 direction 0 -0.15 -1 up 0 1 0 angle 40 }}
+         Background {{ color .1 .2 .4 ambientLight 0 0 0 }} Lights {{ numLights 1 {light} }}
+         Materials {{ numMaterials 2 Material {{ diffuseColor 1 1 1 }} Material {{ diffuseColor .1 .1 .1 }} }}
+         Group {{ numObjects {} MaterialIndex 0 Plane {{ normal 0 1 0 offset -1 }} MaterialIndex 1 {} }}",
+        1 + shading.len(),
+        shading.join(" ")
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("shaded.txt");
+    std::fs::write(&path, text).expect("a file");
+    Renderer::new(scene_io::load(&path).expect("a scene"), Meshes::Moved).expect("a world")
+}
+
+/// The error is the one that is asked for where corners of pixels see nothing of what makes it: shadows of dots, light
+/// through a sieve, in bytes and in floats, where a lamp is brighter than white.
+#[test]
+fn small_shadows_are_seen() {
+    let at = |k: usize, step: f64| (0.5 + k as f64 * step).fract();
+    let dot = |k: usize| {
+        let [x, z] = [6.4 * at(k, 0.754_877_666) - 3.2, 6.0 * at(k, 0.569_840_291) - 4.2];
+        format!("Sphere {{ center {x} 3.7 {z} radius .018 }}")
+    };
+    let bar = |k: usize| {
+        let from = (k % 30) as f64 * 0.21 - 3.15;
+        let to = from + 0.188;
+        if k < 30 {
+            format!("Box {{ min {from} 1.8 -4 max {to} 1.81 2.2 }}")
+        } else {
+            format!("Box {{ min -3.2 1.83 {from} max 3.2 1.84 {to} }}")
+        }
+    };
+    let (dots, sieve): (Vec<_>, Vec<_>) = ((0..450).map(dot).collect(), (0..60).map(bar).collect());
+    let sun = "DirectionalLight { direction -.15 -1 .1 color 1 1 1 }";
+    let lamp = "PointLight { position .4 4.7 -.3 color 5 5 5 attenuation 1 0 .03 }";
+    for (name, light, shading, has_floats) in [
+        ("dots", sun, &dots, false),
+        ("sieve", sun, &sieve, false),
+        ("dots below a lamp", lamp, &dots, true),
+        ("sieve below a lamp", lamp, &sieve, true),
+    ] {
+        let renderer = shaded(light, shading);
+        let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("a list");
+        let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
+        let colors = |request: Request| {
+            let request = Request { effects, has_floats, ..request };
+            let colors = prepared.render(&request).expect("memory").remove(0).colors;
+            let shown = |color: Color| if has_floats { color } else { color.min(Color::ONE) };
+            colors.into_iter().map(shown).collect::<Vec<_>>()
+        };
+        let [a, b] = [1, 2].map(|seed| colors(jittered(40, 200, seed)));
+        for asked in [8.0, 3.0] {
+            let mut sum = 0.0;
+            for seed in [11, 12] {
+                let found = colors(adaptive(40, (1024, asked), seed));
+                let products = found.iter().zip(a.iter().zip(&b)).map(|(own, (a, b))| (own - a).dot(own - b));
+                sum += products.sum::<f64>() / (2 * 3 * found.len()) as f64;
+            }
+            let error = 255.0 * sum.max(0.0).sqrt();
+            assert!(error < 1.1 * asked, "{name}: {error} for {asked}");
+        }
+    }
 }
 
 /// The mean level of a picture.

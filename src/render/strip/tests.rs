@@ -4,7 +4,6 @@ use super::*;
 use crate::caster::Caster;
 use crate::render::Tracing;
 use crate::render::View;
-use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::scene::parser::parse;
 use crate::world::World;
@@ -23,7 +22,7 @@ fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&RenderSetting) -
 fn a_strip_has_as_many_rows_as_the_memory_holds() {
     let rows = |layers: &[Layer], filter, end, first| {
         let request = Request { layers: layers.to_vec(), filter, ..Request::new([1 << 16, 1 << 12]) };
-        with_setting(&request, |setting| Strip::below(setting, None, end, first).rows)
+        with_setting(&request, |setting| Strip::below(setting, end, first).rows)
     };
     let (one, wide) = (Filter::PIXEL, Filter::Box { radius: 7.5 });
     // Memory for 32 rows of 2^16 colours of 24 bytes.
@@ -41,16 +40,12 @@ fn a_strip_has_as_many_rows_as_the_memory_holds() {
 
 #[test]
 fn so_many_rows_are_in_flight_as_the_memory_holds_or_as_keep_the_threads_busy() {
-    let rows = |filter, adaptive, width| {
-        let request = Request { filter, adaptive, ..Request::new([width, 1 << 12]) };
-        with_setting(&request, |setting| Strip::below(setting, None, 1, 0).rows_in_flight())
+    let rows = |filter, width| {
+        let request = Request { filter, ..Request::new([width, 1 << 12]) };
+        with_setting(&request, |setting| Strip::below(setting, 1, 0).rows_in_flight())
     };
     let widths = [1 << 10, 1 << 16, 1 << 30];
-    assert_eq!(widths.map(|width| rows(Filter::PIXEL, None, width)), [32, 16, 1]);
+    assert_eq!(widths.map(|width| rows(Filter::PIXEL, width)), [32, 16, 1]);
     // Each of the three rows of sums takes as many bytes for a pixel as the row itself.
-    assert_eq!(rows(Filter::Box { radius: 1.5 }, None, 1 << 16), 4);
-    let adaptive = Some(Adaptive { most: 16, error: 1.0 });
-    let expected = (32 << 20) / ((32 + BYTES_PER_PIXEL) << 10);
-    assert!(expected > 32);
-    assert_eq!(rows(Filter::PIXEL, adaptive, 1 << 10), expected);
+    assert_eq!(rows(Filter::Box { radius: 1.5 }, 1 << 16), 4);
 }

@@ -1,0 +1,178 @@
+//! Plans adaptive samples: how many each pixel gets, by rays through the corners of pixels and by probes.
+//!
+//! The picture is cut into tiles, of which each is planned by itself, so that a part of a picture needs the plans of the
+//! tiles that it touches and no more.
+
+use super::row::{Looked, RenderSetting};
+use super::small_things::SmallThings;
+use super::tally::Tally;
+use super::tracing::PictureTracer;
+use crate::camera::Camera;
+use crate::memory::{self, NoMemory};
+use crate::sampling::adaptive::Adaptive;
+use crate::sampling::multi_jittered::MultiJittered;
+use crate::scene::material::Material;
+use crate::scene::{Color, Light};
+use crate::stats::Counts;
+use crate::world::World;
+use std::ops::Range;
+use tile::Tile;
+
+mod tile;
+
+/// How many samples the pixels of a row get.
+#[derive(Clone, Copy)]
+pub struct Plan<'a> {
+    /// The largest number of samples of a pixel.
+    pub most: u32,
+    /// The column of the first pixel.
+    start: usize,
+    samples: &'a [u16],
+    /// What planning a pixel has cost, if costs are a layer.
+    costs: &'a [Counts],
+    /// What planning the row has cost.
+    pub counts: Counts,
+}
+
+/// How many samples the pixels of a row of tiles get.
+pub struct Band {
+    most: u32,
+    columns: Range<usize>,
+    rows: Range<usize>,
+    samples: Vec<u16>,
+    costs: Vec<Counts>,
+    /// For each row.
+    counts: Vec<Counts>,
+}
+
+/// Plans tiles of a picture.
+pub struct Planner<'a> {
+    setting: RenderSetting<'a>,
+    settings: Adaptive,
+    small_things: SmallThings<'a>,
+    /// The brightest colour that may be seen in mirrors or glass, if there are any; at least white.
+    reflected: f32,
+}
+
+/// The side of a tile at most, in pixels. The larger tiles are, the fewer probes each pixel needs.
+const SIDE: usize = 256;
+
+/// The memory of a pixel in a band, and while its tile is planned, in bytes, about.
+const BYTES: usize = size_of::<u16>();
+const BYTES_OF_TILE: usize = 120;
+
+/// The rows or columns of tiles of so many pixels that have some of these.
+fn tiles(pixels: &Range<usize>, count: usize) -> impl Iterator<Item = Range<usize>> + use<> {
+    let (pixels, parts) = (pixels.clone(), count.div_ceil(SIDE));
+    let tiles = (0..parts).map(move |k| k * count / parts..(k + 1) * count / parts);
+    tiles.filter(move |tile| tile.start < pixels.end && pixels.start < tile.end)
+}
+
+impl Band {
+    /// The plan of row `j`, if it is in the band.
+    pub fn plan(&self, j: usize) -> Option<Plan<'_>> {
+        let row = j.checked_sub(self.rows.start).filter(|&row| row < self.rows.len())?;
+        let width = self.columns.len();
+        let costs = if self.costs.is_empty() { &[] } else { &self.costs[row * width..][..width] };
+        let samples = &self.samples[row * width..][..width];
+        Some(Plan { most: self.most, start: self.columns.start, samples, costs, counts: self.counts[row] })
+    }
+
+    /// Adds what rays of row `j` in these columns have cost.
+    fn add_counts(&mut self, j: usize, looked: &Looked, columns: impl Iterator<Item = usize>) {
+        let (row, width) = (j - self.rows.start, self.columns.len());
+        self.counts[row] = self.counts[row].merge(looked.counts);
+        for (column, counts) in columns.zip(&looked.costs) {
+            let cost = &mut self.costs[row * width + column - self.columns.start];
+            *cost = cost.merge(*counts);
+        }
+    }
+}
+
+impl Plan<'_> {
+    /// The part of its pixel that a sample in this column stands for.
+    pub fn part(&self, column: usize) -> f64 {
+        let [columns, rows] = self.strata(column);
+        1.0 / f64::from(columns * rows)
+    }
+
+    /// The columns and rows of a pixel's strata.
+    pub fn strata(&self, column: usize) -> [u32; 2] {
+        let samples = column.checked_sub(self.start).and_then(|k| self.samples.get(k)).copied().unwrap_or(1);
+        MultiJittered::strata(u32::from(samples), self.most)
+    }
+
+    /// What planning a pixel has cost.
+    pub fn cost(&self, column: usize) -> Counts {
+        column.checked_sub(self.start).and_then(|k| self.costs.get(k)).copied().unwrap_or_default()
+    }
+}
+
+impl<'a> Planner<'a> {
+    /// None if samples are not adaptive, or no colours are traced.
+    pub fn new(camera: &Camera, setting: RenderSetting<'a>) -> Option<Self> {
+        let settings = setting.request.adaptive.filter(|_| setting.request.traces_colors(setting.tracing))?;
+        let world = setting.caster.world;
+        let reflects =
+            setting.request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
+        let reflected = if reflects { brightest(world) } else { 1.0 };
+        Some(Self { setting, settings, small_things: SmallThings::new(camera, world), reflected })
+    }
+
+    /// Plans the rows of tiles that have some of these rows, but for those that are planned already; none if the watch
+    /// cancels the render. Too little memory is an error.
+    pub fn bands(
+        &self,
+        picture: &PictureTracer,
+        rows: &Range<usize>,
+        mut planned: Vec<Band>,
+        tally: &Tally,
+    ) -> Result<Option<Vec<Band>>, NoMemory> {
+        let [_, height] = self.setting.request.size;
+        planned.retain(|band| band.rows.start < rows.end && rows.start < band.rows.end);
+        for rows in tiles(rows, height) {
+            if planned.iter().all(|band| band.rows != rows) {
+                let width = self.setting.columns().len();
+                memory::ask((width * SIDE * BYTES + SIDE * SIDE * BYTES_OF_TILE) as u64)?;
+                let Some(band) = self.band(picture, rows, tally) else { return Ok(None) };
+                planned.push(band);
+            }
+        }
+        Ok(Some(planned))
+    }
+
+    fn band(&self, picture: &PictureTracer, rows: Range<usize>, tally: &Tally) -> Option<Band> {
+        let tracer = picture.rows(rows.clone());
+        let tiles: Vec<_> = tiles(&self.setting.columns(), self.setting.request.size[0]).collect();
+        let columns = tiles.first().map_or(0, |tile| tile.start)..tiles.last().map_or(0, |tile| tile.end);
+        let pixels = columns.len() * rows.len();
+        let costs = if self.setting.request.has_costs() { vec![Counts::default(); pixels] } else { vec![] };
+        let counts = vec![Counts::default(); rows.len()];
+        let samples = Vec::with_capacity(pixels);
+        let mut band = Band { most: self.settings.most, columns, rows, samples, costs, counts };
+        let planned = tiles.into_iter().map(|columns| {
+            let samples = Tile::new(self, &tracer, &columns, &mut band, tally)?.allot()?;
+            Some((columns.len(), samples))
+        });
+        let planned = planned.collect::<Option<Vec<_>>>()?;
+        for row in 0..band.rows.len() {
+            planned.iter().for_each(|(width, samples)| {
+                band.samples.extend_from_slice(&samples[row * width..][..*width]);
+            });
+        }
+        Some(band)
+    }
+}
+
+/// The brightest colour of dull surfaces and of the background, without highlights; at least white.
+fn brightest(world: &World) -> f32 {
+    let color = |light: &Light| match *light {
+        Light::Directional { color, .. } | Light::Point { color, .. } => color,
+    };
+    let light = world.ambient + world.lights.iter().map(color).sum::<Color>();
+    let diffuse = world.materials.iter().filter_map(|material| match material {
+        Material::Phong(phong) | Material::Painted(phong, _) => Some((phong.diffuse * light).max_element()),
+        Material::Texture(_) => None,
+    });
+    diffuse.fold(world.background.max_element().max(1.0), f64::max) as f32
+}

@@ -1,0 +1,261 @@
+//! Finds the small things in a picture without casting rays: places in pixels where something may be that no corner shows.
+//!
+//! All triangles and shapes are projected onto the pixels. What is narrower than a pixel or two and fills little of a pixel
+//! leaves a place, at which a probe tells whether it can be seen, and how much it differs from what is around it.
+
+use crate::camera::{Camera, Eye, Projection};
+use crate::primitive::shape::Form;
+use crate::world::World;
+use glam::{DVec2, DVec3, Vec2};
+use std::ops::Range;
+
+/// The small things of a picture.
+pub struct SmallThings<'a> {
+    world: &'a World,
+    view: View,
+    /// Where the vertices of the triangles are, in pixels from the lower left corner; NaN if not ahead of the eye.
+    vertices: Vec<Vec2>,
+}
+
+/// Something small in a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Speck {
+    /// The part of the pixel that small things cover, about.
+    pub part: f32,
+    /// A place in one of them, in pixels from the pixel's centre.
+    pub offset: Vec2,
+}
+
+/// The specks of some columns and rows of pixels.
+struct Specks {
+    columns: Range<usize>,
+    rows: Range<usize>,
+    specks: Vec<Speck>,
+}
+
+/// What is narrower than this number of pixels is small.
+const SMALL: f32 = 1.5;
+
+/// Small things that fill more than this part of a pixel are a surface, which corners and other probes do not miss.
+const FULL: f32 = 0.5;
+
+/// Half of what is narrower than this number of pixels need not be told apart from its middle.
+const THIN: f32 = 0.02;
+
+/// The steps along something, which has no more pixels in a picture.
+const MOST_STEPS: f32 = 1e5;
+
+impl<'a> SmallThings<'a> {
+    pub fn new(camera: &Camera, world: &'a World) -> Self {
+        let view = View::new(camera);
+        let vertices = world.vertices.iter().map(|&vertex| view.project(vertex)).collect();
+        Self { world, view, vertices }
+    }
+
+    /// The specks in these pixels, row by row.
+    pub fn specks(&self, columns: &Range<usize>, rows: &Range<usize>) -> Vec<Speck> {
+        let specks = vec![Speck::default(); columns.len() * rows.len()];
+        let mut found = Specks { columns: columns.clone(), rows: rows.clone(), specks };
+        let band = [rows.start as f32 - 1.0, rows.end as f32 + 1.0];
+        for (id, triangle) in self.world.triangles.iter().enumerate() {
+            let [a, b, c] = triangle.map(|vertex| self.vertices[vertex as usize]);
+            let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+            let is_ahead = (a + b + c).is_finite();
+            if !is_ahead || max.y < band[0] || min.y > band[1] || !self.world.may_be_hit(id as u32) {
+                continue;
+            }
+            let double_area = (b - a).perp_dot(c - a).abs();
+            if (max - min).max_element() < SMALL {
+                found.add_box(min, max, 0.5 * double_area);
+                continue;
+            }
+            let sides = [[a, b, c], [b, c, a], [c, a, b]];
+            let [a, b, c] = sides.into_iter().fold(sides[0], |longest, side| {
+                let is_longer = side[0].distance_squared(side[1]) > longest[0].distance_squared(longest[1]);
+                if is_longer { side } else { longest }
+            });
+            let way = b - a;
+            if double_area < SMALL * way.length() {
+                let foot = ((c - a).dot(way) / way.length_squared()).clamp(0.01, 0.99);
+                let height = c - a.lerp(b, foot);
+                // The side, and the width there.
+                found.add(0.5 * double_area, way.length(), height.length(), |t, u| {
+                    let width = (t / foot).min((1.0 - t) / (1.0 - foot));
+                    a + t * way + u * width * height
+                });
+            }
+        }
+        for shape in &self.world.shapes {
+            let corners = shape.bounds().corners().map(|corner| self.view.project(corner));
+            let [min, max] =
+                corners.into_iter().fold([Vec2::INFINITY, Vec2::NEG_INFINITY], |[min, max], at| {
+                    // NaN stays.
+                    [Vec2::select(at.cmpge(min), min, at), Vec2::select(at.cmple(max), max, at)]
+                });
+            let size = max - min;
+            if size.min_element() < SMALL && max.y > band[0] && min.y < band[1] {
+                found.add_box(min, max, 0.8 * size.element_product());
+            }
+        }
+        found.specks
+    }
+}
+
+impl Specks {
+    /// Adds something with this area that fills a box.
+    fn add_box(&mut self, min: Vec2, max: Vec2, area: f32) {
+        let size = max - min;
+        if size.x > size.y {
+            self.add(area, size.x, size.y, |t, u| min + Vec2::new(t, u) * size);
+        } else {
+            self.add(area, size.y, size.x, |t, u| min + Vec2::new(u, t) * size);
+        }
+    }
+
+    /// Adds something with this area, length and width, of which `at` gives the places, by the part of the length and of
+    /// the width.
+    fn add(&mut self, area: f32, length: f32, width: f32, at: impl Fn(f32, f32) -> Vec2) {
+        let steps = if length < THIN { 0.0 } else { (2.0 * length).ceil().clamp(2.0, MOST_STEPS) };
+        let across = if width < THIN { [0.5].as_slice() } else { &[0.5, 0.02, 0.98] };
+        let part = area / ((steps + 1.0) * across.len() as f32);
+        for k in 0..=steps as u32 {
+            // From the ends to the middle, which is the surest place.
+            let k = if k % 2 == 0 { k / 2 } else { steps as u32 - k / 2 };
+            let t = if steps > 0.0 { 0.01 + 0.98 * k as f32 / steps } else { 0.5 };
+            for &u in across {
+                let place = at(t, u);
+                let [x, y] = [place.x.floor() as usize, place.y.floor() as usize];
+                if place.min_element() >= 0.0 && self.columns.contains(&x) && self.rows.contains(&y) {
+                    let index = (y - self.rows.start) * self.columns.len() + x - self.columns.start;
+                    let speck = &mut self.specks[index];
+                    // The middle is surely a part of it.
+                    if u == 0.5 || speck.part == 0.0 {
+                        speck.offset = place.fract() - 0.5;
+                    }
+                    speck.part += part;
+                }
+            }
+        }
+    }
+}
+
+impl Speck {
+    /// True if something covers the pixel, but does not as good as fill it.
+    pub fn is_alone(self) -> bool {
+        self.part > 0.0 && self.part < FULL
+    }
+}
+
+/// The picture that things are projected onto.
+struct View {
+    eye: Eye,
+    is_perspective: bool,
+    axes: [DVec3; 2],
+}
+
+impl View {
+    fn new(camera: &Camera) -> Self {
+        let (eye, is_perspective) = match camera.projection() {
+            Projection::Perspective(eye) => (eye, true),
+            Projection::Orthographic(eye) => (eye, false),
+        };
+        let axes = [eye.right, eye.up].map(|axis| axis / axis.length_squared());
+        Self { eye, is_perspective, axes }
+    }
+
+    #[inline(always)]
+    fn project(&self, point: DVec3) -> Vec2 {
+        let from_eye = point - self.eye.center;
+        let across = DVec2::from(self.axes.map(|axis| from_eye.dot(axis)));
+        let depth = from_eye.dot(self.eye.direction);
+        let across = match self.is_perspective {
+            true if depth > 0.0 => across / depth,
+            true => DVec2::NAN,
+            false => across,
+        };
+        (across + self.eye.middle + 0.5).as_vec2()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    const ABOVE: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 8 }";
+    /// With the same view of the plane z = 0.
+    const AHEAD: &str = "PerspectiveCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 angle 90 }";
+
+    /// The specks in eight rows of eight pixels of a scene with these objects.
+    fn specks(camera: &str, objects: &[&str]) -> Vec<([usize; 2], Speck)> {
+        let text = format!(
+            "{camera} Materials {{ numMaterials 1 Material {{ }} }}
+             Group {{ numObjects {} MaterialIndex 0 {} }}",
+            objects.len(),
+            objects.join(" ")
+        );
+        let scene = parse(&text).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let camera = Camera::new(&scene.camera, [8, 8]);
+        let things = SmallThings::new(&camera, &world);
+        let all = things.specks(&(0..8), &(0..8));
+        // A part has what the whole has.
+        let part = things.specks(&(2..7), &(3..5));
+        assert!((0..2).all(|y| part[5 * y..][..5] == all[8 * (y + 3) + 2..][..5]));
+        let places = (0..64).map(|k| [k % 8, k / 8]);
+        places.zip(all).filter(|(_, speck)| speck.part > 0.0).collect()
+    }
+
+    #[test]
+    fn small_things_leave_specks_of_what_they_cover() {
+        let objects = [
+            "Sphere { center 1.5 -1.5 0 radius 0.1 }",
+            "Transform { Translate -2.5 2.5 0 Scale 0.2 0.1 0.01 Sphere { center 0 0 0 radius 1 } }",
+            "Triangle { vertex0 2.4 2.4 0 vertex1 2.6 2.4 0 vertex2 2.4 2.6 0 }",
+        ];
+        for camera in [ABOVE, AHEAD] {
+            let found = specks(camera, &objects);
+            let expected = [([5, 2], 0.0314), ([1, 6], 0.0628), ([6, 6], 0.02)];
+            assert_eq!(found.len(), 3, "{camera} {found:?}");
+            for ((place, speck), (expected, part)) in found.iter().zip(expected) {
+                // In perspective the box of a solid is larger than what it covers.
+                assert!(
+                    *place == expected && (0.9..2.0).contains(&(speck.part / part)),
+                    "{camera} {found:?}"
+                );
+                assert!(speck.offset.abs().max_element() < 0.1, "{camera} {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_needle_has_specks_along_its_middle() {
+        for camera in [ABOVE, AHEAD] {
+            let needle = "Triangle { vertex0 -3.7 -2.73 0 vertex1 -3.7 -2.69 0 vertex2 3.6 2.2 0 }";
+            let found = specks(camera, &[needle]);
+            assert!((8..16).contains(&found.len()), "{found:?}");
+            let area: f32 = found.iter().map(|(_, speck)| speck.part).sum();
+            assert!((area - 0.146).abs() < 0.001, "{area}");
+            for ([column, row], speck) in &found {
+                let [x, y] = [(*column, speck.offset.x), (*row, speck.offset.y)]
+                    .map(|(k, offset)| k as f32 - 3.5 + offset);
+                assert!((y + 2.71 - (x + 3.7) * 4.91 / 7.3).abs() < 0.02, "{x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn large_things_and_those_behind_the_eye_leave_none() {
+        let large = "Triangle { vertex0 -3.5 -3.5 0 vertex1 3.5 -3.5 0 vertex2 -3.5 3.5 0 }";
+        assert_eq!(specks(ABOVE, &[large, "Sphere { center 0.5 0.5 0 radius 2.2 }"]), []);
+        let behind = [
+            "Triangle { vertex0 -1 0 9 vertex1 1 0 9 vertex2 0 0.01 9 }",
+            "Sphere { center 0 0 9 radius 0.01 }",
+        ];
+        assert_eq!(specks(AHEAD, &behind), []);
+        assert_eq!(
+            specks(AHEAD, &["Triangle { vertex0 -100 -1 100 vertex1 100 -1 100 vertex2 0 -1 -4.1 }"]),
+            []
+        );
+    }
+}
