@@ -4,7 +4,9 @@
 //! help. The name of a value tells what completions offer for it (`completions.rs`). The command line has one dash
 //! where clap has two (`words.rs`).
 
-use super::values::{FILTER_SIZE, NOT_BYTES, NOT_NEGATIVE, Sides, has_ending, number, path, picture, sides};
+use super::values::{
+    FILTER_SIZE, NOT_BYTES, NOT_NEGATIVE, NOT_PART, Sides, has_ending, number, path, picture, sides,
+};
 use crate::image_io::Format;
 use crate::scene::edition::Edition;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
@@ -104,7 +106,7 @@ pub(super) struct Flags {
     /// Example: raytracer -merge top.png bottom.png -output whole.png
     #[arg(long, num_args = 1.., value_names = ["parts"], group = "without_scene", requires = "output")]
     #[arg(conflicts_with_all = ["reference", "tolerance", "threads"])]
-    #[arg(value_parser = path(|file| Format::of(file).is_some_and(Format::has_parts), "neither .tga nor .png"))]
+    #[arg(value_parser = path(|file| Format::of(file).is_some_and(Format::has_parts), NOT_PART))]
     pub merge: Option<Vec<PathBuf>>,
 
     /// Converts the picture to the 8-bit format given by -output. Needs no scene.

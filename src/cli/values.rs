@@ -22,6 +22,7 @@ pub(super) const FILTER_SIZE: Numbers = (1e-6..=1e6, "not in 0.000001..=1000000 
 
 pub(super) const NOT_PICTURE: &str = "none of .tga, .png, .bmp, .ppm, .pfm and .exr";
 pub(super) const NOT_BYTES: &str = "none of .tga, .png, .bmp and .ppm";
+pub(super) const NOT_PART: &str = "neither .tga nor .png, as parts are";
 
 /// One side of a picture, or both.
 pub(super) type Sides = Vec<usize>;
