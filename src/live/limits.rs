@@ -26,8 +26,9 @@ pub const ALIVE_TIME: Duration = Duration::from_secs(30);
 
 /// Requests that are worked on at the same time. The last place is kept for short ones.
 pub const MAX_PLACES: usize = 5;
-/// The bytes that these take together. One that takes more by itself is worked on alone.
-pub const MAX_BYTES: u64 = 600_000_000;
+/// The bytes that these take together, without those that take few. One that takes more by itself is worked on alone.
+pub const MAX_BYTES: u64 = 400_000_000;
+pub const FEW_BYTES: u64 = 32_000_000;
 
 /// Longer than anybody waits for the scene of the command line.
 pub const FOREVER: Duration = Duration::from_secs(1 << 30);
@@ -65,8 +66,8 @@ pub const MAX_SCENES: usize = 4;
 pub const MAX_PREPARED: usize = 3;
 
 /// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is built
-/// for each primitive in a cell, and of reading a scene with its meshes, with something to spare.
-pub const BYTES_PER_PIXEL: u64 = 64;
+/// for each primitive in a cell, and of reading a picture, with something to spare.
+pub const BYTES_PER_PIXEL: u64 = 32;
 pub const BYTES_PER_PRIMITIVE: u64 = 256;
 pub const BYTES_PER_REFERENCE: u64 = 64;
-pub const BYTES_OF_SCENE: u64 = 300_000_000;
+pub const BYTES_OF_READING: u64 = 100_000_000;

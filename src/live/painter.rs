@@ -48,11 +48,11 @@ impl Subject {
         }
     }
 
-    /// The memory in bytes that its work takes at most, with so many copies of the scene.
-    pub fn bytes(&self, copies: usize) -> u64 {
-        let [width, height] = self.sketch.unwrap_or(self.options.request().size);
-        let of_copies = copies as u64 * self.scene.primitives() as u64 * BYTES_PER_PRIMITIVE;
-        width as u64 * height as u64 * BYTES_PER_PIXEL + of_copies
+    /// The memory in bytes of so many pictures and copies of the scene.
+    pub fn bytes(&self, pictures: u64, copies: u64) -> u64 {
+        let [width, height] = self.sketch.unwrap_or(self.options.request().size).map(|side| side as u64);
+        let primitives = self.scene.primitives() as u64;
+        pictures * width * height * BYTES_PER_PIXEL + copies * primitives * BYTES_PER_PRIMITIVE
     }
 }
 

@@ -6,7 +6,7 @@
 //! last place serves short requests, however many long ones there are, and no request leaves twice.
 
 use super::http::Answer;
-use super::limits::{MAX_BYTES, MAX_PLACES};
+use super::limits::{FEW_BYTES, MAX_BYTES, MAX_PLACES};
 use crate::tools::explain::Stop;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::HashMap;
@@ -54,8 +54,8 @@ pub type Turn = (u64, &'static str, u64);
 impl State {
     /// Returns true if there is memory for another request of so many bytes, if those of one that leaves are free.
     fn has_room(&self, bytes: u64, leaving: u64) -> bool {
-        let taken: u64 = self.placed.iter().map(|(_, bytes)| bytes).sum();
-        taken == leaving || (taken - leaving).saturating_add(bytes) <= MAX_BYTES
+        let taken = self.placed.iter().fold(0, |sum: u64, (_, bytes)| sum.saturating_add(*bytes));
+        bytes <= FEW_BYTES || taken == leaving || (taken - leaving).saturating_add(bytes) <= MAX_BYTES
     }
 }
 
@@ -277,7 +277,7 @@ mod tests {
             })
         };
         let huge = place(u64::MAX).unwrap();
-        assert!(place(1).is_err());
+        assert!(place(FEW_BYTES + 1).is_err() && place(FEW_BYTES).is_ok());
         drop(huge);
         let half = place(MAX_BYTES / 2).unwrap();
         assert!(place(MAX_BYTES / 2 + 1).is_err() && place(MAX_BYTES / 2).is_ok());

@@ -45,6 +45,8 @@ pub struct Scenes {
     /// The one that was used last is the last.
     typed: Mutex<Vec<Arc<OpenScene>>>,
     last: AtomicU64,
+    /// Held while a scene is read, so that only one takes the memory for it.
+    reading: Mutex<()>,
 }
 
 impl Scenes {
@@ -54,8 +56,8 @@ impl Scenes {
         let choice = loaded.choice.clone();
         let renderer = Renderer::new(loaded, Meshes::Kept)?;
         let first = Arc::new(OpenScene { revision: 0, named: hints.edition, choice, renderer });
-        let (typed, last) = Default::default();
-        Ok(Self { path: path.to_owned(), hints, first, typed, last })
+        let (typed, last, reading) = Default::default();
+        Ok(Self { path: path.to_owned(), hints, first, typed, last, reading })
     }
 
     /// The scene of the command line.
@@ -88,6 +90,7 @@ impl Scenes {
         named: Option<Edition>,
         stop: &Stop,
     ) -> Result<Arc<OpenScene>, Value> {
+        let _reading = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
         let (choice, renderer) = self.renderer(Source { path: self.path.clone(), text }, named, stop)?;
         let revision = 1 + self.last.fetch_add(1, Ordering::Relaxed);
         let scene = Arc::new(OpenScene { revision, named, choice, renderer });

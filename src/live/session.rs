@@ -172,7 +172,7 @@ impl Session {
             "/reference" => {
                 let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
                 let work: Work = Box::new(move |session, _| session.take_reference(&name, &body));
-                (work, MAX_BYTES)
+                (work, BYTES_OF_READING)
             }
             _ => self.work(path, question)?,
         };
@@ -189,26 +189,32 @@ impl Session {
         if path == "/scene" {
             let text = question.text.ok_or_else(incomplete)?;
             let named = self.most.options(&question.words)?.edition;
-            return Ok((Box::new(move |session, stop| session.type_in(&text, named, stop)), BYTES_OF_SCENE));
+            return Ok((Box::new(move |session, stop| session.type_in(&text, named, stop)), 0));
         }
         let view = question.view.ok_or_else(incomplete)?;
         let mut subject = self.subject(&view)?;
         if path == "/picture" {
             subject.sketch = question.sketch.map(clipped);
         }
-        let size = subject.bytes(0);
-        let with_copy = subject.bytes(1);
-        Ok(match path {
-            "/picture" => (Box::new(move |session, stop| session.picture(&subject, &view.words, stop)), size),
-            "/save" => (Box::new(move |session, stop| session.save(&subject, stop)), size),
-            "/compare" => (Box::new(move |session, stop| session.compare(&subject, stop)), 2 * size),
-            "/cause" => (Box::new(move |session, stop| session.cause(&subject, stop)), 2 * with_copy),
-            "/objects" => (Box::new(move |session, stop| session.objects(&subject, stop)), with_copy),
+        let bytes = match path {
+            "/picture" | "/save" => subject.bytes(1, 0),
+            "/compare" => subject.bytes(2, 0),
+            "/cause" => subject.bytes(2, 2),
+            "/objects" => subject.bytes(1, 1),
+            _ => subject.bytes(0, 1),
+        };
+        let work: Work = match path {
+            "/picture" => Box::new(move |session, stop| session.picture(&subject, &view.words, stop)),
+            "/save" => Box::new(move |session, stop| session.save(&subject, stop)),
+            "/compare" => Box::new(move |session, stop| session.compare(&subject, stop)),
+            "/cause" => Box::new(move |session, stop| session.cause(&subject, stop)),
+            "/objects" => Box::new(move |session, stop| session.objects(&subject, stop)),
             _ => {
                 let pixel = question.pixel.ok_or_else(incomplete)?;
-                (Box::new(move |session, stop| session.trace(&subject, pixel, stop)), with_copy)
+                Box::new(move |session, stop| session.trace(&subject, pixel, stop))
             }
-        })
+        };
+        Ok((work, bytes))
     }
 
     fn start(&self) -> Found {
@@ -409,7 +415,7 @@ impl Session {
             Show::Cells => Some(Cost::Cells),
         };
         let subject = Subject { scene, options, camera, cost, sketch: None };
-        memory::ask(subject.bytes(0))?;
+        memory::ask(subject.bytes(2, 0))?;
         Ok(subject)
     }
 }
