@@ -99,28 +99,29 @@ impl Known {
     /// How many samples pixels need for what is asked for.
     pub fn allot(&self, settings: Adaptive) -> Allotment {
         let side = ((AROUND / self.probes).sqrt() / 3.0).ceil().clamp(1.0, self.contents.len() as f64);
-        let local = self.allot_by(settings, side as usize);
+        let local = self.allot_by(settings, &self.variances(side as usize));
         // Nothing has been found that could be uneven.
         if self.finds.is_empty() {
             return local;
         }
-        let even = self.allot_by(settings, self.contents.len());
+        let mean = self.finds.iter().map(|find| f64::from(find.square)).sum::<f64>() / self.all_probes();
+        let even = self.allot_by(settings, &vec![mean as f32; self.contents.len()]);
         if even.total() < local.total() { even } else { local }
     }
 
-    /// The same if variance is as in the cells of this side around each pixel.
-    fn allot_by(&self, settings: Adaptive, side: usize) -> Allotment {
+    /// The same if pixels have at least these variances.
+    fn allot_by(&self, settings: Adaptive, variances: &[f32]) -> Allotment {
         let need = settings.needs();
-        let needs = self.contents.iter().zip(self.variances(side));
+        let needs = self.contents.iter().zip(variances);
         let needs: Vec<[f32; 3]> =
-            needs.map(|(contents, variance)| need(contents.with_variance(variance))).collect();
+            needs.map(|(contents, &variance)| need(contents.with_variance(variance))).collect();
         let floor = (settings.missed(self.contrast) / self.all_probes()).ceil();
         let (floor, most) = (floor.clamp(1.0, settings.most.into()) as f32, settings.most as f32);
         let by_fineness = |step: u32| {
             let fineness = FINER.powi(step as i32 - USUAL as i32);
-            // Edges are never coarser than usual, nor are pixels that seem to be empty.
+            // Edges are never coarser than usual.
             let root = fineness.max(1.0).sqrt().sqrt();
-            let (by, floor) = ([root * root.sqrt(), root, fineness.sqrt()], floor * root * root);
+            let by = [root * root.sqrt(), root, fineness.sqrt()];
             let count = |need: &[f32; 3]| {
                 let [a, b, c] = [0, 1, 2].map(|k| need[k] * by[k]);
                 // NaN for what is not finite or 0 / 0, which more samples do not make better.
@@ -150,7 +151,7 @@ impl Known {
     }
 
     /// The variance around each pixel that probes of others have found, by the nine cells of this side around it.
-    fn variances(&self, side: usize) -> impl Iterator<Item = f32> {
+    fn variances(&self, side: usize) -> Vec<f32> {
         let Self { width, probes, .. } = *self;
         let height = self.contents.len() / width;
         let [columns, rows] = [width, height].map(|count| count.div_ceil(side));
@@ -173,11 +174,12 @@ impl Known {
         };
         let sums: Vec<[f64; 2]> = (0..cells.len()).map(of_cell).collect();
         let others = ((own.len() - 1) as f64 * probes).max(1.0);
-        own.into_iter().enumerate().map(move |(pixel, own)| {
+        let of_pixel = |(pixel, &own): (usize, &f32)| {
             let ([found, number], own) = (sums[cell(pixel)], f64::from(own));
             let mean = (total - own) / others;
             ((found - own + OF_ALL * mean) / (number + OF_ALL)).max(0.0) as f32
-        })
+        };
+        own.iter().enumerate().map(of_pixel).collect()
     }
 
     /// The number of all probes.
@@ -334,18 +336,16 @@ mod tests {
         let finds = vec![Find { pixel: 1234, square: 1.0 }];
         let known = Known { finds, ..probed(|_| 0.0, 3) };
         let allotment = known.allot(SETTINGS);
-        assert!(allotment.total() < 8 * (SIDE * SIDE) as u64 && allotment.doubt > 0.4);
+        assert!(allotment.total() < 4 * (SIDE * SIDE) as u64 && allotment.doubt > 0.4);
     }
 
     #[test]
     fn a_pixels_own_probes_do_not_count_for_it() {
         let mut known = probed(|_| 0.0, 2);
         known.finds = vec![Find { pixel: 30 * SIDE + 30, square: 1.0 }];
-        for side in [2, SIDE * SIDE] {
-            let variances: Vec<f32> = known.variances(side).collect();
-            assert_eq!(variances[30 * SIDE + 30], 0.0);
-            assert!(variances[30 * SIDE + 31] > 0.0 && variances[0] > 0.0);
-        }
+        let variances = known.variances(2);
+        assert_eq!(variances[30 * SIDE + 30], 0.0);
+        assert!(variances[30 * SIDE + 31] > 0.0 && variances[0] > 0.0);
     }
 
     #[test]
@@ -363,7 +363,7 @@ mod tests {
             known.allot(Adaptive { most: 1024, error: 8.0 }).total()
         };
         let counts = [false, true].map(|has_floats| bright(has_floats) / (SIDE * SIDE) as u64);
-        assert!(counts[0] == 1 && (200..600).contains(&counts[1]), "{counts:?}");
+        assert!(counts[0] < 5 && (200..600).contains(&counts[1]), "{counts:?}");
         assert!(total(Known { contrast: f32::MAX, ..known }) == 1024 * (SIDE * SIDE) as u64);
     }
 
