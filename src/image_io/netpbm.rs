@@ -267,7 +267,7 @@ impl<'a> Text<'a> {
     fn bad_word(&self, word: &[u8], problem: &str) -> ImageError {
         let read = &self.start[..self.start.len() - self.reader.bytes.len()];
         let read = read.strip_suffix(b"\n").or(read.strip_suffix(b"\r")).unwrap_or(read);
-        let is_end = |pair: &&[u8]| pair[1] == b'\n' || pair[0] == b'\r' && pair[1] != b'\n';
+        let is_end = |pair: &&[u8]| pair[1] == b'\n' || pair[0] == b'\r';
         let lines = 1 + read.windows(2).filter(is_end).count();
         let shown = String::from_utf8_lossy(&word[..word.len().min(SHOWN)]);
         self.reader.bad(format!("line {lines}: {} {problem}", quoted(&*shown)))
