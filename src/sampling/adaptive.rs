@@ -44,6 +44,8 @@ pub struct Contents {
     steady: f32,
     /// The variance of things that are no larger than a pixel.
     variance: f32,
+    /// The variance of those that are known to be in it.
+    known: f32,
 }
 
 /// Edges of this contrast, in levels, have the error that is asked for.
@@ -82,17 +84,17 @@ impl Adaptive {
         (self.error / LEVELS) * (self.error / LEVELS)
     }
 
-    /// How many samples the edges, the steady change and the small things of pixels need.
-    pub(super) fn needs(self) -> impl Fn(Contents) -> [f32; 3] {
+    /// How many samples the edges, the steady change, and the small things, known ones and others, of pixels need.
+    pub(super) fn needs(self) -> impl Fn(Contents) -> [f32; 4] {
         // The squared error that one more sample saves.
         let least = 1.5 * self.square() / self.of_usual_edge();
         let [edge_unit, steady_unit] = [1.5 / 8.0 / least, 0.25 / least].map(|unit| unit as f32);
         let of_variance = (SMALL_THINGS / LEVELS / (2.0 * self.square())) as f32;
-        move |Contents { edge, steady, variance }| {
+        move |Contents { edge, steady, variance, known }| {
             let root = |x: f32| x.sqrt().sqrt();
             // About the power of 2/5.
             let of_edge = root(edge_unit * edge) * root(edge_unit * edge).sqrt();
-            [of_edge, root(steady_unit * steady), variance.sqrt() * of_variance]
+            [of_edge, root(steady_unit * steady), known.sqrt() * of_variance, variance.sqrt() * of_variance]
         }
     }
 }
@@ -140,19 +142,25 @@ impl Contents {
             steady: 0.5 * sides.iter().map(|line| line.steady).sum::<f32>(),
             // Where colours are one of two by chance, the mean square of each of eight is 8 variances.
             variance: back / 64.0,
+            known: 0.0,
         }
     }
 
+    /// With small things that are known to be in it, of this variance.
+    pub fn with_known(self, known: f32) -> Self {
+        Self { known, ..self }
+    }
+
     /// With at least this variance.
-    pub fn with_variance(self, variance: f32) -> Self {
+    pub(super) fn with_variance(self, variance: f32) -> Self {
         Self { variance: self.variance.max(variance), ..self }
     }
 
     /// The squared error that this number of samples is expected to leave.
     pub(super) fn error(&self, count: f32) -> f32 {
         let part = count.recip();
-        let Self { edge, steady, variance } = *self;
-        part * (part.sqrt() * edge / 8.0 + part * part * steady / 12.0 + variance)
+        let Self { edge, steady, variance, known } = *self;
+        part * (part.sqrt() * edge / 8.0 + part * part * steady / 12.0 + variance.max(known))
     }
 }
 
@@ -175,7 +183,7 @@ mod tests {
         Contents::new(rows, columns)
     }
 
-    fn in_levels(Contents { edge, steady, variance }: Contents) -> [f64; 3] {
+    fn in_levels(Contents { edge, steady, variance, .. }: Contents) -> [f64; 3] {
         [edge, steady, variance].map(|square| f64::from(square).sqrt() * LEVELS)
     }
 
@@ -226,12 +234,13 @@ mod tests {
             [
                 needs(Contents { edge: square, ..Contents::default() })[0],
                 needs(Contents { steady: square, ..Contents::default() })[1],
-                needs(Contents { variance: square, ..Contents::default() })[2],
+                needs(Contents { known: square, ..Contents::default() })[2],
+                needs(Contents { variance: square, ..Contents::default() })[3],
             ]
         };
-        assert_eq!(needs(1.0, 0.0), [0.0; 3]);
+        assert_eq!(needs(1.0, 0.0), [0.0; 4]);
         let counts = [(8.0, 60.0), (4.0, 60.0), (2.0, 60.0), (2.0, 120.0)].map(|(e, c)| needs(e, c));
-        assert!(counts.windows(2).all(|pair| (0..3).all(|k| pair[0][k] < pair[1][k])), "{counts:?}");
+        assert!(counts.windows(2).all(|pair| (0..4).all(|k| pair[0][k] < pair[1][k])), "{counts:?}");
         let usual = [16.0, 4.0, 1.0, 0.0].map(|error| Adaptive { most: 512, error }.usual());
         assert!(usual[0] >= 1 && usual.is_sorted() && usual[3] == 512, "{usual:?}");
     }

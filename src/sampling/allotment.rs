@@ -113,19 +113,19 @@ impl Known {
     fn allot_by(&self, settings: Adaptive, variances: &[f32]) -> Allotment {
         let need = settings.needs();
         let needs = self.contents.iter().zip(variances);
-        let needs: Vec<[f32; 3]> =
+        let needs: Vec<[f32; 4]> =
             needs.map(|(contents, &variance)| need(contents.with_variance(variance))).collect();
         let floor = (settings.missed(self.contrast) / self.all_probes()).ceil();
         let (floor, most) = (floor.clamp(1.0, settings.most.into()) as f32, settings.most as f32);
         let by_fineness = |step: u32| {
             let fineness = FINER.powi(step as i32 - USUAL as i32);
-            // Edges are never coarser than usual.
+            // What is known to be there is never coarser than usual.
             let root = fineness.max(1.0).sqrt().sqrt();
-            let by = [root * root.sqrt(), root, fineness.sqrt()];
-            let count = |need: &[f32; 3]| {
-                let [a, b, c] = [0, 1, 2].map(|k| need[k] * by[k]);
+            let by = [root * root.sqrt(), root, root * root, fineness.sqrt()];
+            let count = |need: &[f32; 4]| {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|k| need[k] * by[k]);
                 // NaN for what is not finite or 0 / 0, which more samples do not make better.
-                let count = a.max(b).max(c).max(floor).min(most);
+                let count = a.max(b).max(c).max(d).max(floor).min(most);
                 // Faster than `ceil`.
                 let whole = count as u16;
                 whole + u16::from(f32::from(whole) < count)

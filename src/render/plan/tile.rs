@@ -188,7 +188,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         }
         for ((contents, speck), square) in contents.iter_mut().zip(&specks).zip(squares) {
             let part = speck.part.min(0.5);
-            *contents = contents.with_variance(part * (1.0 - part) * square);
+            *contents = contents.with_known(part * (1.0 - part) * square);
         }
         Some(contents)
     }
