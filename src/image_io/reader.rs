@@ -1,7 +1,7 @@
 //! Reading of picture files, which may come from any program and need not be valid.
 
 use super::error::ImageError;
-use super::format::{Format, START, identify};
+use super::format::{Format, identify};
 use super::header::TGA_HEADER;
 use super::{exr, netpbm};
 use crate::escape::escape;
@@ -13,13 +13,10 @@ use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{ColorType, ImageDecoder, Limits};
 use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
+use std::io::{self, Cursor, Read};
 use std::path::Path;
 
-/// The bytes that are read from a file at once.
-const BUFFER: usize = 1 << 18;
-/// Upper bound on the length of a file that is read as a whole, in bytes: the largest picture in single precision with
-/// alpha.
+/// Upper bound on the length of a file, in bytes: that of the largest picture in single precision, with alpha.
 const LONGEST_FILE: u64 = 1 << 32;
 /// Upper bound on the size of a decoded picture, in bytes.
 const MAX_BYTES: u64 = 1 << 29;
@@ -61,14 +58,12 @@ pub fn read_picture(path: &Path) -> Result<Picture, ImageError> {
 
 /// Reads a picture like [`read_picture`], with remarks.
 pub fn read_remarked_picture(path: &Path) -> Result<(Picture, Remarks), ImageError> {
-    let file = open_regular(path)?;
-    let length = file.metadata().map_err(|error| ImageError::io("read", path, error))?.len();
-    read(path, length, &mut BufReader::with_capacity(BUFFER, file))
+    read(path, &file(path)?)
 }
 
 /// Reads a picture like [`read_picture`] from the bytes of a file with this name.
 pub fn read_picture_from(name: &Path, bytes: &[u8]) -> Result<Picture, ImageError> {
-    read(name, bytes.len() as u64, &mut Cursor::new(bytes)).map(|(picture, _)| picture)
+    read(name, bytes).map(|(picture, _)| picture)
 }
 
 /// Opens a regular file. A pipe could block the program.
@@ -80,35 +75,38 @@ pub(super) fn open_regular(path: &Path) -> Result<File, ImageError> {
     }
 }
 
-trait Source: BufRead + Seek {}
-impl<S: BufRead + Seek> Source for S {}
+/// Returns the bytes of a file.
+fn file(path: &Path) -> Result<Vec<u8>, ImageError> {
+    let file = open_regular(path)?;
+    let read = || {
+        let length = file.metadata()?.len();
+        if length > LONGEST_FILE {
+            return Err(io::Error::other(format!("it is longer than {}", Bytes(LONGEST_FILE))));
+        }
+        let mut bytes = with_room(length as usize)?;
+        file.take(length).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    read().map_err(|error| ImageError::io("read", path, error))
+}
 
-/// Reads a picture from a file of this length in bytes.
-fn read(path: &Path, length: u64, source: &mut dyn Source) -> Result<(Picture, Remarks), ImageError> {
-    let mut start = vec![];
-    let read = (&mut *source).take(START as u64).read_to_end(&mut start).and_then(|_| source.rewind());
-    read.map_err(|error| ImageError::io("read", path, error))?;
-    let format = identify(path, &start)?;
-    let reader = Reader { path, bytes: &start };
+fn read(path: &Path, bytes: &[u8]) -> Result<(Picture, Remarks), ImageError> {
+    let format = identify(path, bytes)?;
+    let (reader, length) = (Reader { path, bytes }, bytes.len() as u64);
+    if has_no_pixels(format, bytes) {
+        return Err(reader.without_pixels());
+    }
     let picture = match format {
-        _ if has_no_pixels(format, &start) => Err(reader.without_pixels()),
-        Format::Tga => reader.tga(length, source),
+        Format::Tga => reader.tga(),
         Format::Png => {
             let mut limits = Limits::no_limits();
             limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
-            let decoder = PngDecoder::with_limits(source, limits);
-            reader.decode(decoder, length.saturating_mul(MAX_PNG_PIXELS_PER_BYTE))
+            reader
+                .decode(PngDecoder::with_limits(Cursor::new(bytes), limits), length * MAX_PNG_PIXELS_PER_BYTE)
         }
-        Format::Bmp => reader.decode(BmpDecoder::new(source), length.saturating_mul(MAX_BMP_PIXELS_PER_BYTE)),
-        Format::Ppm | Format::Pfm | Format::Exr => {
-            if length > LONGEST_FILE {
-                return Err(reader.bad(format!("it is longer than {}", Bytes(LONGEST_FILE))));
-            }
-            let mut bytes = with_room(length as usize).map_err(|error| reader.io(error))?;
-            source.take(length).read_to_end(&mut bytes).map_err(|error| reader.io(error))?;
-            let reader = Reader { path, bytes: &bytes };
-            return if format == Format::Exr { exr::read(reader) } else { netpbm::read(reader) };
-        }
+        Format::Bmp => reader.decode(BmpDecoder::new(Cursor::new(bytes)), length * MAX_BMP_PIXELS_PER_BYTE),
+        Format::Ppm | Format::Pfm => return netpbm::read(reader),
+        Format::Exr => return exr::read(reader),
     };
     picture.map(|picture| (picture, Remarks::default()))
 }
@@ -155,13 +153,11 @@ impl<'a> Reader<'a> {
         Some(std::array::from_fn(|index| i32::from_le_bytes(bytes[index])))
     }
 
-    /// Decodes a TGA file of this length, of which these bytes are the start.
-    fn tga(&self, length: u64, source: &mut dyn Source) -> Result<Picture, ImageError> {
-        let Some(&(mut header)) = self.bytes.first_chunk::<TGA_HEADER>() else {
+    fn tga(&self) -> Result<Picture, ImageError> {
+        let Some((&header, rest)) = self.bytes.split_first_chunk::<TGA_HEADER>() else {
             return Err(self.bad("it ends within its header"));
         };
-        source.seek(SeekFrom::Start(TGA_HEADER as u64)).map_err(|error| self.io(error))?;
-        let (kind, bits, length) = (header[2], header[16], length - TGA_HEADER as u64);
+        let (kind, bits, length) = (header[2], header[16], rest.len() as u64);
         let pixel = u64::from(bits).div_ceil(8).max(1);
         // The image crate decodes all other types as grey.
         let max_pixels = match kind {
@@ -171,8 +167,9 @@ impl<'a> Reader<'a> {
         };
         // The crate expects the number of alpha bits that belongs to the size of a pixel. Many programs store another
         // one, such as 8 for pixels of 24 bits, which is harmless, because alpha is ignored.
+        let mut header = header;
         header[17] = header[17] & 0xf0 | if matches!((kind, bits), (3 | 11, 16)) { 8 } else { 0 };
-        self.decode(TgaDecoder::new(Cursor::new(header).chain(source)), max_pixels)
+        self.decode(TgaDecoder::new(Cursor::new(header).chain(rest)), max_pixels)
     }
 
     /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows.
