@@ -148,9 +148,9 @@ fn rays_that_meet_much_end_with_their_client() {
     let server = Server::start(folder.path(), "-size 4 4");
     let wide = view(0, "-size 2048 2 -bounces 9 -shadows -shade_back -random_samples 99 -grid none");
     leave(&server, "/picture", &bytes(&wanted(1, &wide)), SECOND);
-    leave(&server, "/trace", &bytes(&json!({ "view": wide, "pixel": [1000, 1] })), SECOND);
+    leave(&server, "/trace", &bytes(&json!({ "view": wide, "pixel": [1000, 1] })), SECOND / 4);
     let adaptive = view(0, "-size 9 9 -bounces 9 -shadows -shade_back -adaptive_samples 1024 .1 -grid none");
-    leave(&server, "/trace", &bytes(&json!({ "view": adaptive, "pixel": [4, 4] })), SECOND);
+    leave(&server, "/trace", &bytes(&json!({ "view": adaptive, "pixel": [4, 4] })), SECOND / 4);
 }
 
 #[test]

@@ -77,10 +77,8 @@ fn a_target_that_cannot_be_written_is_reported_before_anything_is_rendered() {
     // No test waits for this picture.
     let folder = Folder::with_scene(&sphere());
     std::fs::create_dir(folder.path().join("folder.tga")).unwrap();
-    for flags in ["-output", "-depth 1 2", "-normals"] {
-        let message = folder
-            .run(&format!("-input s.txt -size 60000 60000 -random_samples 1000 {flags} no/such/o.tga"))
-            .message(1);
+    for flags in ["-random_samples 1000 -output", "-depth 1 2", "-normals"] {
+        let message = folder.run(&format!("-input s.txt -size 60000 60000 {flags} no/such/o.tga")).message(1);
         assert!(only_line(&message).starts_with("error: cannot write `no/such/o.tga`: "), "{message}");
     }
     for flags in ["-render_samples folder.tga 2", "-render_filter folder.tga 2"] {
