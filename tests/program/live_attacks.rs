@@ -192,7 +192,10 @@ fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_nobody() {
         assert!(asked.elapsed() < 2 * SECOND, "others wait for {:?}", asked.elapsed());
         let (status, said) = traced.join().expect("no panic").map(drop).expect_err("no answer");
         let took = start.elapsed();
-        assert!(status == 422 && said.contains("longer than a page may"), "{status} {said}");
+        assert!(
+            status == 422 && (said.contains("longer than a page may") || said.contains("take too long")),
+            "{status} {said}"
+        );
         assert!(took > 19 * SECOND && took < 21 * SECOND, "{took:?}");
         drop(streams);
     });

@@ -181,9 +181,12 @@ fn no_ending_signal_at_any_moment_leaves_a_temporary_file() {
     let folder = Folder::with_scene(&sphere());
     let line = "-input s.txt -size 9 9 -threads 2 -output a.tga -normals b.png -depth 1 9 c.exr -render_samples d.tga 2";
     let pictures = ["a.tga", "b.png", "c.exr", "d.tga", "s.txt"];
-    let start = Instant::now();
-    folder.run(line).ok();
-    let whole = start.elapsed();
+    let times = (0..9).map(|_| {
+        let start = Instant::now();
+        folder.run(line).ok();
+        start.elapsed()
+    });
+    let whole = times.min().unwrap_or_default();
     let runs = 600;
     let mut ended = 0;
     for run in 0..runs {
