@@ -81,7 +81,7 @@ fn a_target_that_cannot_be_written_is_reported_before_anything_is_rendered() {
         let message = folder.run(&format!("-input s.txt -size 60000 60000 {flags} no/such/o.tga")).message(1);
         assert!(only_line(&message).starts_with("error: cannot write `no/such/o.tga`: "), "{message}");
     }
-    for flags in ["-random_samples 1000 -render_samples folder.tga 2", "-render_filter folder.tga 2"] {
+    for flags in ["-render_samples folder.tga 2", "-render_filter folder.tga 2"] {
         let message = folder.run(&format!("-input s.txt -size 30000 30000 {flags}")).message(1);
         assert_eq!(only_line(&message), "error: cannot write `folder.tga`: it is a folder");
     }
