@@ -45,13 +45,18 @@ fn given(block: *mut u8, bytes: usize) -> *mut u8 {
     if block.is_null() { end(bytes) } else { block }
 }
 
-/// Ends the program. Writing the line does not allocate.
+/// Ends the program. The line is formatted without an allocation, and written at once, so that no other thread that finds
+/// no memory breaks it.
 #[cold]
 fn end(bytes: usize) -> ! {
     while IS_ENDING.swap(true, Ordering::Relaxed) {
         // Another thread has said so, and ends this one too.
         std::thread::yield_now();
     }
-    let _ = writeln!(stderr(), "error: not enough memory: at least {} more are needed", Bytes(bytes as u64));
+    let mut line = [0; 100];
+    let mut rest = line.as_mut_slice();
+    let _ = writeln!(rest, "error: not enough memory: at least {} more are needed", Bytes(bytes as u64));
+    let left = rest.len();
+    let _ = stderr().write_all(&line[..line.len() - left]);
     exit(1)
 }

@@ -81,7 +81,13 @@ impl Signals {
         let mut taken = Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup))?;
         const STACK: usize = 1 << 18;
         let thread = std::thread::Builder::new().name("signals".into()).stack_size(STACK);
-        thread.spawn(move || taken.forever().for_each(|signal| self.on_signal(signal))).map(drop)
+        // It has all its memory before others take the rest.
+        let (start, started) = std::sync::mpsc::sync_channel(1);
+        thread.spawn(move || {
+            let _ = start.send(());
+            taken.forever().for_each(|signal| self.on_signal(signal));
+        })?;
+        started.recv().map_err(|_| io::ErrorKind::OutOfMemory.into())
     }
 
     /// Handles the signals where they come, which is a thread of its own.
