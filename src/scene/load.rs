@@ -17,6 +17,7 @@ use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position, Scene};
 pub use named_files::mesh_places;
 use named_files::{find_texels, read_mesh};
+#[cfg(feature = "gui")]
 pub(crate) use named_files::{image_unreadable, in_mesh, mesh_unreadable};
 use near_names::nearest_file;
 use std::fs::{self, File};
