@@ -21,7 +21,7 @@ pub fn ask(bytes: u64) -> Result<(), NoMemory> {
     let size = usize::try_from(bytes).map_err(|_| refused)?;
     let layout = Layout::from_size_align(size, 1).map_err(|_| refused)?;
     // SAFETY: the layout has at least `WORTH_ASKING` bytes, and what was allocated is freed with the same layout. The
-    // system's allocator is asked, since that of the program ends it when there is no memory.
+    // system's allocator is asked, since the program's own ends it when there is no memory.
     unsafe {
         // The compiler leaves out an allocation that it knows not to be used.
         let block = black_box(System.alloc(layout));

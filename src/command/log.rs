@@ -22,7 +22,7 @@ impl Log {
         self.0.borrow_mut().push(plain);
     }
 
-    /// Writes a line to standard error. Where nobody reads it there is nobody to tell, and `eprintln!` would panic.
+    /// Writes a line to standard error. An error is ignored: without a reader, `eprintln!` would panic.
     pub fn say(&self, line: &str) {
         let _ = writeln!(stderr(), "{line}");
     }

@@ -44,7 +44,7 @@ impl Report<'_> {
         Ok(Outcome { passes, ..outcome })
     }
 
-    /// The blocks of the rendering, then that of the comparison.
+    /// Returns the blocks of the rendering, then the block of the comparison.
     fn text(&self, options: &Options) -> String {
         let rendered = self.rendered.as_ref().map(|rendered| rendered.text(options));
         rendered.into_iter().chain(self.compared.as_ref().map(ComparisonResult::text)).collect()

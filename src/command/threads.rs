@@ -30,7 +30,7 @@ fn count(wanted: Option<usize>, rows: usize) -> usize {
     wanted.map_or(cores, |wanted| wanted.min(rows.max(cores)))
 }
 
-/// Starts a thread. If the system refuses one that nobody asked for, the others do all the work.
+/// Starts a thread. If the system refuses one that the user did not ask for, the others do all the work.
 fn spawn(wanted: Option<usize>) -> impl FnMut(ThreadBuilder) -> io::Result<()> {
     move |worker| match thread::Builder::new().stack_size(STACK).spawn(|| worker.run()) {
         Err(error) if wanted.is_some() => Err(error),

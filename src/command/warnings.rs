@@ -25,7 +25,7 @@ pub fn say(found: Vec<Diagnostic>, options: &Options, source: &Source, log: &Log
 /// Returns the warnings about a scene and the flags that it is rendered with.
 pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
     let scene = &loaded.scene;
-    // Nobody has asked for the bounces of an edition.
+    // The user has not asked for the bounces of an edition.
     let effects = &Effects { bounces: options.given.bounces.unwrap_or(0), ..options.effects };
     let mut found = std::mem::take(&mut loaded.warnings);
     found.extend(open_edition(&loaded.choice));

@@ -63,7 +63,7 @@ impl Format {
         matches!(self, Self::Pfm | Self::Exr)
     }
 
-    /// True if the first byte of a pixel is that of blue.
+    /// True if the first byte of a pixel is blue.
     pub(super) fn is_blue_first(self) -> bool {
         matches!(self, Self::Tga | Self::Bmp)
     }

@@ -38,7 +38,7 @@ impl Header {
         (self.white, self.bits) = (white, if white > 255 { 16 } else { 8 });
     }
 
-    /// Sets a pixel from its samples. Returns false if one of them is above that of white.
+    /// Sets a pixel from its samples. Returns false if one of them is above white.
     fn set(&self, pixel: &mut [u8; 3], sample: impl Fn(usize) -> u32) -> bool {
         let has_color = usize::from(self.channels > 2);
         let samples = [0, 1, 2].map(|channel| sample(channel * has_color));

@@ -6,7 +6,7 @@
 //!
 //! The page asks in the program's own words: the flags of a command line, and the camera's block of scene text. So
 //! each of its pictures is one that a command line writes, byte for byte, and messages are those of the parsers. Requests
-//! are worked on by threads, and end when nobody waits for them; what cannot be ended is bounded beforehand.
+//! are worked on by threads, and end when their client has left; what cannot be ended is bounded beforehand.
 
 mod access;
 mod camera;

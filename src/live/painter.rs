@@ -48,7 +48,7 @@ impl Subject {
         }
     }
 
-    /// The memory in bytes of so many pictures and copies of the scene.
+    /// Returns the memory in bytes of this number of pictures and copies of the scene.
     pub fn bytes(&self, pictures: u64, copies: u64) -> u64 {
         let [width, height] = self.sketch.unwrap_or(self.options.request().size).map(|side| side as u64);
         let primitives = self.scene.primitives() as u64;

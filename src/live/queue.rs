@@ -83,8 +83,8 @@ impl Queue {
         self.lock().turns.get(&(page, kind)).is_some_and(|&newest| newest > number)
     }
 
-    /// Does work that takes so many bytes when there is a place for it, and returns what it finds. `gives_up` is asked
-    /// often whether nobody waits for it any more, and what to answer then.
+    /// Does work that takes this number of bytes when there is a place for it, and returns the result. `gives_up` is asked
+    /// often whether its client has left, and what to answer then.
     pub fn run<T: Send + 'static>(
         self: &Arc<Self>,
         bytes: u64,
@@ -102,7 +102,7 @@ impl Queue {
             threads.spawn(move || {
                 let found = own_work(&own_stop);
                 drop(place);
-                // Nobody may wait for it.
+                // Its client may have left.
                 let _ = sender.send(found);
             });
             let mut leaves = false;

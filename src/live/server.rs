@@ -85,7 +85,7 @@ impl Server {
         let (shared, address) = (self.shared.clone(), self.address);
         let serve = move || {
             let _ = stream.set_nodelay(true);
-            // There is nobody to tell that a browser has vanished.
+            // A browser that has vanished reads no answer.
             let _ = shared.serve(id, &stream);
             let _ = stream.shutdown(Shutdown::Both);
             let mut state = shared.lock();

@@ -61,7 +61,7 @@ const SIDE: usize = 256;
 const BYTES: usize = size_of::<u16>();
 const BYTES_OF_TILE: usize = 120;
 
-/// The rows or columns of tiles of so many pixels that have some of these.
+/// Returns the rows or columns of tiles of this number of pixels that overlap the range.
 fn tiles(pixels: &Range<usize>, count: usize) -> impl Iterator<Item = Range<usize>> + use<> {
     let (pixels, parts) = (pixels.clone(), count.div_ceil(SIDE));
     let tiles = (0..parts).map(move |k| k * count / parts..(k + 1) * count / parts);

@@ -12,7 +12,7 @@
 use super::adaptive::{Adaptive, Contents};
 use crate::scene::Color;
 
-/// A probe that has seen a colour beyond those of its pixel's corners.
+/// A probe that has seen a colour beyond the colours of its pixel's corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Find {
     /// The index of the pixel.
@@ -54,7 +54,7 @@ pub struct Allotment {
 pub struct Tested {
     /// Its index.
     pub pixel: usize,
-    /// The squared error that is expected; none if it is that of random samples.
+    /// The expected squared error; none if random samples have it.
     pub expected: Option<f64>,
 }
 
@@ -70,7 +70,7 @@ const OF_ALL: f64 = 16.0;
 /// The probes that a pixel has at most, beside those that are cast since few have found much.
 const MOST_PROBES: f64 = 16.0;
 
-/// The finest plan. Each is so many times as fine as the one before. The one with this index has what is usual.
+/// The finest plan. Each is this many times as fine as the one before. The one with this index has what is usual.
 const FINEST: u32 = 64;
 const FINER: f32 = 1.5;
 const USUAL: u32 = 10;
@@ -109,7 +109,7 @@ impl Known {
         if even.total() < local.total() { even } else { local }
     }
 
-    /// The same if pixels have at least these variances.
+    /// Returns the allotment if pixels have at least these variances.
     fn allot_by(&self, settings: Adaptive, variances: &[f32]) -> Allotment {
         let need = settings.needs();
         let needs = self.contents.iter().zip(variances);

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// The number of rays that are traced between two questions. They are so many that asking takes no time that could be
-/// measured, and so few that the answer comes soon even where each of them meets a hundred thousand triangles.
+/// The number of rays that are traced between two questions. Asking this rarely takes no measurable time, and the answer
+/// still comes soon where each ray meets a hundred thousand triangles.
 const RAYS_AT_ONCE: usize = 1 << 9;
 
 /// The number of secondary rays of one camera ray that may wait at once, about: they take some 30 MB of each thread. Only
@@ -24,7 +24,7 @@ pub(crate) struct Patience<'a> {
 }
 
 impl<'a> Patience<'a> {
-    /// Follows rays until this is true, given the number of rays that wait. Each may cause a ray to each of so many lights.
+    /// Follows rays until this is true, given the number of rays that wait. Each may cause a ray to each of `lights` lights.
     pub fn until(is_over: &'a (dyn Fn(usize) -> bool + Sync), lights: usize) -> Self {
         let at_once = (RAYS_AT_ONCE / (1 + lights)).max(1) as u32;
         Self { is_over, at_once, left: at_once, has_ended: false }
@@ -42,7 +42,7 @@ impl<'a> Patience<'a> {
         self.left == 0 && self.ask(waiting)
     }
 
-    /// Notes that so many rays from the camera were traced.
+    /// Notes that this number of rays from the camera was traced.
     pub fn spend(&mut self, rays: usize) {
         self.left = self.left.saturating_sub(rays as u32);
         if self.left == 0 {

@@ -154,7 +154,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         Some(seen)
     }
 
-    /// How far a colour is beyond those of its pixel's corners.
+    /// Returns how far a colour is beyond the colours of its pixel's corners.
     fn find(&self, (pixel, color): (usize, Color)) -> Find {
         let [x, y] = [pixel % self.columns.len(), pixel / self.columns.len()];
         let [below, above] = [y, y + 1].map(|y| &self.corners[y].colors[x..]);
