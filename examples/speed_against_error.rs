@@ -5,9 +5,9 @@
 use cpu_time::ProcessTime;
 use rayon::ThreadPoolBuilder;
 use raytracer::cli::{Command, Options, parse};
-use raytracer::renderer::{Meshes, Renderer};
+use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
-use raytracer::scene_io::load;
+use raytracer::scene::load::load;
 use raytracer::tools::error_report::{
     Axis, Bench, Departure, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Setting, Sweep,
 };

@@ -5,7 +5,7 @@
 
 mod excerpt;
 
-use crate::escape::truncated;
+use crate::base::escape::truncated;
 use excerpt::with_caret;
 use serde::Serialize;
 use std::error::Error;

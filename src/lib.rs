@@ -41,6 +41,8 @@ pub mod base;
 pub mod diagnostic;
 #[doc(hidden)]
 pub mod math;
+pub mod picture;
+pub mod image_io;
 pub mod scene;
 pub mod stats;
 #[doc(hidden)]
@@ -57,18 +59,9 @@ pub mod trace;
 #[cfg(feature = "fast")]
 #[doc(hidden)]
 pub mod fast;
-pub mod picture;
 pub mod render;
-pub mod image_io;
 pub mod tools;
 #[doc(hidden)]
 pub mod cli;
 #[cfg(feature = "gui")]
 pub mod live;
-
-#[doc(hidden)]
-pub use base::{escape, memory, shell, shortcut, undisturbed};
-#[doc(hidden)]
-pub use render::renderer;
-#[doc(hidden)]
-pub use scene::load as scene_io;

@@ -1,9 +1,12 @@
 //! Pictures in memory, and the conversion of their colours to bytes.
 
-use crate::memory::{Bytes, with_room};
-use crate::scene::Color;
+use crate::base::memory::{Bytes, with_room};
+use glam::DVec3;
 use serde::Serialize;
 use std::fmt;
+
+/// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
+pub type Color = DVec3;
 
 /// Bytes per pixel: red, green, blue.
 pub const CHANNELS: usize = 3;

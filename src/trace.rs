@@ -5,7 +5,7 @@
 //! and of the rays that are reflected and refracted there.
 
 use crate::math::ray::{Ray, Visible};
-use crate::scene::Color;
+use crate::picture::Color;
 use crate::scene::model::Highlight;
 use crate::shading::light::incident;
 use crate::shading::phong::{Mixture, PointMaterial, View};

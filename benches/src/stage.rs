@@ -9,7 +9,7 @@ use raytracer::math::robust::unit;
 use raytracer::primitive::plane::Plane;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{Light, Object, Scene};
-use raytracer::scene_io;
+use raytracer::scene::load;
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -44,7 +44,7 @@ impl Stage {
     /// From the scene of 40,000 faces.
     pub fn load(scenes: &Path) -> Result<Self, Box<dyn Error>> {
         let path = scenes.join("scene6_07_bunny_mesh_40k.txt");
-        let mut scene = scene_io::load(&path).map_err(|error| error.to_string())?.scene;
+        let mut scene = load::load(&path).map_err(|error| error.to_string())?.scene;
         let ground = scene.objects.iter().find_map(|object| match *object {
             Object::Plane { normal, offset, .. } => Some(Plane { normal: unit(normal), offset }),
             _ => None,

@@ -5,8 +5,8 @@
 
 use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Command};
-use raytracer::renderer::{Meshes, Renderer};
-use raytracer::scene_io;
+use raytracer::render::renderer::{Meshes, Renderer};
+use raytracer::scene::load;
 use std::error::Error;
 use std::io::{Write, stdout};
 
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("only lines that render are understood".into());
     };
     let input = options.input.as_deref().ok_or("no scene")?;
-    let loaded = scene_io::load(input)?;
+    let loaded = load::load(input)?;
     let options = options.in_edition(loaded.choice.edition);
     let renderer = Renderer::new(loaded, Meshes::Kept)?;
     let request = options.request();

@@ -1,7 +1,7 @@
 //! The scenes on which samplers are measured: those of `docs/speed-against-error.md`, and others whose light is in small
 //! things, which samples are likely to miss.
 
-use raytracer::scene_io::{Hints, LoadedScene, Readers, Source, load, load_text};
+use raytracer::scene::load::{Hints, LoadedScene, Readers, Source, load, load_text};
 use std::error::Error;
 use std::f64::consts::PI;
 use std::path::Path;

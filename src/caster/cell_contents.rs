@@ -3,13 +3,13 @@
 //! [`CellLists`] by a counting sort in two passes, count and fill. The leaves of a tree are such blocks, too. Only the
 //! indices of the blocks are made at first, and the blocks are filled when all of them are known.
 
+use crate::base::memory;
 use crate::caster::blocks::triangle8::{Block, BlockIndex, Frame, LANES, NONE};
 use crate::caster::error::GridTooLarge;
 use crate::caster::grid::cell_lists::CellLists;
 use crate::caster::grid::cell_table::EMPTY;
 use crate::caster::grid::lattice::Lattice;
 use crate::caster::tree::Leaves;
-use crate::memory;
 use crate::world::World;
 use rayon::prelude::*;
 use std::ops::Range;

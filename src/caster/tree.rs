@@ -3,6 +3,7 @@
 //!
 //! Where the primitives of a branch are too small for the coordinates of the frame, the branch gets a frame of its own.
 
+use crate::base::memory;
 use crate::caster::blocks::triangle8::{Frame, LANES, NONE};
 use crate::caster::error::GridTooLarge;
 use crate::caster::grid::cell_lists::widened;
@@ -11,7 +12,6 @@ use crate::caster::reach::max_origin_distance;
 use crate::caster::tree::box8::Box8;
 use crate::math::aabb::Aabb;
 use crate::math::prefetch::prefetch;
-use crate::memory;
 use crate::world::World;
 use binary::{BinaryTree, BranchContent, HEURISTIC_LEVELS, Half};
 use division::{Bounds, Item, ItemRun};

@@ -3,7 +3,7 @@
 use super::flags::{find, meant};
 use super::values::has_ending;
 use super::words::single;
-use crate::escape::escape;
+use crate::base::escape::escape;
 use crate::image_io::Format;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::ffi::{OsStr, OsString};

@@ -12,7 +12,7 @@ use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::edition::Edition;
-use crate::scene_io::Hints;
+use crate::scene::load::Hints;
 use crate::tools::compare::Tolerance;
 use crate::trace::{Effects, Shadows};
 use clap::value_parser;

@@ -1,9 +1,9 @@
 //! The words of a command line: as clap reads them, with two dashes before a flag, and as users write them, with one.
 
 use super::flags::{NOT_OF_PARTS, command, shapes};
+use crate::base::shell::Shell;
 use crate::image_io::beside;
 use crate::render::Window;
-use crate::shell::Shell;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches};
 use std::ffi::{OsStr, OsString};

@@ -1,9 +1,9 @@
 //! The program's allocator: the system's, but an allocation that fails ends the program with one line, where Rust would
 //! abort it.
 //!
-//! What takes much memory asks for it beforehand ([`raytracer::memory`]), and a refusal there is an error as any other.
+//! What takes much memory asks for it beforehand ([`raytracer::base::memory`]), and a refusal there is an error as any other.
 
-use raytracer::memory::Bytes;
+use raytracer::base::memory::Bytes;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Write, stderr};
 use std::process::exit;

@@ -5,16 +5,16 @@ use super::log::Log;
 use super::report::Report;
 use super::signals::Signals;
 use super::{End, Outcome, live, refused, threads};
+use raytracer::base::escape::quoted;
+use raytracer::base::memory;
 use raytracer::cli::{self, Options};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::escape::quoted;
 use raytracer::image_io::{
     Format, OutputFile, ReadFile, Remarks, Written, check_distinct, read_remarked_picture,
 };
-use raytracer::memory;
 use raytracer::picture::Picture;
+use raytracer::render::renderer::Renderer;
 use raytracer::render::{Layer, Request};
-use raytracer::renderer::Renderer;
 use raytracer::scene::model::Shows;
 use raytracer::tools::causes::{Finding, FinishedPicture, Original};
 use raytracer::tools::compare::{Comparison, DifferencePicture, sizes_differ};

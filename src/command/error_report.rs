@@ -6,14 +6,14 @@ use super::signals::Signals;
 use super::{End, Outcome, refused, threads, warnings};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
+use raytracer::base::escape::quoted;
+use raytracer::base::shell::Shell;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::escape::quoted;
 use raytracer::image_io::{OutputFile, Written, check_distinct, put_in_place};
-use raytracer::renderer::{Meshes, Renderer};
+use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
-use raytracer::scene_io;
-use raytracer::shell::Shell;
+use raytracer::scene::load;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
@@ -82,7 +82,7 @@ fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
 fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(Renderer, Options), End> {
     let options = &reporting.options;
     let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads.install(|| scene_io::load_with(input, &options.hints()))?;
+    let loaded = threads.install(|| load::load_with(input, &options.hints()))?;
     let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
     check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))
         .map_err(refused)?;

@@ -42,8 +42,8 @@ pub fn show(_: &Options, _: &Signals, _: &Log) -> Result<(), Diagnostic> {
 #[cfg(feature = "gui")]
 mod server {
     use super::*;
+    use raytracer::base::undisturbed::undisturbed;
     use raytracer::live::Server;
-    use raytracer::undisturbed::undisturbed;
     use std::io::Write;
     use std::process::{Command, Stdio};
     use std::sync::{Arc, Mutex, PoisonError};

@@ -1,7 +1,7 @@
 //! Messages on standard error, with colours on a terminal.
 
+use raytracer::base::escape::quoted;
 use raytracer::diagnostic::Diagnostic;
-use raytracer::escape::quoted;
 use std::cell::RefCell;
 use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;

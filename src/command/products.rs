@@ -1,14 +1,14 @@
 //! What becomes of the rows of each layer: a file, a picture that is kept, or a map of costs.
 
+use raytracer::base::memory::with_room;
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{
     CompleteFile, Content, Exceptional, Format, ImageError, OutputFile, Part, PictureWriter,
 };
-use raytracer::memory::with_room;
-use raytracer::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
+use raytracer::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
+use raytracer::scene::Scene;
 use raytracer::scene::model::{NormalColors, Shows};
-use raytracer::scene::{Color, Scene};
 use raytracer::tools::explain::CostMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -10,16 +10,16 @@ use super::report::Report;
 use super::signals::Signals;
 use super::stopped::{self, upper};
 use super::{End, Outcome, refused, threads, warnings};
+use raytracer::base::memory::Bytes;
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Options, Output};
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{
     CompleteFile, Exceptional, Format, OutputFile, ReadFile, Written, check_distinct, part_beside,
 };
-use raytracer::memory::Bytes;
+use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
-use raytracer::scene::Color;
 use raytracer::scene::edition::Edition;
 use raytracer::scene::load::{LoadedScene, load_with};
 use raytracer::scene::parser::Places;

@@ -67,7 +67,7 @@ impl Signals {
         }
         let task = self.before_end.lock().unwrap_or_else(PoisonError::into_inner).take();
         task.into_iter().for_each(|task| task());
-        raytracer::undisturbed::undisturbed(|| signal_hook::low_level::exit(128 + signal))
+        raytracer::base::undisturbed::undisturbed(|| signal_hook::low_level::exit(128 + signal))
     }
 
     /// Starts a thread that takes the signals.

@@ -1,10 +1,10 @@
 //! The lines that a stopped run prints: what it kept, and how to make the rest.
 
 use super::products::KeptPart;
+use raytracer::base::escape::escape;
+use raytracer::base::shell::Shell;
 use raytracer::cli::{Options, Output, command_of_merge, command_of_rest};
-use raytracer::escape::escape;
 use raytracer::render::{Layer, Request, Window};
-use raytracer::shell::Shell;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@ use raytracer::cli::{Comparison, Options};
 use raytracer::diagnostic::{Diagnostic, Severity};
 use raytracer::render::{Layer, Request};
 use raytracer::scene::edition::{Choice, Edition};
-use raytracer::scene_io::{LoadedScene, Source};
+use raytracer::scene::load::{LoadedScene, Source};
 use raytracer::tools::warnings;
 use raytracer::trace::Effects;
 

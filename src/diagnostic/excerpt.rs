@@ -1,7 +1,7 @@
 //! Excerpts for error messages: a line of a text with a caret under one of its characters.
 
 use super::Position;
-use crate::escape::prints;
+use crate::base::escape::prints;
 
 /// The largest number of characters of a line that are shown.
 const MAX_SHOWN: usize = 100;

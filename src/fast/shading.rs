@@ -3,7 +3,7 @@
 use super::raster::{Blocker, ShadowMaps};
 use crate::caster::Caster;
 use crate::math::ray::Ray;
-use crate::scene::Color;
+use crate::picture::Color;
 use crate::scene::model::Highlight;
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::{Mixture, View};

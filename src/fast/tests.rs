@@ -122,7 +122,7 @@ fn compared(
                     let ray =
                         camera.ray(DVec2::new(sample.source.column as f64, j as f64), sample.source.offset);
                     let expected = tracer.color(&ray, &mut Counts::default());
-                    let bits = |color: crate::scene::Color| color.to_array().map(f64::to_bits);
+                    let bits = |color: crate::picture::Color| color.to_array().map(f64::to_bits);
                     assert_eq!(bits(*color), bits(expected), "{effects:?} {:?} {ray:?}", world.model);
                     found[1] += usize::from(expected == world.background_along(ray.direction));
                 }

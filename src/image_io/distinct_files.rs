@@ -1,7 +1,7 @@
 //! Checks that a run writes no file that it also reads or writes under another name.
 
 use super::file_id::FileId;
-use crate::escape::quoted;
+use crate::base::escape::quoted;
 use std::collections::HashMap;
 use std::fmt;
 use std::path::{Path, PathBuf};

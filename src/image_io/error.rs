@@ -1,6 +1,6 @@
 //! The error of picture files and their parts.
 
-use crate::escape::quoted;
+use crate::base::escape::quoted;
 use std::path::{Path, PathBuf};
 use std::{error, fmt, io};
 

@@ -5,9 +5,8 @@
 use super::error::ImageError;
 use super::header::{EXR_FLOAT, EXR_START};
 use super::reader::{Reader, Remarks, fill_row};
-use crate::escape::{escape, quoted};
-use crate::picture::{CHANNELS, Picture};
-use crate::scene::Color;
+use crate::base::escape::{escape, quoted};
+use crate::picture::{CHANNELS, Color, Picture};
 use std::borrow::Cow;
 
 /// A byte of a deflate stream encodes at most this many.

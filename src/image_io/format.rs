@@ -2,7 +2,7 @@
 
 use super::error::ImageError;
 use super::header::TGA_HEADER;
-use crate::escape::quoted;
+use crate::base::escape::quoted;
 use serde::Serialize;
 use std::path::Path;
 

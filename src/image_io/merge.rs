@@ -3,7 +3,7 @@
 use super::error::ImageError;
 use super::part::{Part, PartFile, Rows};
 use super::writer::PictureWriter;
-use crate::escape::quoted;
+use crate::base::escape::quoted;
 use crate::picture::{CHANNELS, Window};
 use std::path::PathBuf;
 

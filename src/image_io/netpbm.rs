@@ -8,9 +8,8 @@
 use super::error::ImageError;
 use super::format::BYTE_ORDER_MARK;
 use super::reader::{Reader, Remarks, fill_row, level};
-use crate::escape::quoted;
-use crate::picture::Picture;
-use crate::scene::Color;
+use crate::base::escape::quoted;
+use crate::picture::{Color, Picture};
 use std::borrow::Cow;
 
 /// Upper bound on the bytes of a word that are shown.

@@ -6,10 +6,10 @@
 use super::Format;
 use super::error::ImageError;
 use super::writer::Content;
-use crate::escape::quoted;
-use crate::memory::with_room;
+use crate::base::escape::quoted;
+use crate::base::memory::with_room;
+use crate::base::undisturbed::undisturbed;
 use crate::picture::{CHANNELS, Picture};
-use crate::undisturbed::undisturbed;
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io::{self, Seek, Write};

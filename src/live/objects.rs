@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
-use crate::renderer::Prepared;
+use crate::render::renderer::Prepared;
 use crate::scene::Camera;
 use crate::stats::Quiet;
 use crate::tools::explain::{Objects, Stop};
@@ -68,10 +68,10 @@ impl ObjectMap {
 mod tests {
     use super::*;
     use crate::render::Tracing;
-    use crate::renderer::{Meshes, Renderer};
+    use crate::render::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
+    use crate::scene::load::{Hints, Readers, Source, load_text};
     use crate::scene::texels::ImageFile;
-    use crate::scene_io::{Hints, Readers, Source, load_text};
     use std::time::{Duration, Instant};
 
     #[test]

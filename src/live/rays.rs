@@ -187,10 +187,10 @@ mod tests {
     use crate::diagnostic::Diagnostic;
     use crate::render::Request;
     use crate::render::Tracing;
-    use crate::renderer::{Meshes, Renderer};
+    use crate::render::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
+    use crate::scene::load::{Hints, Readers, Source, load_text};
     use crate::scene::texels::ImageFile;
-    use crate::scene_io::{Hints, Readers, Source, load_text};
     use crate::tools::explain::{Explainer, Stop};
     use crate::trace::{Effects, Shadows};
     use std::time::{Duration, Instant};

@@ -2,13 +2,13 @@
 
 use super::http::Answer;
 use super::painter::{Painter, Subject};
+use crate::base::escape::quoted;
 use crate::cli::Output;
-use crate::escape::quoted;
 use crate::image_io::{CompleteFile, Content, OutputFile, SameFile, Written, check_distinct, put_in_place};
+use crate::picture::Color;
 use crate::render::{Layer, Progress};
-use crate::scene::Color;
 use crate::scene::edition::Edition;
-use crate::scene_io::mesh_places;
+use crate::scene::load::mesh_places;
 use crate::tools::explain::Stop;
 use std::fs;
 use std::ops::ControlFlow;

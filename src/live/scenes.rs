@@ -1,16 +1,16 @@
 //! The scenes that are open: the one of the command line, and those that were typed in last.
 
 use super::limits::*;
+use crate::base::memory;
 use crate::diagnostic::Diagnostic;
-use crate::memory;
-use crate::renderer::{Meshes, Renderer};
+use crate::render::renderer::{Meshes, Renderer};
 use crate::scene::edition::{Choice, Edition};
+use crate::scene::load::{
+    self, FoundMesh, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
+};
 use crate::scene::mesh::{ObjFile, memory_for, read_obj};
 use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
-use crate::scene_io::{
-    self, FoundMesh, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
-};
 use crate::tools::explain::Stop;
 use serde_json::{Value, json};
 use std::cell::Cell;
@@ -52,7 +52,7 @@ pub struct Scenes {
 impl Scenes {
     /// Opens the scene of the command line.
     pub fn open(path: &Path, hints: Hints) -> Result<Self, Diagnostic> {
-        let loaded = scene_io::load_with(path, &hints)?;
+        let loaded = load::load_with(path, &hints)?;
         let choice = loaded.choice.clone();
         let renderer = Renderer::new(loaded, Meshes::Kept)?;
         let first = Arc::new(OpenScene { revision: 0, named: hints.edition, choice, renderer });
@@ -143,7 +143,7 @@ impl Scenes {
         };
         let hints = Hints { edition: named, ..self.hints.clone() };
         let readers = Readers { mesh: &read, image: &read_image };
-        let loaded = scene_io::load_text(source, &hints, readers).map_err(told)?;
+        let loaded = load::load_text(source, &hints, readers).map_err(told)?;
         let refused = |message: String| Err(told(Diagnostic::error(message)));
         let (primitives, lights) = (primitives(&loaded), loaded.scene.lights.len());
         if primitives > MAX_PRIMITIVES {

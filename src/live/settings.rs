@@ -2,10 +2,10 @@
 
 use super::http::Answer;
 use super::limits::MAX_SIDE;
+use crate::base::shell::Shell;
 use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options, ShowProgress};
 use crate::render::Cost;
-use crate::shell::Shell;
 use serde_json::Value;
 use std::ffi::OsString;
 use std::path::Path;

@@ -10,7 +10,8 @@ use crate::caster::grid::touched_cells::TouchedCells;
 use crate::caster::grid::{Lattice, voxelize};
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
-use crate::scene::{Color, Object, Scene, mesh::Mesh};
+use crate::picture::Color;
+use crate::scene::{Object, Scene, mesh::Mesh};
 use crate::world::{Placement, placements};
 use glam::DVec3;
 

@@ -19,14 +19,13 @@ pub use tracing::Tracing;
 
 pub use crate::picture::Window;
 
+use crate::base::memory::{self, NoMemory};
 use crate::camera::Camera;
 use crate::caster::Caster;
-use crate::memory::{self, NoMemory};
-use crate::picture::{BadSize, FloatPicture};
+use crate::picture::{BadSize, Color, FloatPicture};
 use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
-use crate::scene::Color;
 use crate::stats::Counts;
 use crate::trace::{MOST_WAITING, Patience};
 use glam::DVec2;

@@ -7,15 +7,14 @@ use crate::caster::{Caster, Fullness, GridTooLarge};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::instructions;
-use crate::picture::{BadSize, FloatPicture};
+use crate::picture::{BadSize, Color, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
 use crate::sampling::sampler::Sampler;
-use crate::scene::Color;
 use crate::scene::Scene;
+use crate::scene::load::{self, LoadedScene, Source};
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Shows;
-use crate::scene_io::{self, LoadedScene, Source};
 use crate::stats::Counts;
 use crate::world::World;
 use glam::DVec2;
@@ -49,7 +48,7 @@ pub enum Meshes {
 impl Renderer {
     /// Reads the scene at `path` with its meshes. The work is done on rayon's current thread pool.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
-        Self::new(scene_io::load(path)?, Meshes::Moved)
+        Self::new(load::load(path)?, Meshes::Moved)
     }
 
     /// A renderer of a scene that has been read. An object that cannot be placed in world space

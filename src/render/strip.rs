@@ -11,9 +11,9 @@ use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
 use super::tracing::{PictureTracer, RowsTracer};
 use super::{Stopped, TakeRow, delivery};
+use crate::picture::Color;
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
-use crate::scene::Color;
 use crate::stats::Counts;
 use std::ops::Range;
 

@@ -11,7 +11,7 @@
 //! in the picture, and they do not depend on its random numbers. So the picture has the expected value that it would have
 //! with any number of samples (Kirk and Arvo, "Unbiased sampling techniques for image synthesis", SIGGRAPH 1991).
 
-use crate::scene::Color;
+use crate::picture::Color;
 use glam::Vec3A;
 use serde::Serialize;
 

@@ -10,7 +10,7 @@
 //! measured in some pixels, where it may save many samples.
 
 use super::adaptive::{Adaptive, Contents};
-use crate::scene::Color;
+use crate::picture::Color;
 
 /// A probe that has seen a colour beyond the colours of its pixel's corners.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! The filter of assignment 5 of 2012: a picture is blurred and then reduced to a third of its size, row by row.
 
-use crate::scene::Color;
+use crate::picture::Color;
 use std::collections::VecDeque;
 
 /// The pixels of the picture along each axis that become one of the reduced picture.

@@ -8,7 +8,7 @@
 use super::filter::Filter;
 use super::spread::Spread;
 use super::sum::Sum;
-use crate::scene::Color;
+use crate::picture::Color;
 use std::collections::VecDeque;
 
 /// Adds the spreads up, and emits each row of the picture as soon as no later spread contributes to it.

@@ -2,7 +2,7 @@
 //! surfaces there, and then the colours.
 
 use crate::math::ray::{Ray, Visible};
-use crate::scene::Color;
+use crate::picture::Color;
 use crate::world::SurfacePoint;
 use glam::{DVec2, DVec3};
 use std::ops::Range;

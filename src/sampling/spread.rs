@@ -8,7 +8,7 @@ use super::sum::Sum;
 use crate::math::f64x4::{FourLanes, LANES};
 use crate::math::instructions::Level;
 use crate::math::number::Number;
-use crate::scene::Color;
+use crate::picture::Color;
 use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use glam::DVec2;
 use std::ops::RangeInclusive;

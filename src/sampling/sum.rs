@@ -2,7 +2,7 @@
 
 use crate::math::f64x4::FourLanes;
 use crate::math::number::Number;
-use crate::scene::Color;
+use crate::picture::Color;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 
 /// The weighted sum of the samples of one pixel: red, green, blue, and the weights themselves.

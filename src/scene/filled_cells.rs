@@ -1,7 +1,7 @@
 //! The `Grid` of the 2003 edition, which models with cells: those with their centre in a sphere are filled.
 
 use super::mesh::Mesh;
-use crate::memory::{self, NoMemory};
+use crate::base::memory::{self, NoMemory};
 use glam::DVec3;
 use std::collections::HashMap;
 

@@ -6,7 +6,7 @@
 //! and `cube#2.obj` work. Lines end with a line feed, a carriage return, or both.
 
 use super::Position;
-use crate::escape::quoted;
+use crate::base::escape::quoted;
 
 /// A word of the scene text. Its text is empty only at the end of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,8 +5,9 @@
 //! stay below the largest f64.
 
 use super::material::{Material, Paint, Phong, Texture};
-use super::{Camera, Color, Light, Scene};
+use super::{Camera, Light, Scene};
 use crate::diagnostic::Diagnostic;
+use crate::picture::Color;
 use glam::DVec3;
 
 /// The largest magnitude of a number in a scene, and of a coordinate in world space.

@@ -3,8 +3,8 @@
 mod named_files;
 mod near_names;
 
+use crate::base::escape::quoted;
 use crate::diagnostic::{Diagnostic, limited};
-use crate::escape::quoted;
 use crate::image_io::ReadFile;
 use crate::scene::edition::{Choice, Edition};
 use crate::scene::foreign_format::is_wide_text;

@@ -1,7 +1,8 @@
 //! Materials as written in the scene: Phong materials, and solid textures that mix two earlier materials.
 
-use super::{Color, MaterialId};
+use super::MaterialId;
 use crate::math::rounded_affine::RoundedAffine;
+use crate::picture::Color;
 use serde::Serialize;
 
 /// The material of a surface.

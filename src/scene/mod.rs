@@ -32,6 +32,7 @@ pub mod texels;
 mod transform;
 
 pub use crate::diagnostic::Position;
+use crate::picture::Color;
 use glam::DVec3;
 use material::Material;
 use mesh::Corners;
@@ -40,9 +41,6 @@ pub use object::Object;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
 pub(crate) use transform::is_transformation;
-
-/// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
-pub type Color = DVec3;
 
 /// A scene, with everything that its file contains.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! What a scene means where the editions of the course differ: each edition is a value of [`Model`], and nothing
 //! behind the reader of scenes knows an edition by its name.
 
-use super::Color;
+use crate::picture::Color;
 use glam::DVec3;
 
 /// How a scene is seen, lit and shown.

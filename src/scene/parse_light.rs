@@ -3,8 +3,9 @@
 use super::edition::Edition;
 use super::list::counted_list;
 use super::reader::{Parsed, Reader, is_byte_like};
-use super::{Color, Light, Position};
+use super::{Light, Position};
 use crate::diagnostic::Diagnostic;
+use crate::picture::Color;
 use glam::DVec3;
 
 const LIGHTS: [&str; 2] = ["DirectionalLight", "PointLight"];

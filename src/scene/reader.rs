@@ -1,12 +1,13 @@
 //! Reads the small parts of the grammar, each with its checks: braces, keywords, numbers and vectors.
 
+use super::Position;
 use super::edition::{Edition, editions_of};
 use super::keyword::{is_keyword, nearest};
 use super::lexer::{Lexer, Word};
 use super::limits::{BRIGHTEST, LARGEST};
 use super::texels::ImageFile;
-use super::{Color, Position};
 use crate::diagnostic::{Diagnostic, limited};
+use crate::picture::Color;
 use glam::DVec3;
 use std::collections::HashMap;
 

@@ -3,7 +3,8 @@
 //! They are looked up in single precision, with the operations of the course's code. Many colours are those of a byte, so
 //! that roundings decide whether truncation keeps it.
 
-use super::{Color, Position};
+use super::Position;
+use crate::picture::Color;
 use glam::{DVec3, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;

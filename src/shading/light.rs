@@ -1,7 +1,8 @@
 //! The light that arrives at a point from a light source.
 
+use crate::picture::Color;
+use crate::scene::Light;
 use crate::scene::limits::LARGEST;
-use crate::scene::{Color, Light};
 use glam::DVec3;
 use serde::Serialize;
 

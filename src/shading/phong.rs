@@ -1,8 +1,9 @@
 //! Blinn's and Phong's reflection, and the material at a point of a surface after its textures are evaluated.
 
 use super::light::{Incident, unit_or_zero};
+use crate::picture::Color;
+use crate::scene::material::Phong;
 use crate::scene::model::Highlight;
-use crate::scene::{Color, material::Phong};
 use glam::DVec3;
 
 /// A material evaluated at one point.

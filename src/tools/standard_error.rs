@@ -8,12 +8,12 @@
 //! Of a large picture some random rows stand for all. Two pictures of one sample in each pixel say in which rows much
 //! differs. These are the more likely to be taken, and count the less.
 
-use crate::memory::NoMemory;
+use crate::base::memory::NoMemory;
+use crate::picture::Color;
+use crate::render::renderer::Prepared;
 use crate::render::{Layer, Request, Stopped, Watch, Window};
-use crate::renderer::Prepared;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
-use crate::scene::Color;
 use rand::RngExt;
 use std::ops::ControlFlow;
 
@@ -131,7 +131,7 @@ fn colors(
     watch: Watch,
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let whole = |&sampler: &Sampler| {
-        let mut colors = crate::memory::with_room(request.layer_size(&Layer::Color).iter().product())?;
+        let mut colors = crate::base::memory::with_room(request.layer_size(&Layer::Color).iter().product())?;
         let mut take_row = |_: usize, row: &[Color]| {
             colors.extend_from_slice(row);
             ControlFlow::Continue(())

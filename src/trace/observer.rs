@@ -1,7 +1,7 @@
 //! What happens while a ray is followed, for whoever wants to know.
 
 use crate::math::ray::{Hit, Ray};
-use crate::scene::Color;
+use crate::picture::Color;
 use crate::scene::material::Phong;
 use crate::shading::light::Incident;
 use crate::stats::{Counts, Probe, Quiet};

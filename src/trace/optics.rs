@@ -2,7 +2,7 @@
 
 use crate::math::double_double::{Dd, SquaredSine};
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::scene::Color;
+use crate::picture::Color;
 use glam::DVec3;
 
 /// The fraction of light that is transmitted over a distance inside a transparent object: the object's colour

@@ -8,7 +8,7 @@ use crate::math::double_double::SquaredSine;
 use crate::math::instructions::Level;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::offset_origin;
-use crate::scene::Color;
+use crate::picture::Color;
 use crate::scene::material::{Material, Paint, Phong};
 use crate::scene::model::{MeshNormals, Model};
 use crate::shading::light::Incident;

@@ -5,7 +5,7 @@ use super::optics::refracted_between;
 use super::rules::{Departure, Rules};
 use super::{Arrival, Tracer};
 use crate::math::ray::Ray;
-use crate::scene::Color;
+use crate::picture::Color;
 use crate::scene::limits::BRIGHTEST;
 use crate::scene::model::Split;
 use glam::DVec3;

@@ -2,7 +2,7 @@
 
 use super::{SurfacePoint, World};
 use crate::math::robust;
-use crate::scene::Color;
+use crate::picture::Color;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::Mesh;
 use crate::scene::model::{FaceWeights, MeshNormals, Model};

@@ -8,7 +8,7 @@ use raytracer::caster::Caster;
 use raytracer::caster::choose::{Layout, Rays, cubic};
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::Ray;
-use raytracer::scene_io::load;
+use raytracer::scene::load::load;
 use raytracer::stats::{Counts, Quiet};
 use raytracer::world::World;
 

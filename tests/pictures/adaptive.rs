@@ -1,12 +1,12 @@
 //! Adaptive samples where they are hardest: small things, which four samples of a pixel may miss.
 
+use raytracer::picture::Color;
+use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Request, Tracing};
-use raytracer::renderer::{Meshes, Renderer};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
-use raytracer::scene::Color;
-use raytracer::scene_io::{self, LoadedScene};
+use raytracer::scene::load::{self, LoadedScene};
 use raytracer::stats::Counts;
 use raytracer::trace::{Effects, Shadows};
 use std::fmt::Write;
@@ -50,7 +50,7 @@ fn needles_and_highlights() -> Renderer {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("needles.txt");
     std::fs::write(&path, text).expect("a file");
-    let loaded: LoadedScene = scene_io::load(&path).expect("a scene");
+    let loaded: LoadedScene = load::load(&path).expect("a scene");
     Renderer::new(loaded, Meshes::Moved).expect("a world")
 }
 
@@ -116,7 +116,7 @@ fn scene(head: &str, materials: &str, objects: &[String]) -> Renderer {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.txt");
     std::fs::write(&path, text).expect("a file");
-    Renderer::new(scene_io::load(&path).expect("a scene"), Meshes::Moved).expect("a world")
+    Renderer::new(load::load(&path).expect("a scene"), Meshes::Moved).expect("a world")
 }
 
 /// What shades the ground, with a lamp or the sun, so that shadows are smaller than a pixel.
@@ -132,7 +132,7 @@ fn shaded(light: &str, shading: &[String]) -> Renderer {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("shaded.txt");
     std::fs::write(&path, text).expect("a file");
-    Renderer::new(scene_io::load(&path).expect("a scene"), Meshes::Moved).expect("a world")
+    Renderer::new(load::load(&path).expect("a scene"), Meshes::Moved).expect("a world")
 }
 
 /// The error is the one that is asked for where corners of pixels see nothing of what makes it: shadows of dots, light

@@ -1,14 +1,14 @@
 //! The library's front door: one scene, opened once and rendered in many ways.
 
 use raytracer::caster::choose::{Resolution, Structure};
-use raytracer::picture::FloatPicture;
+use raytracer::picture::{Color, FloatPicture};
+use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Progress, Request, Stopped, Tracing, Window};
-use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
-use raytracer::scene::{Camera, Color};
-use raytracer::scene_io;
+use raytracer::scene::Camera;
+use raytracer::scene::load;
 use raytracer::stats::Counts;
 use raytracer::trace::{Effects, Shadows};
 use std::ops::ControlFlow;
@@ -117,7 +117,7 @@ fn a_moved_camera_shows_what_a_scene_with_that_camera_shows() {
     };
     let camera = Camera::Perspective { center: 0.8 * center, direction, up, angle: 40.0 };
     let moved = Request { camera: Some(camera), ..request() };
-    let mut loaded = scene_io::load(&scene("scene6_14_glass_sphere.txt")).expect("a scene");
+    let mut loaded = load::load(&scene("scene6_14_glass_sphere.txt")).expect("a scene");
     loaded.scene.camera = camera;
     let other = Renderer::new(loaded, Meshes::Moved).expect("a scene");
     let [shown, expected] = [(&renderer, &moved), (&other, &request())].map(|(renderer, request)| {
@@ -178,7 +178,7 @@ fn the_watch_and_the_output_end_a_render() {
 
 #[test]
 fn the_cells_need_the_meshes_and_show_what_the_flag_shows() {
-    let loaded = scene_io::load(&scene("scene6_04_bunny_mesh_200.txt")).expect("a scene");
+    let loaded = load::load(&scene("scene6_04_bunny_mesh_200.txt")).expect("a scene");
     let renderer = Renderer::new(loaded, Meshes::Kept).expect("a scene");
     let cells = renderer.prepare_cells(Resolution::Cells([4, 5, 6]), 1, Tracing::Fast).expect("few cells");
     assert_eq!(cells.cells(), Some([4, 5, 6]));

@@ -1,12 +1,12 @@
 //! The standard error of pictures, against what they are off from converged ones.
 
+use raytracer::picture::Color;
+use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Request, Tracing};
-use raytracer::renderer::{Meshes, Prepared, Renderer};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
-use raytracer::scene::Color;
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
 use raytracer::trace::{Effects, Shadows};
 use std::ops::ControlFlow;
@@ -125,7 +125,7 @@ fn that_of_some_rows_is_that_of_all_where_few_differ() {
 fn that_of_some_rows_is_about_that_of_all() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_10_nested_transformations.txt");
     let renderer =
-        Renderer::new(raytracer::scene_io::load(&path).expect("a scene"), Meshes::Moved).expect("a world");
+        Renderer::new(raytracer::scene::load::load(&path).expect("a scene"), Meshes::Moved).expect("a world");
     let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("no grid");
     let request = |count, seed| {
         let sampler = Sampler::new(Pattern::Jittered, count, Drand48::seeded(seed));

@@ -5,8 +5,8 @@ use crate::support::{Folder, Tga};
 use raytracer::cli::{self, Command};
 use raytracer::image_io::OutputFile;
 use raytracer::picture::Picture;
-use raytracer::renderer::{Meshes, Renderer};
-use raytracer::scene_io;
+use raytracer::render::renderer::{Meshes, Renderer};
+use raytracer::scene::load;
 use raytracer::tools::causes::{Cause, Original, PixelChange, Rule};
 
 /// A little of everything: both kinds of lights, textures, mirrors, glass, transforms, and something behind a light.
@@ -209,7 +209,7 @@ fn pixels_that_are_moved_or_changed_are_named() {
 
 /// The colour picture of a scene by way of the library.
 pub fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Original) -> T) -> T {
-    let loaded = scene_io::load(&folder.path().join("s.txt")).unwrap();
+    let loaded = load::load(&folder.path().join("s.txt")).unwrap();
     let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
     let line = format!("raytracer -input s.txt {flags}");
     let Ok(Command::Render(options)) = cli::parse(line.split_whitespace().map(Into::into)) else {

@@ -2,7 +2,7 @@
 //! has them in `scenes/` and `pictures/`. Without it these tests print that they are skipped.
 
 use crate::support::{Folder, course, finish, program};
-use raytracer::scene_io::load;
+use raytracer::scene::load::load;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

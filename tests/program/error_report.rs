@@ -1,13 +1,13 @@
 //! `-error_report`: the numbers are those of the pictures, and the page shows them.
 
 use crate::support::{Folder, only_line, says, scene};
+use raytracer::base::shell::Shell;
 use raytracer::caster::choose::Structure;
+use raytracer::render::renderer::Renderer;
 use raytracer::render::{Request, Tracing};
-use raytracer::renderer::Renderer;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
-use raytracer::shell::Shell;
 use std::fs;
 use std::sync::LazyLock;
 

@@ -2,7 +2,7 @@
 
 use crate::support::{CAMERA, Folder, Run, only_line, sphere};
 use raytracer::image_io::{Content, Exceptional, Format, OutputFile, read_picture};
-use raytracer::scene::Color;
+use raytracer::picture::Color;
 
 /// A file of numbers, read without the program's own code.
 struct Floats {

@@ -3,14 +3,14 @@
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ, numbers};
 use crate::support::{Folder, Tga};
 use raytracer::caster::choose::Resolution;
+use raytracer::picture::Color;
+use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Request, Tracing};
-use raytracer::renderer::{Meshes, Renderer};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
-use raytracer::scene::Color;
-use raytracer::scene_io;
+use raytracer::scene::load;
 use raytracer::stats::Counts;
 use raytracer::tools::explain::{ExplainError, Explainer, PixelTree, Stop};
 use raytracer::trace::{Effects, Shadows};
@@ -88,7 +88,7 @@ fn explained(case: &Case) -> (Tga, String, Vec<PixelTree>) {
     let flags = format!("-input s.txt -output o.tga -size {} {} {}", SIZE[0], SIZE[1], case.flags);
     folder.run(&flags).ok();
     let statistics = folder.run(&format!("{flags} -stats")).ok().stdout;
-    let loaded = scene_io::load(&folder.path().join("s.txt")).expect("a scene");
+    let loaded = load::load(&folder.path().join("s.txt")).expect("a scene");
     let renderer = Renderer::new(loaded, Meshes::Kept).expect("a world");
     let rays = SIZE[0] * SIZE[1] * case.request.sampler.count() as usize;
     let prepared = renderer.prepare(case.grid, rays, Tracing::Counted).expect("a grid");
@@ -181,8 +181,7 @@ const HALL: &str = "
 
 fn explained_hall<T>(bounces: u32, samples: u32, work: impl FnOnce(&Explainer, &Request) -> T) -> T {
     let folder = Folder::with_scene(HALL);
-    let renderer =
-        Renderer::new(scene_io::load(&folder.path().join("s.txt")).expect("a scene"), Meshes::Kept);
+    let renderer = Renderer::new(load::load(&folder.path().join("s.txt")).expect("a scene"), Meshes::Kept);
     let renderer = renderer.expect("a world");
     let sampler = Sampler::new(Pattern::Random, samples, Drand48::UNSEEDED);
     let request = Request { sampler, ..request(shadows(Shadows::Opaque, bounces)) };

@@ -1,10 +1,10 @@
 //! The lattice of a uniform grid: how a box is divided into cells, and how the cells are indexed. Insertion
 //! and traversal are built on it; it knows nothing of primitives.
 
+use crate::base::memory;
 use crate::caster::error::GridTooLarge;
 use crate::caster::ray_aabb::SimdAabb;
 use crate::math::aabb::Aabb;
-use crate::memory;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! A folder that has a folder of pictures for every name.
 
 use super::references::References;
+use raytracer::base::escape::quoted;
 use raytracer::diagnostic::Diagnostic;
-use raytracer::escape::quoted;
 use raytracer::image_io::{Format, ImageError, read_picture};
 use raytracer::tools::grade::{Column, Submission};
 use std::ffi::{OsStr, OsString};

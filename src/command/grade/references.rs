@@ -1,16 +1,16 @@
 //! What pictures are graded by: files, or what command lines render.
 
 use super::folder::entries;
+use raytracer::base::escape::quoted;
 use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Options, parse_commands};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::escape::quoted;
 use raytracer::image_io::{Format, ReadFile, read_picture};
 use raytracer::picture::{FloatPicture, Picture};
+use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Layer, Request, Tracing};
-use raytracer::renderer::{Meshes, Renderer};
+use raytracer::scene::load;
 use raytracer::scene::model::Shows;
-use raytracer::scene_io;
 use raytracer::tools::causes::{Cause, Finding, FinishedPicture, Original};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -76,7 +76,7 @@ impl References {
             Origin::File(path) => vec![("picture", path.clone())],
             Origin::Rendered(options, _) => {
                 let scenes = options.input.iter();
-                let meshes = scenes.clone().flat_map(|scene| scene_io::mesh_files(scene, &options.hints()));
+                let meshes = scenes.clone().flat_map(|scene| load::mesh_files(scene, &options.hints()));
                 let meshes = meshes.map(|mesh| ("mesh", mesh));
                 scenes.map(|scene| ("scene", scene.clone())).chain(meshes).collect()
             }
@@ -120,7 +120,7 @@ impl References {
 /// The scene, and the options as its edition settles them.
 fn renderer(options: &Options) -> Result<(Renderer, Options), String> {
     let input = options.input.as_deref().ok_or("there is no scene")?;
-    let loaded = scene_io::load_with(input, &options.hints());
+    let loaded = load::load_with(input, &options.hints());
     let renderer = loaded.and_then(|loaded| {
         let options = options.in_edition(loaded.choice.edition);
         Ok((Renderer::new(loaded, Meshes::Kept)?, options))

@@ -24,13 +24,13 @@ mod tests;
 #[cfg(test)]
 mod worst_cases;
 
+use crate::base::memory;
 use crate::base::shortcut::Shortcut;
 use crate::camera::{Camera, Eye, Projection, TURN_ROUNDINGS};
 use crate::caster::Caster;
 use crate::caster::grid::cell_lists::widened;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
-use crate::memory;
 use crate::world::{Primitive, World};
 use bins::Bins;
 use edge_functions::{EDGE_ROUNDINGS, EdgeFunctions, ErrorBound, InvDepthPlane};

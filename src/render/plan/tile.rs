@@ -1,6 +1,7 @@
 //! A tile of a picture: what rays through the corners of its pixels, probes and tests tell of it.
 
 use super::{Band, Planner};
+use crate::picture::Color;
 use crate::render::row::Looked;
 use crate::render::tally::{Tally, in_parallel};
 use crate::render::tracing::RowsTracer;
@@ -8,7 +9,6 @@ use crate::sampling::adaptive::{BRIGHTEST, Contents, Line, beyond, finite};
 use crate::sampling::allotment::{Find, Known, Tested, gain, own_and_random_error};
 use crate::sampling::drand48::{Drand48, Jump};
 use crate::sampling::multi_jittered::MultiJittered;
-use crate::scene::Color;
 use glam::{DVec2, Vec3A};
 use rand::RngExt;
 use std::ops::Range;

@@ -1,9 +1,9 @@
 //! Layers that are measured at the centres of pixels: depths, distances and normals.
 
 use super::{Painter, RenderSetting};
+use crate::picture::Color;
 use crate::render::layer::Layer;
 use crate::sampling::sample_packet::Sample;
-use crate::scene::Color;
 use crate::scene::model::Model;
 use glam::DVec3;
 

@@ -1,12 +1,12 @@
 //! The adaptive samples of a row of pixels: as many as are planned.
 
 use super::{Colors, Painter, RenderSetting};
+use crate::picture::Color;
 use crate::render::plan::Plan;
 use crate::render::tracing::RowTracer;
 use crate::sampling::drand48::Jump;
 use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sample_packet::SamplePacket;
-use crate::scene::Color;
 use crate::stats::Counts;
 use glam::DVec2;
 use std::ops::Range;

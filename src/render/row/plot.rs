@@ -1,9 +1,9 @@
 //! Layers of samples: where the samples of a row lie, in its enlarged pixels.
 
 use super::Painter;
+use crate::picture::Color;
 use crate::render::layer::Layer;
 use crate::render::request::Request;
-use crate::scene::Color;
 use glam::DVec2;
 use std::ops::Range;
 

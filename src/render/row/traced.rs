@@ -1,7 +1,7 @@
 //! What has been traced of a row of pixels.
 
+use crate::picture::Color;
 use crate::sampling::spread::Spread;
-use crate::scene::Color;
 use crate::stats::Counts;
 
 /// The result of tracing a row of pixels.

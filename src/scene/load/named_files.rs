@@ -2,10 +2,10 @@
 
 use super::FoundMesh;
 use super::near_names::nearest_file;
+use crate::base::escape::{escape, quoted};
+use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::escape::{escape, quoted};
 use crate::image_io::read_picture;
-use crate::memory::{self, NoMemory};
 use crate::scene::edition::Edition;
 use crate::scene::mesh::{self, memory_for, read_obj};
 use crate::scene::texels::{ImageFile, Texels};

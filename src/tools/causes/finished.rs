@@ -2,8 +2,7 @@
 
 use super::finding::{Finding, find_causes};
 use super::{Cause, PixelChange};
-use crate::picture::{FloatPicture, Picture};
-use crate::scene::Color;
+use crate::picture::{Color, FloatPicture, Picture};
 use crate::tools::compare::colors;
 
 /// A finished picture.

@@ -30,10 +30,10 @@ pub use rules::{Rule, SelfHitting};
 pub use scenes::{OppositeFaces, SceneChange};
 
 use crate::caster::choose::{Rays, Structure};
-use crate::picture::{FloatPicture, Picture};
+use crate::picture::{Color, FloatPicture, Picture};
+use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Progress, Request, Tracing, Watch};
-use crate::renderer::{Prepared, Renderer};
-use crate::scene::{Color, Scene};
+use crate::scene::Scene;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt;

@@ -1,15 +1,14 @@
 //! A picture by any function from rays to colours, with the request's samples and filter.
 
+use crate::base::memory;
 use crate::camera::Camera;
 use crate::math::instructions;
 use crate::math::ray::Ray;
-use crate::memory;
-use crate::picture::{BadSize, FloatPicture};
+use crate::picture::{BadSize, Color, FloatPicture};
 use crate::render::Request;
 use crate::sampling::blur::{Blur, reduced};
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
-use crate::scene::Color;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;

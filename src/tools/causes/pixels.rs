@@ -1,7 +1,6 @@
 //! Mistakes that show in the finished picture alone.
 
-use crate::picture::{FloatPicture, Picture};
-use crate::scene::Color;
+use crate::picture::{Color, FloatPicture, Picture};
 use crate::tools::compare::{Rgb, colors as pixels_of};
 use serde::Serialize;
 use std::fmt;

@@ -1,9 +1,10 @@
 //! Mistakes that this program makes if it is asked for them: other effects, another camera.
 
+use crate::picture::Color;
 use crate::render::Request;
 use crate::scene::material::{Material, Phong};
 use crate::scene::model::Screen;
-use crate::scene::{Camera, Color, Scene};
+use crate::scene::{Camera, Scene};
 use crate::trace::{Effects, Shadows};
 use serde::Serialize;
 use std::fmt;

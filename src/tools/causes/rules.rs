@@ -6,14 +6,14 @@ use super::object_space::ObjectSpaces;
 use super::paint::paint;
 use super::requests::{has, has_secondary_rays};
 use crate::math::ray::Ray;
-use crate::picture::{BadSize, CHANNELS, FloatPicture, Picture};
+use crate::picture::{BadSize, CHANNELS, Color, FloatPicture, Picture};
+use crate::render::renderer::Renderer;
 use crate::render::{Layer, Request};
-use crate::renderer::Renderer;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::scene::material::{Material, Pattern};
 use crate::scene::model::{Highlight, Split};
-use crate::scene::{Color, Light, Object, Scene};
+use crate::scene::{Light, Object, Scene};
 use crate::stats::Quiet;
 use crate::trace::{ByModel, Departure, Rules, Shadows, Tracer};
 use glam::{DVec2, DVec3};
@@ -394,10 +394,10 @@ fn shifted([x, y]: [i8; 2], f: &mut fmt::Formatter<'_>) -> fmt::Result {
 mod tests {
     use super::*;
     use crate::caster::choose::Structure;
+    use crate::render::renderer::{Meshes, Renderer};
     use crate::render::{Request, Window};
-    use crate::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, filter::Filter, sampler};
-    use crate::scene_io;
+    use crate::scene::load;
     use crate::tools::causes::Cause;
     use crate::tools::causes::window::part;
     use crate::trace::Effects;
@@ -406,7 +406,7 @@ mod tests {
     /// The picture of one of this project's scenes by the renderer, and by the textbook's tracer without a mistake.
     fn both(scene: &str, request: &Request) -> [Picture; 2] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
-        let renderer = Renderer::new(scene_io::load(&path).unwrap(), Meshes::Kept).unwrap();
+        let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
         let original = Original::new(&renderer, Structure::Any, request).unwrap();
         [original.colors.to_picture(), picture(&original, None).unwrap()]
     }
@@ -440,7 +440,7 @@ mod tests {
         for filter in [Filter::PIXEL, Filter::Gaussian { sigma: 0.7 }] {
             let request = Request { sampler, filter, ..Request::new([50, 40]) };
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_02_sphere_triangles.txt");
-            let renderer = Renderer::new(scene_io::load(&path).unwrap(), Meshes::Kept).unwrap();
+            let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
             let mut original = Original::new(&renderer, Structure::Any, &request).unwrap();
             let causes: Vec<Cause> = Cause::all().collect();
             let whole: Vec<_> = causes.iter().map(|&cause| original.picture(cause)).collect();

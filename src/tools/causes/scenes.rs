@@ -2,11 +2,12 @@
 
 use super::requests::has;
 use super::{rotations, transform_order};
+use crate::picture::Color;
 use crate::render::Layer;
 use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
 use crate::scene::texels::CubeFaces;
-use crate::scene::{Color, Light, Scene};
+use crate::scene::{Light, Scene};
 use serde::Serialize;
 use std::fmt;
 

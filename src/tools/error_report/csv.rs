@@ -1,7 +1,7 @@
 //! The measurements as comma-separated values (RFC 4180), a line for each.
 
 use super::{ErrorReport, MeasuredFilter, Measurement, filter_flag};
-use crate::escape::csv_field;
+use crate::base::escape::csv_field;
 
 const HEAD: &str = "filter,shows,setting,flags,CPU seconds least,CPU seconds median,repeats,rays,Mrays/s,\
                     RMSE in levels,PSNR in dB,mean FLIP,share of pixels off by more than a level,on the front,\

@@ -1,9 +1,8 @@
 //! The reference: two independent pictures of many samples, so that their own noise cancels.
 
-use crate::picture::{FloatPicture, Picture};
+use crate::picture::{Color, FloatPicture, Picture};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
-use crate::scene::Color;
 
 /// The number of jittered samples per pixel of each half.
 pub const SAMPLES: u32 = 1024;

@@ -2,7 +2,7 @@
 
 use super::setting::separate;
 use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
-use crate::shell::Shell;
+use crate::base::shell::Shell;
 use crate::stats::RULE;
 use std::fmt::Write;
 

@@ -1,10 +1,10 @@
 //! Which object of the scene's text a primitive of the world comes from.
 
+use crate::base::escape::escape;
 use crate::diagnostic::Diagnostic;
-use crate::escape::escape;
 use crate::math::instructions::Level;
 use crate::math::rounded_point::RoundedPoint;
-use crate::renderer::Renderer;
+use crate::render::renderer::Renderer;
 use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::{MaterialId, Object, Position, Scene};
 use crate::shading::texture::first_weight;

@@ -3,8 +3,9 @@
 use super::close_call::{CloseCall, CloseCallKind};
 use super::objects::{MaterialPart, ObjectPart, TextureWeight};
 use crate::math::ray::{Hit, Ray};
+use crate::picture::Color;
+use crate::scene::Position;
 use crate::scene::material::Phong;
-use crate::scene::{Color, Position};
 use crate::shading::light::Incident;
 use crate::stats::{Counts, Probe};
 use crate::trace::{Event, Observer, PathEnd, Secondary, is_critical};

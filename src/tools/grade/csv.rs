@@ -1,7 +1,7 @@
 //! A table of results as comma-separated values (RFC 4180), a line for each picture of each name.
 
 use super::{Cell, Column, Table};
-use crate::escape::csv_field;
+use crate::base::escape::csv_field;
 
 const HEAD: &str = "name,picture,result,pixels that differ,by more than one level,largest difference,\
                     root mean square error,reason\r\n";

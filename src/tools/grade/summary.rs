@@ -1,7 +1,7 @@
 //! The results as a block like that of the statistics.
 
 use super::{Score, Table};
-use crate::escape::escape;
+use crate::base::escape::escape;
 use crate::stats::RULE;
 use std::fmt::Write;
 

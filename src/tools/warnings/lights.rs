@@ -1,8 +1,9 @@
 //! Scenes without lights, and lights that no picture shows.
 
 use crate::diagnostic::{Diagnostic, Severity, limited};
+use crate::picture::Color;
 use crate::scene::parser::Places;
-use crate::scene::{Color, Light, Scene};
+use crate::scene::{Light, Scene};
 use crate::trace::{Effects, Shadows};
 use crate::world::World;
 

@@ -2,11 +2,12 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::math::robust::unit;
+use crate::picture::Color;
+use crate::render::renderer::Prepared;
 use crate::render::{Layer, Request, Watch};
-use crate::renderer::Prepared;
+use crate::scene::Camera;
 use crate::scene::model::Screen;
 use crate::scene::parser::Places;
-use crate::scene::{Camera, Color};
 use glam::DVec3;
 use std::ops::ControlFlow;
 

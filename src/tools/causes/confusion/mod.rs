@@ -7,12 +7,12 @@ use super::{Cause, Finding, Original};
 use crate::caster::choose::Structure;
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
-use crate::renderer::{Meshes, Renderer};
+use crate::render::renderer::{Meshes, Renderer};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::MeshFile;
+use crate::scene::load::{Hints, Readers, Source, load, load_text};
 use crate::scene::texels::ImageFile;
-use crate::scene_io::{Hints, Readers, Source, load, load_text};
 use crate::trace::{Effects, Shadows};
 use std::path::Path;
 

@@ -6,8 +6,8 @@ mod single;
 
 use crate::math::ray::Ray;
 use crate::picture::{BadSize, FloatPicture};
+use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Window};
-use crate::renderer::{Prepared, Renderer};
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::stats::Quiet;
 use crate::tools::causes::{MAX_BOUNCES, Rule, mistaken_colors};
@@ -129,8 +129,8 @@ mod tests {
     use super::*;
     use crate::caster::choose::Structure;
     use crate::render::Tracing;
-    use crate::renderer::Meshes;
-    use crate::scene_io::load;
+    use crate::render::renderer::Meshes;
+    use crate::scene::load::load;
     use crate::trace::{Effects, Shadows};
     use std::path::Path;
 
