@@ -110,6 +110,12 @@ impl Diagnostic {
         self.places.first().and_then(|place| place.at)
     }
 
+    /// Formats the message and the hint where there is only one line.
+    pub fn in_one_line(&self) -> String {
+        let hint = self.hint.as_ref().map(|hint| format!("; {hint}"));
+        self.message.clone() + &hint.unwrap_or_default()
+    }
+
     /// Formats the first line: the place, the severity and the message.
     pub fn headline(&self) -> String {
         self.line_with(self.severity.label())

@@ -166,6 +166,11 @@ impl Picture {
         &self.pixels
     }
 
+    /// The bytes of the pixels, without the picture.
+    pub fn into_pixels(self) -> Vec<u8> {
+        self.pixels
+    }
+
     /// The bytes of the pixels, to be changed.
     pub fn pixels_mut(&mut self) -> &mut [u8] {
         &mut self.pixels

@@ -4,4 +4,3 @@ pub mod escape;
 pub mod memory;
 pub mod shell;
 pub mod shortcut;
-pub mod undisturbed;

@@ -3,6 +3,8 @@
 //! None changes a picture. Without the feature `fast` none is taken, and with the feature `ablation` those are left out
 //! that the environment variable `WITHOUT` names, to measure what each of them saves.
 
+use std::sync::OnceLock;
+
 /// A way to find something sooner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shortcut {
@@ -37,18 +39,10 @@ impl Shortcut {
     /// Whether it is taken. This is known when the program is compiled, except with the feature `ablation`.
     #[inline(always)]
     pub fn is_taken(self) -> bool {
-        cfg!(feature = "fast") && !self.is_left_out()
+        cfg!(feature = "fast") && !(cfg!(feature = "ablation") && self.is_left_out())
     }
 
-    #[cfg(not(feature = "ablation"))]
-    #[inline(always)]
     fn is_left_out(self) -> bool {
-        false
-    }
-
-    #[cfg(feature = "ablation")]
-    fn is_left_out(self) -> bool {
-        use std::sync::OnceLock;
         static LEFT_OUT: OnceLock<[bool; Shortcut::ALL.len()]> = OnceLock::new();
         let left_out = LEFT_OUT.get_or_init(|| {
             let names = std::env::var("WITHOUT").unwrap_or_default();

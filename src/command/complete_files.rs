@@ -5,8 +5,7 @@ use super::log::Log;
 use super::signals::Signals;
 use raytracer::cli::Output;
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{CompleteFile, ImageError, OutputFile, put_in_place};
-use std::io::ErrorKind;
+use raytracer::image_io::{CompleteFile, OutputFile, put_in_place};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Regular files that are complete and have no names yet.
@@ -14,13 +13,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub struct CompleteFiles(Arc<Mutex<Vec<CompleteFile>>>);
 
 impl CompleteFiles {
-    /// Adds a file. A pipe, a device or standard output is written at once, which may wait for a reader; one that has
-    /// gone away has seen enough.
+    /// Adds a file. A pipe, a device or standard output is written at once, which may wait for a reader.
     pub fn add(&self, file: CompleteFile) -> Result<(), Diagnostic> {
-        match file.write_stream() {
-            Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
-            written => self.files().extend(written?),
-        }
+        let regular = file.write_stream()?;
+        self.files().extend(regular);
         Ok(())
     }
 
@@ -29,7 +25,7 @@ impl CompleteFiles {
         let own = Self(self.0.clone());
         signals.before_end(move || {
             if let Err(error) = own.name_all() {
-                Log::default().tell(error.into());
+                Log::default().tell(error);
             }
         });
         let Err(end) = signals.end_at_once() else { return Ok(()) };
@@ -44,7 +40,7 @@ impl CompleteFiles {
     }
 
     /// Where two threads do so, one waits until the other is done.
-    fn name_all(&self) -> Result<(), ImageError> {
+    fn name_all(&self) -> Result<(), Diagnostic> {
         let mut files = self.files();
         put_in_place(std::mem::take(&mut files))
     }

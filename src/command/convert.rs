@@ -6,7 +6,7 @@ use super::log::Log;
 use super::signals::Signals;
 use super::{End, Outcome, refused};
 use raytracer::cli::Converting;
-use raytracer::image_io::{Written, check_distinct};
+use raytracer::image_io::{Rows, Written, check_distinct};
 
 /// Reads the picture and writes it.
 pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
@@ -14,9 +14,13 @@ pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome
     check_distinct([Written::Named(output.file.clone())], [("picture", options.picture.clone())])
         .map_err(refused)?;
     let file = prepare(output)?;
-    let picture = read_picture(&options.picture, "converted", log)?;
+    let converted = match Rows::open(&options.picture) {
+        // One row of it is in memory at a time.
+        Ok(rows) => rows.convert(file, output.format)?,
+        Err(_) => file.picture(output.format, &read_picture(&options.picture, "converted", log)?)?,
+    };
     let files = CompleteFiles::default();
-    files.add(file.picture(output.format, &picture)?)?;
+    files.add(converted)?;
     files.finish(signals)?;
     Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], options.progress))
 }

@@ -42,7 +42,6 @@ pub fn show(_: &Options, _: &Signals, _: &Log) -> Result<(), Diagnostic> {
 #[cfg(feature = "gui")]
 mod server {
     use super::*;
-    use raytracer::base::undisturbed::undisturbed;
     use raytracer::live::Server;
     use std::io::Write;
     use std::process::{Command, Stdio};
@@ -79,7 +78,8 @@ mod server {
     /// opens a file that only its owner can read, which leads to the page and is removed after a while.
     fn open_browser(url: &str, opened: Arc<Mutex<Option<NamedTempFile>>>) {
         let Some(opener) = opener() else { return };
-        let Ok(file) = undisturbed(|| {
+        // A signal waits for this, since it removes the file.
+        let Ok(file) = ({
             let mut opened = opened.lock().unwrap_or_else(PoisonError::into_inner);
             redirection(url).map(|file| opened.insert(file).path().to_owned())
         }) else {

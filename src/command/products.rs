@@ -2,9 +2,7 @@
 
 use raytracer::base::memory::with_room;
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{
-    CompleteFile, Content, Exceptional, Format, ImageError, OutputFile, Part, PictureWriter,
-};
+use raytracer::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, Part, PictureWriter};
 use raytracer::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::{Cost, Layer, Request};
 use raytracer::scene::Scene;
@@ -84,7 +82,7 @@ impl Products {
         Ok(())
     }
 
-    pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), ImageError> {
+    pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), Diagnostic> {
         let start = Instant::now();
         if self.is_blank
             && let Some(blank) = self.blank[layer]

@@ -4,6 +4,7 @@
 //! render's watch sees it, and the complete rows are kept.
 
 use super::End;
+use raytracer::image_io::NAMING;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
 use std::ops::ControlFlow;
@@ -67,7 +68,8 @@ impl Signals {
         }
         let task = self.before_end.lock().unwrap_or_else(PoisonError::into_inner).take();
         task.into_iter().for_each(|task| task());
-        raytracer::base::undisturbed::undisturbed(|| signal_hook::low_level::exit(128 + signal))
+        let _naming = NAMING.lock().unwrap_or_else(PoisonError::into_inner);
+        signal_hook::low_level::exit(128 + signal)
     }
 
     /// Starts a thread that takes the signals.

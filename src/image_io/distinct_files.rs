@@ -1,9 +1,12 @@
 //! Checks that a run writes no file that it also reads or writes under another name.
 
-use super::file_id::FileId;
+use super::output::{folder_of, follow_links};
 use crate::base::escape::quoted;
+use crate::diagnostic::Diagnostic;
 use std::collections::HashMap;
+use std::ffi::OsString;
 use std::fmt;
+use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 
 /// A file that a run writes. The path `-` is standard output.
@@ -28,60 +31,29 @@ pub type ReadFile = (&'static str, PathBuf);
 pub fn check_distinct(
     written: impl IntoIterator<Item = Written>,
     read: impl IntoIterator<Item = ReadFile>,
-) -> Result<(), SameFile> {
+) -> Result<(), Diagnostic> {
     let mut known: HashMap<FileId, Written> = HashMap::new();
     for file in written {
-        let Some(identity) = file.identity() else { continue };
+        let (Written::Named(path) | Written::PartOf { part: path, .. }) = &file;
+        let Some(identity) = FileId::of(path, "/dev/stdout") else { continue };
         if let Some(other) = known.get(&identity) {
-            return Err(SameFile::written_twice(other, &file));
+            return Err(Diagnostic::error(match &file {
+                _ if file == *other => format!("{other} would be written twice"),
+                Written::PartOf { .. } => format!("{file} is also {other}"),
+                Written::Named(_) => format!("{other} and {file} are the same file"),
+            }));
         }
         known.insert(identity, file);
     }
-    if known.keys().any(FileId::exists) {
+    if known.keys().any(|identity| identity.new_name.is_none()) {
         for (kind, path) in read {
-            let place = if is_stream(&path) { Path::new("/dev/stdin") } else { &path };
-            if let Some(file) = FileId::of(place).and_then(|identity| known.get(&identity)) {
-                return Err(SameFile::read(file, kind, &path));
+            if let Some(file) = FileId::of(&path, "/dev/stdin").and_then(|identity| known.get(&identity)) {
+                let path = if is_stream(&path) { "standard input".into() } else { quoted(&path) };
+                return Err(Diagnostic::error(format!("{file} is the {kind} {path}, which would be lost")));
             }
         }
     }
     Ok(())
-}
-
-/// The message that two files of a run are the same.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SameFile(String);
-
-impl SameFile {
-    fn written_twice(one: &Written, other: &Written) -> Self {
-        Self(match other {
-            _ if one == other => format!("{one} would be written twice"),
-            Written::PartOf { .. } => format!("{other} is also {one}"),
-            Written::Named(_) => format!("{one} and {other} are the same file"),
-        })
-    }
-
-    fn read(file: &Written, kind: &str, path: &Path) -> Self {
-        let read = if is_stream(path) { "standard input".into() } else { quoted(path) };
-        Self(format!("{file} is the {kind} {read}, which would be lost"))
-    }
-}
-
-impl fmt::Display for SameFile {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for SameFile {}
-
-impl Written {
-    fn identity(&self) -> Option<FileId> {
-        FileId::of(match self {
-            Self::Named(path) if is_stream(path) => Path::new("/dev/stdout"),
-            Self::Named(path) | Self::PartOf { part: path, .. } => path,
-        })
-    }
 }
 
 impl fmt::Display for Written {
@@ -98,4 +70,84 @@ impl fmt::Display for Written {
 
 fn is_stream(path: &Path) -> bool {
     path == Path::new("-")
+}
+
+/// Identifies a regular file, by whatever links and paths it is named.
+#[derive(PartialEq, Eq, Hash)]
+struct FileId {
+    /// The file, or the folder of one that does not exist yet.
+    node: Node,
+    /// The name of a file that does not exist yet.
+    new_name: Option<OsString>,
+}
+
+/// A file or a folder, by its device and its index on the device.
+#[cfg(unix)]
+type Node = (u64, u64);
+/// A file or a folder, by its path without links.
+#[cfg(not(unix))]
+type Node = PathBuf;
+
+impl FileId {
+    /// Returns the file that `path` leads to, which is `stream` if it is `-`. `None` for pipes and devices, which hold
+    /// nothing that could be lost, and for new files in folders that cannot be read.
+    fn of(path: &Path, stream: &str) -> Option<Self> {
+        let path = if is_stream(path) { Path::new(stream) } else { path };
+        if let Ok(found) = fs::metadata(path) {
+            let node = if found.is_file() { node(path, &found) } else { None };
+            return node.map(|node| Self { node, new_name: None });
+        }
+        let path = follow_links(path).ok()?;
+        let mut name = path.file_name()?.to_owned();
+        // Their disks do not tell capitals from small letters, and Windows leaves out dots and blanks at the end.
+        if cfg!(any(windows, target_vendor = "apple")) {
+            name = name.to_string_lossy().trim_end_matches(['.', ' ']).to_lowercase().into();
+        }
+        let folder = folder_of(&path);
+        Some(Self { node: node(folder, &fs::metadata(folder).ok()?)?, new_name: Some(name) })
+    }
+}
+
+#[cfg(unix)]
+fn node(_: &Path, found: &Metadata) -> Option<Node> {
+    use std::os::unix::fs::MetadataExt;
+    Some((found.dev(), found.ino()))
+}
+
+#[cfg(not(unix))]
+fn node(path: &Path, _: &Metadata) -> Option<Node> {
+    fs::canonicalize(path).ok()
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_known_by_any_of_its_names() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        let path = |name: &str| folder.join(name);
+        fs::write(path("file"), "").unwrap();
+        fs::create_dir(path("sub")).unwrap();
+        symlink("../file", path("sub/link")).unwrap();
+        symlink("../new", path("sub/new link")).unwrap();
+        fs::hard_link(path("file"), path("hard")).unwrap();
+        let is_one = |names: [&str; 2]| {
+            let [one, other] = names.map(|name| FileId::of(&path(name), "").unwrap());
+            one == other
+        };
+        for other in ["file", "sub/link", "hard", "sub/../file"] {
+            assert!(is_one(["file", other]), "{other}");
+        }
+        for other in ["new", "sub/new link", "sub/../new"] {
+            assert!(is_one(["new", other]), "{other}");
+        }
+        for names in [["file", "new"], ["new", "other"], ["new", "sub/new"]] {
+            assert!(!is_one(names), "{names:?}");
+        }
+        assert!(FileId::of(Path::new("/dev/null"), "").is_none());
+        assert!(["no/file", "sub"].iter().all(|name| FileId::of(&path(name), "").is_none()));
+    }
 }

@@ -2,10 +2,10 @@
 //!
 //! The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
-use super::error::ImageError;
 use super::header::{EXR_FLOAT, EXR_START};
-use super::reader::{Reader, Remarks, fill_row};
+use super::reader::{Remarks, black, fill_row, no_pixels, too_short};
 use crate::base::escape::{escape, quoted};
+use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Color, Picture};
 use std::borrow::Cow;
 
@@ -46,67 +46,67 @@ struct Area {
 }
 
 /// Reads the display window. It is black where the data window has no numbers, and what lies outside it is cut off.
-pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError> {
-    let file = reader;
-    let header = header(&mut reader)?;
+pub(super) fn read(file: &[u8]) -> Result<(Picture, Remarks), Diagnostic> {
+    let bad = |problem: &str| Err(Diagnostic::error(problem));
+    let mut rest = file;
+    let header = header(&mut rest)?;
     let Header { data, display, .. } = &header;
     if [data.width, data.height, display.width, display.height].iter().any(|&side| side <= 0) {
-        return Err(file.without_pixels());
+        return Err(no_pixels());
     }
-    let red_green_blue = header.colors(&file)?;
+    let red_green_blue = header.colors()?;
     let rows_per_block = match header.compression {
         0..=2 => 1,
         3 => 16,
         other => {
             let name = COMPRESSIONS.get(usize::from(other - 4)).unwrap_or(&"unknown");
-            return Err(file.bad(format!("its compression is {name}; {CONVERT}")));
+            return Err(Diagnostic::error(format!("its compression is {name}")).with_hint(CONVERT));
         }
     };
     let size_of = |area: &Area| [area.width as u32, area.height as u32];
-    let (length, blocks) = (file.bytes.len() as u64, (data.height as u64).div_ceil(rows_per_block as u64));
+    let (length, blocks) = (file.len() as u64, (data.height as u64).div_ceil(rows_per_block as u64));
     let pixels = (data.width as u64).saturating_mul(data.height as u64);
-    let short = || file.short(size_of(data));
+    let short = || too_short(size_of(data));
     if pixels > length.saturating_mul(MAX_INFLATION) || blocks > length / 8 {
         return Err(short());
     }
-    let mut picture = file.black(size_of(display), u64::MAX)?;
+    let mut picture = black(size_of(display), u64::MAX)?;
     let row_bytes =
         data.width as u64 * header.channels.iter().map(|channel| channel.bytes() as u64).sum::<u64>();
     if row_bytes > LONGEST_ROW {
-        return Err(file.bad("its rows are too long"));
+        return bad("its rows are too long");
     }
     // The places of the blocks.
-    reader.take(8 * blocks as usize).ok_or_else(short)?;
+    rest.split_off(..8 * blocks as usize).ok_or_else(short)?;
     // Columns that both windows have.
     let left = data.left.max(display.left);
     let right = (data.left + data.width).min(display.left + display.width);
     let columns = |area: &Area| (left - area.left) as usize..(right - area.left) as usize;
     let (mut is_read, mut remarks) = (vec![false; blocks as usize], Remarks::default());
     for _ in 0..blocks {
-        let [first, length] = reader.take_ints().ok_or_else(short)?;
+        let [first, length] = take_ints(&mut rest).ok_or_else(short)?;
         let first = i64::from(first) - data.top;
         if !(0..data.height).contains(&first) || first % rows_per_block != 0 {
-            return Err(file.bad("a row lies outside its data window"));
+            return bad("a row lies outside its data window");
         }
         if std::mem::replace(&mut is_read[(first / rows_per_block) as usize], true) {
-            return Err(file.bad("a row occurs twice"));
+            return bad("a row occurs twice");
         }
         let whole = rows_per_block.min(data.height - first) as usize * row_bytes as usize;
-        let length = usize::try_from(length).ok().filter(|&length| length <= whole);
-        let length = length.ok_or_else(|| file.bad("a row has a wrong length"))?;
-        let bytes = reader.take(length).ok_or_else(short)?;
-        let unpacked: Option<Cow<[u8]>> = match header.compression {
-            // What would not become shorter is stored as it is.
-            _ if length == whole => Some(bytes.into()),
-            0 => None,
-            1 => run_lengths(bytes, whole).map(|parts| undo_differences(parts).into()),
-            _ => {
-                let parts = fdeflate::decompress_to_vec_bounded(bytes, whole).ok();
-                parts.map(|parts| undo_differences(parts).into())
-            }
+        let Some(length) = usize::try_from(length).ok().filter(|&length| length <= whole) else {
+            return bad("a row has a wrong length");
         };
-        let unpacked = unpacked.filter(|bytes| bytes.len() == whole);
-        let unpacked = unpacked.ok_or_else(|| file.bad("its compressed numbers are broken"))?;
+        let bytes = rest.split_off(..length).ok_or_else(short)?;
+        let unpacked = match header.compression {
+            // What would not become shorter is stored as it is.
+            _ if length == whole => Some(Cow::from(bytes)),
+            0 => None,
+            1 => run_lengths(bytes, whole).map(undo_differences).map(Cow::from),
+            _ => fdeflate::decompress_to_vec_bounded(bytes, whole).ok().map(undo_differences).map(Cow::from),
+        };
+        let Some(unpacked) = unpacked.filter(|bytes| bytes.len() == whole) else {
+            return bad("its compressed numbers are broken");
+        };
         for (bytes, y) in unpacked.chunks_exact(row_bytes as usize).zip(data.top + first - display.top..) {
             if left < right && (0..display.height).contains(&y) {
                 let colors = header.row(bytes, data.width as usize, red_green_blue);
@@ -119,42 +119,51 @@ pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError>
     Ok((picture, remarks))
 }
 
-fn header<'a>(reader: &mut Reader<'a>) -> Result<Header<'a>, ImageError> {
-    let broken = reader.bad("its header is broken or cut off");
-    let Some(&[.., version, flags, _, _]) = reader.take(EXR_START.len()) else { return Err(broken) };
+/// Takes bytes up to a zero, which is left out.
+fn take_text<'a>(bytes: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let length = bytes.iter().position(|&byte| byte == 0)?;
+    bytes.split_off(..=length).map(|text| &text[..length])
+}
+
+/// Takes whole numbers of four bytes each, of which the lowest comes first.
+fn take_ints<const N: usize>(bytes: &mut &[u8]) -> Option<[i32; N]> {
+    let taken = bytes.split_off(..4 * N)?.as_chunks().0;
+    Some(std::array::from_fn(|index| i32::from_le_bytes(taken[index])))
+}
+
+fn header<'a>(rest: &mut &'a [u8]) -> Result<Header<'a>, Diagnostic> {
+    let broken = Diagnostic::error("its header is broken or cut off");
+    let Some(&[.., version, flags, _, _]) = rest.split_off(..EXR_START.len()) else { return Err(broken) };
     // The flag of names of up to 255 letters makes no difference.
     let found = match flags & !4 {
         _ if version != EXR_START[4] => "another version than 2 of OpenEXR",
-        0 => "",
+        0 => return attributes(rest).ok_or(broken),
         flags if flags & 16 != 0 => "several parts",
         flags if flags & 8 != 0 => "deep data",
         2 => "tiles",
         _ => "flags that are not known",
     };
-    match found {
-        "" => attributes(reader).ok_or(broken),
-        found => Err(reader.bad(format!("it has {found}; {CONVERT}"))),
-    }
+    Err(Diagnostic::error(format!("it has {found}")).with_hint(CONVERT))
 }
 
-fn attributes<'a>(reader: &mut Reader<'a>) -> Option<Header<'a>> {
+fn attributes<'a>(rest: &mut &'a [u8]) -> Option<Header<'a>> {
     let mut header = Header::default();
     loop {
-        let name = reader.take_text()?;
+        let name = take_text(rest)?;
         if name.is_empty() {
             return Some(header);
         }
-        reader.take_text()?;
-        let length = usize::try_from(reader.take_ints::<1>()?[0]).ok()?;
-        let mut value = Reader { bytes: reader.take(length)?, ..*reader };
+        take_text(rest)?;
+        let length = usize::try_from(take_ints::<1>(rest)?[0]).ok()?;
+        let mut value = rest.split_off(..length)?;
         let mut area = || {
-            let [left, top, right, bottom] = value.take_ints()?.map(i64::from);
+            let [left, top, right, bottom] = take_ints(&mut value)?.map(i64::from);
             Some(Area { left, top, width: right - left + 1, height: bottom - top + 1 })
         };
         match name {
             b"dataWindow" => header.data = area()?,
             b"displayWindow" => header.display = area()?,
-            b"compression" => header.compression = value.bytes.first().copied().unwrap_or(u8::MAX),
+            b"compression" => header.compression = value.first().copied().unwrap_or(u8::MAX),
             b"channels" => header.channels = channels(value)?,
             _ => {}
         }
@@ -163,21 +172,21 @@ fn attributes<'a>(reader: &mut Reader<'a>) -> Option<Header<'a>> {
 
 /// Returns the channels of a list of them: for each a name, the type, and how many pixels share a number along both
 /// axes.
-fn channels(mut list: Reader) -> Option<Vec<Channel>> {
+fn channels(mut list: &[u8]) -> Option<Vec<Channel<'_>>> {
     let mut channels = vec![];
     loop {
-        let name = list.take_text()?;
+        let name = take_text(&mut list)?;
         if name.is_empty() {
             return Some(channels);
         }
-        let [kind, _, x, y] = list.take_ints()?;
+        let [kind, _, x, y] = take_ints(&mut list)?;
         channels.push(Channel { name, kind, is_full: [x, y] == [1, 1] });
     }
 }
 
 impl Header<'_> {
     /// Returns the indices of the channels of red, green and blue; three times the same for a single channel.
-    fn colors(&self, file: &Reader) -> Result<[usize; 3], ImageError> {
+    fn colors(&self) -> Result<[usize; 3], Diagnostic> {
         let channels = &self.channels;
         let find = |name: &[u8]| channels.iter().position(|channel| channel.name == name);
         let is_chroma = find(b"RY").or(find(b"BY")).is_some();
@@ -191,15 +200,16 @@ impl Header<'_> {
         let names = channels.iter().map(|channel| String::from_utf8_lossy(channel.name));
         let names = quoted(names.collect::<Vec<_>>().join(", "));
         let layer = channels.iter().find_map(|channel| channel.name.strip_suffix(b".R"));
-        let advice = match layer.map(String::from_utf8_lossy) {
-            _ if !is_full => "not all of them with a number for each pixel".into(),
+        let (problem, hint) = match layer.map(String::from_utf8_lossy) {
+            _ if !is_full => ("not all of them with a number for each pixel", None),
             Some(layer) => {
                 let rename = escape(&format!("R={layer}.R,G={layer}.G,B={layer}.B"));
-                format!("not R, G and B; `oiiotool a.exr --ch {rename} -o b.exr` takes a layer")
+                ("not R, G and B", Some(format!("`oiiotool a.exr --ch {rename} -o b.exr` takes a layer")))
             }
-            None => "neither R, G and B nor a single one".into(),
+            None => ("neither R, G and B nor a single one", None),
         };
-        Err(file.bad(format!("it has the channels {names}, {advice}")))
+        let problem = format!("it has the channels {names}, {problem}");
+        Err(Diagnostic { hint, ..Diagnostic::error(problem) })
     }
 
     /// Returns the colours of a row, whose numbers are those of the first channel, then those of the next.
@@ -243,18 +253,12 @@ fn half(bits: u16) -> f64 {
 }
 
 /// Expands runs of a byte, and stretches of bytes with a negative length. `None` if they are longer than `length`.
-fn run_lengths(runs: &[u8], length: usize) -> Option<Vec<u8>> {
-    let (mut runs, mut bytes) = (runs, Vec::with_capacity(length));
-    while let Some((&count, rest)) = runs.split_first() {
-        let count = count as i8;
-        if count < 0 {
-            let (stretch, rest) = rest.split_at_checked(count.unsigned_abs().into())?;
-            bytes.extend_from_slice(stretch);
-            runs = rest;
-        } else {
-            let (&byte, rest) = rest.split_first()?;
-            bytes.resize(bytes.len() + count as usize + 1, byte);
-            runs = rest;
+fn run_lengths(mut runs: &[u8], length: usize) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(length);
+    while let Some(&count) = runs.split_off_first() {
+        match count as i8 {
+            count @ ..0 => bytes.extend_from_slice(runs.split_off(..count.unsigned_abs().into())?),
+            count => bytes.resize(bytes.len() + count as usize + 1, *runs.split_off_first()?),
         }
         if bytes.len() > length {
             return None;

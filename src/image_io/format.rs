@@ -1,10 +1,20 @@
 //! The formats of picture files. The end of a name decides what is written, the first bytes decide what is read.
 
-use super::error::ImageError;
 use super::header::TGA_HEADER;
+use super::unknown_ending;
 use crate::base::escape::quoted;
+use crate::diagnostic::Diagnostic;
 use serde::Serialize;
 use std::path::Path;
+
+/// What the colours of a picture mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Red, green and blue, or the coordinates of normals.
+    Colors,
+    /// Distances, equal in all channels, and infinite where there is nothing.
+    Distances,
+}
 
 /// The format of a picture file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -24,28 +34,37 @@ pub enum Format {
     Exr,
 }
 
-impl Format {
-    const ALL: [(&'static [u8; 4], Self); 6] = [
-        (b".tga", Self::Tga),
-        (b".png", Self::Png),
-        (b".bmp", Self::Bmp),
-        (b".ppm", Self::Ppm),
-        (b".pfm", Self::Pfm),
-        (b".exr", Self::Exr),
-    ];
+/// The endings of names.
+const ENDINGS: [(&[u8; 4], Format); 10] = [
+    (b".tga", Format::Tga),
+    (b".png", Format::Png),
+    (b".bmp", Format::Bmp),
+    (b".ppm", Format::Ppm),
+    (b".pfm", Format::Pfm),
+    (b".exr", Format::Exr),
+    // The relatives of PPM are only read.
+    (b".pbm", Format::Ppm),
+    (b".pgm", Format::Ppm),
+    (b".pnm", Format::Ppm),
+    (b".pam", Format::Ppm),
+];
+/// The number of the endings of files that are written, which come first.
+const WRITTEN: usize = 6;
 
+impl Format {
     /// Returns the format of a file to write, by the last four bytes of its name, in upper or lower case.
     pub fn of(path: &Path) -> Option<Self> {
-        let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
-        Self::ALL.into_iter().find(|(ending, _)| ending.eq_ignore_ascii_case(end)).map(|(_, format)| format)
+        Self::among(&ENDINGS[..WRITTEN], path)
     }
 
-    /// Returns the format of a file to read. It may also have the ending of a relative of PPM.
+    /// Returns the format of a file to read.
     pub fn of_input(path: &Path) -> Option<Self> {
+        Self::among(&ENDINGS, path)
+    }
+
+    fn among(endings: &[(&[u8; 4], Self)], path: &Path) -> Option<Self> {
         let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
-        let is_relative =
-            [b".pbm", b".pgm", b".pnm", b".pam"].iter().any(|ending| ending.eq_ignore_ascii_case(end));
-        if is_relative { Some(Self::Ppm) } else { Self::of(path) }
+        endings.iter().find(|(ending, _)| ending.eq_ignore_ascii_case(end)).map(|&(_, format)| format)
     }
 
     /// Returns the format with this name, which is an ending without the dot.
@@ -75,6 +94,10 @@ pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub(super) const START: usize = 4096;
 /// How many bytes of an unknown file are shown.
 const SHOWN: usize = 24;
+/// What is wrong with a file that is too short.
+pub(super) const CUT_HEADER: &str = "it ends within its header";
+/// What to do if a picture has other text in it.
+pub(super) const OTHER_TEXT: &str = "messages belong to the standard error, as `std::cerr`";
 
 /// The starts of files that are not read, and what to do with them.
 const FOREIGN: [(&[u8], &str, &str); 13] = [
@@ -96,25 +119,23 @@ const CONVERT: &str = "convert it to PNG";
 const WIDE: &str = "text in UTF-16, as `>` in PowerShell writes it";
 const BYTES: &str = "`>` in cmd.exe leaves the bytes as they are, and an editor can save it as UTF-8";
 
-/// Returns the format of a file by its first bytes. An error if its name has the ending of another format.
-pub(super) fn identify(path: &Path, bytes: &[u8]) -> Result<Format, ImageError> {
+/// Returns the format of a file by its first bytes. An error, without the file, if its name has the ending of another
+/// format.
+pub(super) fn identify(path: &Path, bytes: &[u8]) -> Result<Format, Diagnostic> {
     let start = &bytes[..bytes.len().min(START)];
-    let bad = |reason| Err(ImageError::new("read", path, reason));
-    let foreign = || FOREIGN.iter().find(|(mark, ..)| start.starts_with(mark));
-    match (known(start), Format::of_input(path)) {
-        (Some((format, _)), Some(named)) if format == named => Ok(format),
-        (Some((_, ending)), _) => {
+    let foreign = FOREIGN.iter().find(|(mark, ..)| start.starts_with(mark));
+    Err(match (known(start), foreign, Format::of_input(path)) {
+        (Some((format, _)), _, Some(named)) if format == named => return Ok(format),
+        (Some((_, ending)), ..) => {
             let right = path.with_extension(ending);
             let right = quoted(right.file_name().unwrap_or_default());
-            bad(format!("it is {}; name it {right}", named_file(ending)))
+            Diagnostic::error(format!("it is {}", named_file(ending))).with_hint(format!("name it {right}"))
         }
-        (None, named) => match (foreign(), named) {
-            (Some((_, name, advice)), _) => bad(format!("it is {name}; {advice}")),
-            (None, None) => Err(ImageError::ending("read", path)),
-            (None, Some(Format::Tga)) => Ok(Format::Tga),
-            (None, Some(named)) => bad(unknown(start, named)),
-        },
-    }
+        (None, Some((_, name, advice)), _) => Diagnostic::error(format!("it is {name}")).with_hint(*advice),
+        (None, None, Some(Format::Tga)) => return Ok(Format::Tga),
+        (None, None, Some(named)) => unknown(start, named),
+        (None, None, None) => unknown_ending(),
+    })
 }
 
 /// Returns a format, and the ending of its files' names.
@@ -161,17 +182,21 @@ fn named_file(ending: &str) -> String {
 }
 
 /// Returns why a file that is in no known format cannot be read.
-fn unknown(start: &[u8], named: Format) -> String {
+fn unknown(start: &[u8], named: Format) -> Diagnostic {
     let line = start.split(|&byte| byte == b'\n').next().unwrap_or_default().trim_ascii();
     if start.len() < 2 {
-        return "it ends within its header".into();
+        return Diagnostic::error(CUT_HEADER);
     }
     let shown = quoted(&*String::from_utf8_lossy(&line[..line.len().min(SHOWN)]));
     let mut rest = start.split_inclusive(|&byte| byte == b'\n').skip(1).zip(2..);
     match rest.find(|(line, _)| netpbm(line).is_some()) {
-        Some((_, number)) if matches!(named, Format::Ppm | Format::Pfm) => format!(
-            "its picture begins in line {number}, after {shown}; messages belong to the standard error, as `std::cerr`"
-        ),
-        _ => format!("it is not {}, since it begins with {shown}", named_file(&format!("{named:?}"))),
+        Some((_, number)) if matches!(named, Format::Ppm | Format::Pfm) => {
+            Diagnostic::error(format!("its picture begins in line {number}, after {shown}"))
+                .with_hint(OTHER_TEXT)
+        }
+        _ => {
+            let name = named_file(&format!("{named:?}"));
+            Diagnostic::error(format!("it is not {name}, since it begins with {shown}"))
+        }
     }
 }

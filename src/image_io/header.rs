@@ -1,6 +1,8 @@
 //! The headers of the files that are written, but for PNG's.
 
+use super::format::{Content, Format};
 use super::part::Part;
+use crate::diagnostic::Diagnostic;
 
 /// The length of the header of a TGA file, in bytes.
 pub(super) const TGA_HEADER: usize = 18;
@@ -13,10 +15,42 @@ pub(super) const EXR_START: [u8; 8] = [0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
 /// OpenEXR's number for the type of single precision.
 pub(super) const EXR_FLOAT: i32 = 2;
 
+/// Returns what precedes the rows of a picture, but for PNG, or why the format cannot hold it.
+pub(super) fn header(
+    format: Format,
+    size @ [width, height]: [usize; 2],
+    content: Content,
+    part: Option<&Part>,
+) -> Result<Vec<u8>, Diagnostic> {
+    let whole = part.map_or(size, |part| part.whole.map(|side| side as usize));
+    let has_short_sides = matches!(format, Format::Tga | Format::Pfm | Format::Exr);
+    if let (true, [width, height]) = (has_short_sides, whole)
+        && width.max(height) > u16::MAX.into()
+    {
+        return Err(Diagnostic::error(format!("{width} x {height} is above 65535 pixels a side")));
+    }
+    let is_grey = content == Content::Distances;
+    Ok(match format {
+        Format::Tga => tga(size, part),
+        Format::Png => vec![],
+        Format::Bmp => bmp(size).ok_or_else(|| {
+            let limit = "pixels are above 4 GB, where a BMP file ends";
+            Diagnostic::error(format!("{width} x {height} {limit}"))
+        })?,
+        Format::Ppm => format!("P6\n{width} {height}\n255\n").into_bytes(),
+        // The negative number says that the lowest byte comes first.
+        Format::Pfm => format!("P{}\n{width} {height}\n-1.0\n", if is_grey { 'f' } else { 'F' }).into_bytes(),
+        Format::Exr => {
+            let at = part.map_or([0; 2], |part| part.at.map(|n| n as usize));
+            exr(size, whole, at, if is_grey { &["Z"] } else { &["B", "G", "R"] })
+        }
+    })
+}
+
 /// Returns the header of a TGA file as the course's program writes it: uncompressed true colour of 24 bits, with rows
 /// from the top. No side may be above 65535 pixels, of the whole either if the picture is a part. The header of a part
 /// has an origin, which is its lower left corner from that of the whole, and an image ID.
-pub(super) fn tga([width, height]: [usize; 2], part: Option<&Part>) -> Vec<u8> {
+fn tga([width, height]: [usize; 2], part: Option<&Part>) -> Vec<u8> {
     let origin = part.map_or([0; 2], |part| {
         let below = part.whole[1].saturating_sub(part.at[1]).saturating_sub(height as u32);
         [part.at[0], below]
@@ -35,7 +69,7 @@ pub(super) fn bmp_row(width: usize) -> usize {
 
 /// Returns the header of an uncompressed BMP file of 24 bits per pixel, whose rows follow from the bottom. `None` if
 /// its fields cannot hold the size of the picture or of the file.
-pub(super) fn bmp([width, height]: [usize; 2]) -> Option<Vec<u8>> {
+fn bmp([width, height]: [usize; 2]) -> Option<Vec<u8>> {
     let rows = bmp_row(width).checked_mul(height)?;
     let file = u32::try_from(rows.checked_add(BMP_HEADER)?).ok()?;
     let planes_and_bits = 1 | 24 << 16;
@@ -50,7 +84,7 @@ pub(super) fn bmp([width, height]: [usize; 2]) -> Option<Vec<u8>> {
 /// `at`. The channels have to be in alphabetical order.
 ///
 /// The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
-pub(super) fn exr(size: [usize; 2], whole: [usize; 2], at: [usize; 2], channels: &[&str]) -> Vec<u8> {
+fn exr(size: [usize; 2], whole: [usize; 2], at: [usize; 2], channels: &[&str]) -> Vec<u8> {
     let ints = |ints: &[i32]| ints.iter().flat_map(|int| int.to_le_bytes()).collect::<Vec<u8>>();
     let window = |[x, y]: [usize; 2], [width, height]: [usize; 2]| {
         ints(&[x, y, x + width - 1, y + height - 1].map(|n| n as i32))

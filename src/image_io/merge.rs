@@ -1,9 +1,9 @@
 //! Parts of a picture are put together, row by row.
 
-use super::error::ImageError;
 use super::part::{Part, PartFile, Rows};
 use super::writer::PictureWriter;
 use crate::base::escape::quoted;
+use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Window};
 use std::path::PathBuf;
 
@@ -21,9 +21,9 @@ pub struct Merge {
 impl Merge {
     /// Opens parts, in any order, and checks that they are parts of one picture and cover it, or the region of it that
     /// is asked for. Their pixels are not read yet.
-    pub fn open(paths: &[PathBuf], region: Option<Window>) -> Result<Self, ImageError> {
+    pub fn open(paths: &[PathBuf], region: Option<Window>) -> Result<Self, Diagnostic> {
         let mut parts = paths.iter().map(|path| PartFile::open(path)).collect::<Result<Vec<_>, _>>()?;
-        let failed = |problem| Err(ImageError::Parts(problem));
+        let failed = |problem: String| Err(Diagnostic::error(problem));
         let Some(PartFile { path, part: first, .. }) = parts.first().cloned() else {
             return failed("there are no parts".into());
         };
@@ -59,59 +59,41 @@ impl Merge {
 
     /// Hands the rows to the writer, and calls `watch` with their number after each. Only files that the current row
     /// crosses are open.
-    pub fn write(&self, writer: &mut PictureWriter, watch: &dyn Fn(usize)) -> Result<(), ImageError> {
-        let mut row = vec![0; self.target.width * CHANNELS];
+    pub fn write(&self, writer: &mut PictureWriter, watch: &dyn Fn(usize)) -> Result<(), Diagnostic> {
+        let target = self.target;
+        let mut row = vec![[0; CHANNELS]; target.width];
+        let mut bytes = vec![];
         let mut waiting = self.parts.iter().peekable();
-        let mut open: Vec<OpenPart> = vec![];
-        for y in self.target.y..self.target.bottom() {
-            while let Some(file) = waiting.next_if(|part| part.window.y <= y) {
-                let mut part = OpenPart { file, rows: Rows::open(&file.path)?, row: vec![] };
-                (file.window.y..y).try_for_each(|_| part.rows.next(&mut part.row))?;
-                open.push(part);
+        let mut open: Vec<(&PartFile, Rows)> = vec![];
+        for y in target.y..target.bottom() {
+            while let Some(part) = waiting.next_if(|part| part.window.y <= y) {
+                let mut rows = Rows::open(&part.path)?;
+                (part.window.y..y).try_for_each(|_| rows.next(&mut bytes))?;
+                open.push((part, rows));
             }
-            open.sort_by_key(|part| part.file.window.x);
-            self.fill(&mut row, y, &mut open)?;
-            writer.row_of_bytes(&row)?;
-            open.retain(|part| part.file.window.bottom() > y + 1);
-            watch(y + 1 - self.target.y);
+            // The part from which each pixel comes. Where parts overlap they must agree.
+            let mut sources: Vec<Option<&PartFile>> = vec![None; target.width];
+            for (part, rows) in &mut open {
+                rows.next(&mut bytes)?;
+                let pixels = (part.window.x..).zip(bytes.as_chunks().0);
+                for (x, &pixel) in pixels.filter(|(x, _)| (target.x..target.right()).contains(x)) {
+                    let known = &mut row[x - target.x];
+                    match sources[x - target.x].replace(part) {
+                        Some(other) if *known != pixel => {
+                            let [other, path] = [&other.path, &part.path].map(quoted);
+                            let problem = format!("{other} and {path} overlap and differ at ({x}, {y})");
+                            return Err(Diagnostic::error(problem));
+                        }
+                        _ => *known = pixel,
+                    }
+                }
+            }
+            writer.row_of_bytes(row.as_flattened())?;
+            open.retain(|(part, _)| part.window.bottom() > y + 1);
+            watch(y + 1 - target.y);
         }
         Ok(())
     }
-
-    /// Puts row `y` together. The parts are sorted from the left, and leave no gap. Where they overlap they must agree.
-    fn fill(&self, row: &mut [u8], y: usize, parts: &mut [OpenPart]) -> Result<(), ImageError> {
-        let (left, right) = (self.target.x, self.target.right());
-        let mut filled = left;
-        for index in 0..parts.len() {
-            let OpenPart { file, rows, row: bytes } = &mut parts[index];
-            rows.next(bytes)?;
-            let [start, end] = [file.window.x, file.window.right()].map(|x| x.clamp(left, right));
-            let seam = filled.clamp(start, end);
-            let own = &bytes[(start - file.window.x) * CHANNELS..(end - file.window.x) * CHANNELS];
-            let (known, new) = row[(start - left) * CHANNELS..(end - left) * CHANNELS]
-                .split_at_mut((seam - start) * CHANNELS);
-            if let Some(byte) = known.iter().zip(own).position(|(a, b)| a != b) {
-                let x = start + byte / CHANNELS;
-                let path = quoted(&file.path);
-                let other = parts[..index].iter().find(|part| part.file.window.right() > x);
-                let other = other.map_or(String::new(), |other| quoted(&other.file.path));
-                return Err(ImageError::Parts(format!(
-                    "{other} and {path} overlap and differ at ({x}, {y})"
-                )));
-            }
-            new.copy_from_slice(&own[known.len()..]);
-            filled = filled.max(end);
-        }
-        Ok(())
-    }
-}
-
-/// A part that is being read.
-struct OpenPart<'p> {
-    file: &'p PartFile,
-    rows: Rows,
-    /// Its bytes of the current row.
-    row: Vec<u8>,
 }
 
 /// Returns the first pixels of `target` that no part covers, by rows from the top and then from the left: the columns

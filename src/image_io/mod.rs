@@ -3,9 +3,7 @@
 //! together.
 
 mod distinct_files;
-mod error;
 mod exr;
-mod file_id;
 mod format;
 mod header;
 mod merge;
@@ -15,15 +13,16 @@ mod part;
 mod reader;
 mod writer;
 
-pub use distinct_files::{ReadFile, SameFile, Written, check_distinct};
-pub use error::ImageError;
-pub use format::Format;
+pub use distinct_files::{ReadFile, Written, check_distinct};
+pub use format::{Content, Format};
 pub use merge::Merge;
-pub use output::{CompleteFile, OutputFile, put_in_place};
-pub use part::{Part, PartFile};
-pub use reader::{Remarks, read_picture, read_picture_from, read_remarked_picture};
-pub use writer::{Content, Exceptional, PictureWriter, part_beside};
+pub use output::{CompleteFile, NAMING, OutputFile, put_in_place};
+pub use part::{Part, PartFile, Rows};
+pub use reader::{Remarks, load_picture, read_picture, read_picture_from, read_remarked_picture};
+pub use writer::{Exceptional, PictureWriter, part_beside};
 
+use crate::base::escape::quoted;
+use crate::diagnostic::Diagnostic;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -36,4 +35,15 @@ pub fn beside(path: &Path, word: &str) -> PathBuf {
         name.extend([".".as_ref(), extension]);
     }
     path.with_file_name(name)
+}
+
+/// Adds to a reason what cannot be done: a verb such as "read", and the path as the user gave it.
+fn cannot(action: &str, path: &Path, reason: impl Into<Diagnostic>) -> Diagnostic {
+    let reason = reason.into();
+    Diagnostic { message: format!("cannot {action} {}: {}", quoted(path), reason.message), ..reason }
+}
+
+/// Returns the error of a file whose name ends in none of the endings of pictures.
+fn unknown_ending() -> Diagnostic {
+    Diagnostic::error("its name ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr")
 }

@@ -5,10 +5,10 @@
 //! of the file. If the rest is longer, its pixels may be shifted, and the file is refused unless line feeds written as
 //! CR LF explain every byte.
 
-use super::error::ImageError;
-use super::format::BYTE_ORDER_MARK;
-use super::reader::{Reader, Remarks, fill_row, level};
+use super::format::{BYTE_ORDER_MARK, CUT_HEADER, OTHER_TEXT};
+use super::reader::{Remarks, black, fill_row, level, too_short};
 use crate::base::escape::quoted;
+use crate::diagnostic::Diagnostic;
 use crate::picture::{Color, Picture};
 use std::borrow::Cow;
 
@@ -16,8 +16,6 @@ use std::borrow::Cow;
 const SHOWN: usize = 40;
 /// The largest sample that the formats allow for white.
 const LARGEST_WHITE: u32 = 65535;
-/// The hint for a word that is no number.
-const OTHER_TEXT: &str = "; messages belong to the standard error, as `std::cerr`";
 
 /// What the header says.
 #[derive(Clone, Copy, Default)]
@@ -47,9 +45,9 @@ impl Header {
 }
 
 /// Reads a picture from the start of a file.
-pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError> {
-    reader.bytes = reader.bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(reader.bytes);
-    let mut text = Text { start: reader.bytes, reader, size: None };
+pub(super) fn read(file: &[u8]) -> Result<(Picture, Remarks), Diagnostic> {
+    let start = file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file);
+    let mut text = Text { start, rest: start, size: None };
     let kind = text.word()?;
     let header = match kind {
         b"P1" | b"P4" => text.header(1, 1)?,
@@ -70,15 +68,15 @@ pub(super) fn read(mut reader: Reader) -> Result<(Picture, Remarks), ImageError>
 struct Text<'a> {
     /// The whole file.
     start: &'a [u8],
-    /// The rest.
-    reader: Reader<'a>,
+    /// What has not been read.
+    rest: &'a [u8],
     /// Width and height, once the header has been read.
     size: Option<[u32; 2]>,
 }
 
 impl<'a> Text<'a> {
     /// Reads the size, and the sample of white or the scale, whose sign is the order of bytes.
-    fn header(&mut self, channels: usize, bits: usize) -> Result<Header, ImageError> {
+    fn header(&mut self, channels: usize, bits: usize) -> Result<Header, Diagnostic> {
         let size = [self.number(0, u32::MAX)?, self.number(0, u32::MAX)?];
         let mut header = Header { size, channels, bits, white: 1, is_little_endian: false };
         if bits == 8 {
@@ -92,7 +90,7 @@ impl<'a> Text<'a> {
         Ok(header)
     }
 
-    fn pam_header(&mut self) -> Result<Header, ImageError> {
+    fn pam_header(&mut self) -> Result<Header, Diagnostic> {
         let mut header = Header::default();
         loop {
             match self.word()? {
@@ -108,9 +106,9 @@ impl<'a> Text<'a> {
     }
 
     /// Reads the samples of a plain picture, after which the file has no more words.
-    fn plain(&mut self, header: &Header) -> Result<Picture, ImageError> {
+    fn plain(&mut self, header: &Header) -> Result<Picture, Diagnostic> {
         let [width, height] = header.size;
-        let mut picture = self.reader.black(header.size, self.start.len() as u64)?;
+        let mut picture = black(header.size, self.start.len() as u64)?;
         for pixel in picture.pixels_mut().as_chunks_mut().0 {
             let mut samples = [0; 3];
             for sample in &mut samples[..header.channels] {
@@ -119,16 +117,17 @@ impl<'a> Text<'a> {
             header.set(pixel, |channel| samples[channel]);
         }
         let Some(word) = self.next_word() else { return Ok(picture) };
-        let hint = if parse::<f64>(word).is_some() { "" } else { OTHER_TEXT };
-        Err(self.bad_word(word, &format!("follows the last of {width} x {height} pixels{hint}")))
+        let hint = parse::<f64>(word).is_none().then(|| OTHER_TEXT.into());
+        let problem = format!("follows the last of {width} x {height} pixels");
+        Err(Diagnostic { hint, ..self.bad_word(word, &problem) })
     }
 
-    fn raw(mut self, header: &Header) -> Result<(Picture, Remarks), ImageError> {
+    fn raw(mut self, header: &Header) -> Result<(Picture, Remarks), Diagnostic> {
         let (Header { channels, bits, white, .. }, [width, height]) = (*header, header.size);
         let row_bytes = (u64::from(width) * channels as u64 * bits as u64).div_ceil(8);
         let needed = row_bytes.saturating_mul(height.into());
-        let is_long_enough = self.reader.bytes.len() as u64 >= needed;
-        let mut picture = self.reader.black(header.size, if is_long_enough { u64::MAX } else { 0 })?;
+        let is_long_enough = self.rest.len() as u64 >= needed;
+        let mut picture = black(header.size, if is_long_enough { u64::MAX } else { 0 })?;
         let (samples, has_line_end) = self.samples(needed as usize)?;
         let mut clamped = 0;
         for (bytes, y) in samples.chunks_exact(row_bytes as usize).zip(0..height as usize) {
@@ -157,15 +156,16 @@ impl<'a> Text<'a> {
             };
             let mut pixels = row.as_chunks_mut().0.iter_mut().enumerate();
             if !pixels.all(|(x, pixel)| header.set(pixel, |channel| sample(x * channels + channel))) {
-                return Err(self.reader.bad(format!("row {} has a sample above {white}, its white", y + 1)));
+                let problem = format!("row {} has a sample above {white}, its white", y + 1);
+                return Err(Diagnostic::error(problem));
             }
         }
         Ok((picture, Remarks { clamped, has_line_end }))
     }
 
     /// Returns the samples, which take `needed` bytes, and whether a line end follows them.
-    fn samples(&mut self, needed: usize) -> Result<(Cow<'a, [u8]>, bool), ImageError> {
-        let (rest, [width, height]) = (self.reader.bytes, self.size.unwrap_or_default());
+    fn samples(&mut self, needed: usize) -> Result<(Cow<'a, [u8]>, bool), Diagnostic> {
+        let (rest, [width, height]) = (self.rest, self.size.unwrap_or_default());
         let head = &self.start[..self.start.len() - rest.len()];
         let surplus = rest.len() - needed;
         // White space before the samples could be surplus just as well.
@@ -176,7 +176,7 @@ impl<'a> Text<'a> {
         };
         match surplus {
             // All lines of the header end in CR LF. So does the last, and a byte is missing.
-            0 if all_in_crlf && head.contains(&b'\n') => Err(self.reader.short([width, height])),
+            0 if all_in_crlf && head.contains(&b'\n') => Err(too_short([width, height])),
             0 => Ok((rest.into(), false)),
             1 if in_crlf => Ok((rest[1..].into(), false)),
             1 | 2 if !is_next_white && matches!(&rest[needed..], b"\n" | b"\r\n") => {
@@ -184,22 +184,21 @@ impl<'a> Text<'a> {
             }
             _ => {
                 let samples = all_in_crlf.then(|| without_cr(&rest[1..])).flatten();
-                let samples = samples.filter(|samples| samples.len() == needed);
-                samples.map(|samples| (samples.into(), false)).ok_or_else(|| {
-                    let bytes = if surplus == 1 { "byte" } else { "bytes" };
-                    self.reader.bad(format!(
-                        "it is {surplus} {bytes} too long for {width} x {height} pixels, so that they may be \
-                         shifted; write it in binary mode, one picture in a file"
-                    ))
-                })
+                if let Some(samples) = samples.filter(|samples| samples.len() == needed) {
+                    return Ok((samples.into(), false));
+                }
+                let bytes = if surplus == 1 { "byte" } else { "bytes" };
+                let problem = format!("it is {surplus} {bytes} too long for {width} x {height} pixels");
+                Err(Diagnostic::error(problem + ", so that they may be shifted")
+                    .with_hint("write it in binary mode, one picture in a file"))
             }
         }
     }
 
     /// Reads a digit of a bitmap. Returns 1 for white.
-    fn bit(&mut self) -> Result<u32, ImageError> {
+    fn bit(&mut self) -> Result<u32, Diagnostic> {
         self.skip_space();
-        match self.reader.take(1) {
+        match self.rest.split_off(..1) {
             Some(b"0") => Ok(1),
             Some(b"1") => Ok(0),
             Some(other) => Err(self.bad_word(other, "is neither 0 nor 1")),
@@ -208,22 +207,21 @@ impl<'a> Text<'a> {
     }
 
     /// Reads a whole number within these bounds.
-    fn number(&mut self, least: u32, most: u32) -> Result<u32, ImageError> {
+    fn number(&mut self, least: u32, most: u32) -> Result<u32, Diagnostic> {
         let word = self.word()?;
         if let Some(number) = parse(word).filter(|number| (least..=most).contains(number)) {
             return Ok(number);
         }
-        let hint = match word {
-            _ if self.size.is_none() => "",
-            [b'-', ..] => "; a negative colour or NaN as an int gives it: clamp colours first",
-            word if word.iter().all(u8::is_ascii_digit) => "; clamp colours first",
-            word if parse::<f64>(word).is_some() => "; colours are whole numbers here, up to that of white",
-            _ => OTHER_TEXT,
+        let hint = match parse::<f64>(word) {
+            _ if self.size.is_none() => None,
+            Some(_) => Some("clamp colours before they become whole numbers; NaN as an int is negative"),
+            None => Some(OTHER_TEXT),
         };
-        Err(self.bad_word(word, &format!("is not a whole number from {least} to {most}{hint}")))
+        let problem = format!("is not a whole number from {least} to {most}");
+        Err(Diagnostic { hint: hint.map(String::from), ..self.bad_word(word, &problem) })
     }
 
-    fn word(&mut self) -> Result<&'a [u8], ImageError> {
+    fn word(&mut self) -> Result<&'a [u8], Diagnostic> {
         self.next_word().ok_or_else(|| self.cut())
     }
 
@@ -232,8 +230,8 @@ impl<'a> Text<'a> {
     fn next_word(&mut self) -> Option<&'a [u8]> {
         self.skip_space();
         let is_end = |byte: &u8| *byte == b'#' || byte.is_ascii_whitespace();
-        let bytes = self.reader.bytes;
-        let word = self.reader.take(bytes.iter().position(is_end).unwrap_or(bytes.len()))?;
+        let length = self.rest.iter().position(is_end).unwrap_or(self.rest.len());
+        let word = self.rest.split_off(..length)?;
         self.skip_one();
         Some(word).filter(|word| !word.is_empty())
     }
@@ -244,32 +242,30 @@ impl<'a> Text<'a> {
 
     /// Skips a white space or a comment, with the byte that ends its line. Returns false if there is none.
     fn skip_one(&mut self) -> bool {
-        let bytes = self.reader.bytes;
-        let line_end = || bytes.iter().position(|byte| matches!(byte, b'\r' | b'\n'));
-        let length = match bytes.first() {
-            Some(b'#') => line_end().map_or(bytes.len(), |end| end + 1),
+        let length = match self.rest.first() {
+            Some(b'#') => {
+                let end = self.rest.iter().position(|byte| matches!(byte, b'\r' | b'\n'));
+                end.map_or(self.rest.len(), |end| end + 1)
+            }
             Some(byte) if byte.is_ascii_whitespace() => 1,
             _ => return false,
         };
-        self.reader.take(length).is_some()
+        self.rest.split_off(..length).is_some()
     }
 
     /// Returns the error of a file that ends too early.
-    fn cut(&self) -> ImageError {
-        match self.size {
-            Some(size) => self.reader.short(size),
-            None => self.reader.bad("it ends within its header"),
-        }
+    fn cut(&self) -> Diagnostic {
+        self.size.map_or_else(|| Diagnostic::error(CUT_HEADER), too_short)
     }
 
     /// Returns the error of a word, which has just been read.
-    fn bad_word(&self, word: &[u8], problem: &str) -> ImageError {
-        let read = &self.start[..self.start.len() - self.reader.bytes.len()];
+    fn bad_word(&self, word: &[u8], problem: &str) -> Diagnostic {
+        let read = &self.start[..self.start.len() - self.rest.len()];
         let read = read.strip_suffix(b"\n").or(read.strip_suffix(b"\r")).unwrap_or(read);
         let is_end = |pair: &&[u8]| pair[1] == b'\n' || pair[0] == b'\r';
         let lines = 1 + read.windows(2).filter(is_end).count();
         let shown = String::from_utf8_lossy(&word[..word.len().min(SHOWN)]);
-        self.reader.bad(format!("line {lines}: {} {problem}", quoted(&*shown)))
+        Diagnostic::error(format!("line {lines}: {} {problem}", quoted(&*shown)))
     }
 }
 

@@ -3,26 +3,28 @@
 //! Until then the content is in memory or, if it is long, in a temporary file without a name, so that nothing is left
 //! however the program ends. It gets a temporary name beside its target only to be renamed.
 
-use super::Format;
-use super::error::ImageError;
-use super::writer::Content;
+use super::format::{Content, Format};
+use super::{cannot, unknown_ending};
 use crate::base::escape::quoted;
-use crate::base::memory::with_room;
-use crate::base::undisturbed::undisturbed;
+use crate::base::memory;
+use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Picture};
 use std::ffi::OsStr;
-use std::fs::{self, File, Metadata, OpenOptions, Permissions};
-use std::io::{self, Seek, Write};
+use std::fs::{self, OpenOptions, Permissions};
+use std::io::{self, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use tempfile::{NamedTempFile, SpooledData, SpooledTempFile};
 
 /// The longest content that is kept in memory, in bytes.
 const IN_MEMORY: usize = 8 << 20;
 /// Upper bound on the memory that is taken while files have temporary names, in bytes.
-const WORKING_MEMORY: usize = 1 << 20;
+const WORKING_MEMORY: u64 = 1 << 20;
+
+/// Held while files have temporary names, which would be left if the program ended then.
+pub static NAMING: Mutex<()> = Mutex::new(());
 
 /// A file that is known to be writable and has not been written yet.
-#[derive(Debug)]
 pub struct OutputFile {
     /// The path as the user gave it, for messages.
     pub(super) path: PathBuf,
@@ -31,70 +33,49 @@ pub struct OutputFile {
 
 /// A file with all of its content, which is not in its place yet.
 #[must_use = "the file gets its name when it is put in its place"]
-#[derive(Debug)]
 pub struct CompleteFile {
     pub(super) output: OutputFile,
     pub(super) content: SpooledTempFile,
 }
 
 /// The destination of a file.
-#[derive(Debug)]
 enum Target {
     /// A regular file, with links resolved. If it exists, `permissions` are its own.
-    Replace {
-        file: PathBuf,
-        permissions: Option<Permissions>,
-    },
-    /// A pipe or a device, which is written to and not replaced by a file.
-    Direct(File),
-    StandardOutput,
+    Replace { file: PathBuf, permissions: Option<Permissions> },
+    /// A pipe, a device or standard output, which is written to and not replaced by a file.
+    Stream(Box<dyn Write + Send>),
 }
 
 impl OutputFile {
     /// Checks that a file can be written to `path`: its folder and the permissions.
     ///
     /// A pipe or a device is opened, which may block until there is a reader.
-    pub fn prepare(path: &Path) -> Result<Self, ImageError> {
-        let failed = |error| ImageError::io("write", path, error);
-        let refused = |reason: String| Err(ImageError::new("write", path, reason));
-        let target = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return refused("it is a folder".into()),
-            Ok(found) => existing(path, &found).map_err(failed)?,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                Target::Replace { file: follow_links(path).map_err(failed)?, permissions: None }
-            }
-            Err(error) => return Err(failed(error)),
-        };
-        let Target::Replace { file, .. } = &target else { return Ok(Self { path: path.to_owned(), target }) };
-        let folder = folder_of(file);
-        match tempfile::tempfile_in(folder) {
-            Ok(_) => Ok(Self { path: path.to_owned(), target }),
-            Err(error) if error.kind() == io::ErrorKind::NotFound && !folder.is_dir() => {
-                refused(format!("there is no folder {}", quoted(folder)))
-            }
-            Err(error) => Err(failed(error)),
+    pub fn prepare(path: &Path) -> Result<Self, Diagnostic> {
+        match Target::of(path) {
+            Ok(target) => Ok(Self { path: path.to_owned(), target }),
+            Err(reason) => Err(cannot("write", path, reason)),
         }
     }
 
     /// Returns the file that is written to standard output when it is complete.
     pub fn standard_output() -> Self {
-        Self { path: "standard output".into(), target: Target::StandardOutput }
+        Self { path: "standard output".into(), target: Target::Stream(Box::new(io::stdout())) }
     }
 
     /// True for a pipe, a device or standard output.
     pub fn is_stream(&self) -> bool {
-        !matches!(self.target, Target::Replace { .. })
+        matches!(self.target, Target::Stream(_))
     }
 
     /// Writes a picture in the format that the file's name tells. If this fails and the target is a regular file,
     /// nothing is written.
-    pub fn write(self, picture: &Picture) -> Result<(), ImageError> {
-        let format = Format::of(&self.path).ok_or_else(|| ImageError::ending("write", &self.path))?;
+    pub fn write(self, picture: &Picture) -> Result<(), Diagnostic> {
+        let format = self.written(Format::of(&self.path).ok_or_else(unknown_ending))?;
         self.picture(format, picture)?.put_in_place()
     }
 
     /// Returns the file with this picture.
-    pub fn picture(self, format: Format, picture: &Picture) -> Result<CompleteFile, ImageError> {
+    pub fn picture(self, format: Format, picture: &Picture) -> Result<CompleteFile, Diagnostic> {
         let size = [picture.width(), picture.height()].map(|side| side as usize);
         let mut writer = self.begin(format, size, Content::Colors, None)?;
         picture.pixels().chunks_exact(size[0] * CHANNELS).try_for_each(|row| writer.row_of_bytes(row))?;
@@ -102,21 +83,50 @@ impl OutputFile {
     }
 
     /// Returns the file with this text.
-    pub fn text(self, text: &str) -> Result<CompleteFile, ImageError> {
-        let written = self
-            .spool(text.len())
-            .and_then(|mut content| content.write_all(text.as_bytes()).map(|()| content));
-        let content = written.map_err(|error| ImageError::io("write", &self.path, error))?;
+    pub fn text(self, text: &str) -> Result<CompleteFile, Diagnostic> {
+        let mut content = self.spool();
+        self.written(content.write_all(text.as_bytes()))?;
         Ok(CompleteFile { output: self, content })
     }
 
-    /// Returns a content of zeros, which may become longer. Its temporary file is on the disk of the target.
-    pub(super) fn spool(&self, length: usize) -> io::Result<SpooledTempFile> {
-        let mut content = match &self.target {
+    /// Returns an empty content, whose temporary file is on the disk of the target.
+    pub(super) fn spool(&self) -> SpooledTempFile {
+        match &self.target {
             Target::Replace { file, .. } => tempfile::spooled_tempfile_in(IN_MEMORY, folder_of(file)),
-            Target::Direct(_) | Target::StandardOutput => tempfile::spooled_tempfile(IN_MEMORY),
+            Target::Stream(_) => tempfile::spooled_tempfile(IN_MEMORY),
+        }
+    }
+
+    /// Adds to an error that this file cannot be written.
+    pub(super) fn written<T>(&self, result: Result<T, impl Into<Diagnostic>>) -> Result<T, Diagnostic> {
+        result.map_err(|reason| cannot("write", &self.path, reason))
+    }
+}
+
+impl Target {
+    fn of(path: &Path) -> Result<Self, Diagnostic> {
+        let permissions = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => return Err(Diagnostic::error("it is a folder")),
+            Ok(found) => {
+                // A write-protected file is an error, although it could be replaced by renaming.
+                let file = OpenOptions::new().write(true).open(path)?;
+                if !found.is_file() {
+                    return Ok(Self::Stream(Box::new(file)));
+                }
+                Some(found.permissions())
+            }
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(error) => return Err(error.into()),
         };
-        content.set_len(length as u64).map(|()| content)
+        let file = follow_links(path)?;
+        let folder = folder_of(&file);
+        match tempfile::tempfile_in(folder) {
+            Ok(_) => Ok(Self::Replace { file, permissions }),
+            Err(error) if error.kind() == ErrorKind::NotFound && !folder.is_dir() => {
+                Err(Diagnostic::error(format!("there is no folder {}", quoted(folder))))
+            }
+            Err(error) => Err(error.into()),
+        }
     }
 }
 
@@ -126,19 +136,18 @@ impl CompleteFile {
         self.output.is_stream()
     }
 
-    /// Writes the content of a pipe, a device or standard output, which may wait for a reader. Returns a regular file
-    /// as it is.
-    pub fn write_stream(self) -> Result<Option<Self>, ImageError> {
-        let written = match self.output.target {
-            Target::Replace { .. } => return Ok(Some(self)),
-            Target::Direct(file) => copy(self.content, file),
-            Target::StandardOutput => copy(self.content, io::stdout().lock()),
-        };
-        written.map(|()| None).map_err(|error| ImageError::io("write", &self.output.path, error))
+    /// Writes the content of a pipe, a device or standard output, which may wait for a reader; one that has gone away
+    /// has seen enough. Returns a regular file as it is.
+    pub fn write_stream(self) -> Result<Option<Self>, Diagnostic> {
+        let OutputFile { path, target: Target::Stream(stream) } = self.output else { return Ok(Some(self)) };
+        match copy(self.content, stream) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(cannot("write", &path, error)),
+            _ => Ok(None),
+        }
     }
 
     /// Puts this file alone in its place.
-    pub fn put_in_place(self) -> Result<(), ImageError> {
+    pub fn put_in_place(self) -> Result<(), Diagnostic> {
         put_in_place(vec![self])
     }
 
@@ -157,25 +166,23 @@ impl CompleteFile {
 /// or made.
 ///
 /// They are not flushed to the disk first, because that takes many times as long as rendering a small picture.
-pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), ImageError> {
+pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), Diagnostic> {
     let mut regular = Vec::with_capacity(files.len());
     for file in files {
         regular.extend(file.write_stream()?);
     }
-    let Some(first) = regular.first() else { return Ok(()) };
     // A program that ends for want of memory removes no temporary file.
-    with_room::<u8>(WORKING_MEMORY).map_err(|error| ImageError::io("write", &first.output.path, error))?;
-    undisturbed(|| {
-        let mut named = Vec::with_capacity(regular.len());
-        for file in regular {
-            let path = file.output.path.clone();
-            let beside = file.name_beside().map_err(|error| ImageError::io("write", &path, error))?;
-            named.extend(beside.map(|(file, target)| (path, file, target)));
-        }
-        named.into_iter().try_for_each(|(path, file, target)| match file.persist(target) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(ImageError::io("write", &path, error.error)),
-        })
+    memory::ask(WORKING_MEMORY)?;
+    let _naming = NAMING.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut named = Vec::with_capacity(regular.len());
+    for file in regular {
+        let path = file.output.path.clone();
+        let beside = file.name_beside().map_err(|error| cannot("write", &path, error))?;
+        named.extend(beside.map(|(file, target)| (path, file, target)));
+    }
+    named.into_iter().try_for_each(|(path, file, target)| match file.persist(target) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(cannot("write", &path, error.error)),
     })
 }
 
@@ -190,17 +197,7 @@ fn copy(content: SpooledTempFile, mut target: impl Write) -> io::Result<()> {
     target.flush()
 }
 
-/// Returns the target for an existing file, pipe or device. It is opened for writing, without truncation, because a
-/// write-protected file is an error, although it could be replaced by renaming.
-fn existing(path: &Path, found: &Metadata) -> io::Result<Target> {
-    let file = OpenOptions::new().write(true).open(path)?;
-    match found.is_file() {
-        true => Ok(Target::Replace { file: fs::canonicalize(path)?, permissions: Some(found.permissions()) }),
-        false => Ok(Target::Direct(file)),
-    }
-}
-
-/// Returns the target of a symbolic link to a file that does not exist yet, or the path itself if it is no link.
+/// Returns the target of a symbolic link, whether it exists or not, or the path itself if it is no link.
 pub(super) fn follow_links(path: &Path) -> io::Result<PathBuf> {
     const MAX_LINKS: usize = 40;
     let mut target = path.to_owned();

@@ -4,10 +4,13 @@
 //! text chunk called `Comment`. The place stands there too, beside TGA's fields for the origin and PNG's chunk `oFFs`,
 //! which other programs read.
 
-use super::error::ImageError;
-use super::format::{Format, START, identify};
+use super::cannot;
+use super::format::{CUT_HEADER, Content, Format, START, identify};
 use super::header::TGA_HEADER;
-use super::reader::{open_regular, too_short};
+use super::output::{CompleteFile, OutputFile};
+use super::reader::{open_regular, or_too_early, too_short};
+use super::writer::PictureWriter;
+use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Window};
 use std::fmt;
 use std::fs::File;
@@ -31,14 +34,14 @@ pub struct Part {
 impl Part {
     /// Reads what [`Display`](fmt::Display) writes.
     pub fn parse(text: &str) -> Option<Self> {
-        let (whole, rest) = text.strip_prefix("part of ")?.split_once(" at ")?;
-        let (at, fingerprint) = rest.split_once("; fingerprint ")?;
-        let pair = |text: &str, separator| {
-            let (a, b) = text.split_once(separator)?;
-            Some([a.parse().ok()?, b.parse().ok()?])
+        let words: Vec<&str> = text.split(' ').collect();
+        let ["part", "of", width, "x", height, "at", x, y, "fingerprint", fingerprint] = words[..] else {
+            return None;
         };
+        let number = |word: &str| word.trim_end_matches([',', ';']).parse().ok();
+        let whole = [number(width)?, number(height)?];
         let fingerprint = u128::from_str_radix(fingerprint, 16).ok()?;
-        let part = Self { whole: pair(whole, " x ")?, at: pair(at, ", ")?, fingerprint };
+        let part = Self { whole, at: [number(x)?, number(y)?], fingerprint };
         // Numbers can be written in other ways too.
         (part.to_string() == text).then_some(part)
     }
@@ -64,27 +67,27 @@ pub struct PartFile {
 
 impl PartFile {
     /// Reads what a file says about itself. An error if it is no part, or not encoded as this program does.
-    pub fn open(path: &Path) -> Result<Self, ImageError> {
+    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
+        let no_part = |problem: String| cannot("merge", path, Diagnostic::error(problem));
         let Rows { size: [width, height], comment, .. } = Rows::open(path)?;
         let part = comment.as_deref().and_then(Part::parse).ok_or_else(|| {
-            let reason =
-                format!("it is a picture of {width} x {height} pixels, and no part as `-region` makes it");
-            ImageError::new("merge", path, reason)
+            let picture = format!("it is a picture of {width} x {height} pixels");
+            no_part(picture + ", and no part as `-region` makes it")
         })?;
         let [x, y, width, height] = [part.at[0], part.at[1], width, height].map(|n| n as usize);
         let window = Window { x, y, width, height };
         if !window.fits(part.whole.map(|side| side as usize)) {
-            return Err(ImageError::new("merge", path, "it says that it lies outside of its picture"));
+            return Err(no_part("it says that it lies outside of its picture".into()));
         }
         Ok(Self { path: path.to_owned(), part, window })
     }
 }
 
 /// The rows of a TGA or PNG file as this program writes it, from the top. They take the memory of a row.
-pub(super) struct Rows {
+pub struct Rows {
     path: PathBuf,
     /// Width and height in pixels.
-    size: [u32; 2],
+    pub(super) size: [u32; 2],
     comment: Option<String>,
     decoder: Decoder,
     /// The number of rows that have not been read.
@@ -99,49 +102,64 @@ enum Decoder {
 
 impl Rows {
     /// Opens a file.
-    pub fn open(path: &Path) -> Result<Self, ImageError> {
-        let (mut file, mut start) = (open_regular(path)?, vec![]);
-        let read = file.by_ref().take(START as u64).read_to_end(&mut start);
-        read.map_err(|error| ImageError::io("read", path, error))?;
-        Self::new(path, identify(path, &start)?, file)
+    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
+        let identified = || {
+            let (mut file, mut start) = (open_regular(path)?, vec![]);
+            file.by_ref().take(START as u64).read_to_end(&mut start)?;
+            Ok::<_, Diagnostic>((identify(path, &start)?, file))
+        };
+        let (format, file) = identified().map_err(|reason| cannot("read", path, reason))?;
+        Self::new(path, format, file)
     }
 
     /// Reads what precedes the rows of a file, which need not have all rows.
-    pub fn new(path: &Path, format: Format, mut file: File) -> Result<Self, ImageError> {
+    pub(super) fn new(path: &Path, format: Format, mut file: File) -> Result<Self, Diagnostic> {
         let read = file.rewind().and_then(|()| match format {
             Format::Tga => tga(BufReader::new(file)),
             Format::Png => png(BufReader::new(file)),
             Format::Bmp | Format::Ppm | Format::Pfm | Format::Exr => Ok(None),
         });
         match read {
-            Ok(Some((size, comment, decoder))) => {
+            Ok(Some((size, comment, decoder))) if !size.contains(&0) => {
                 Ok(Self { path: path.to_owned(), size, comment, decoder, left: size[1] })
             }
-            Ok(None) => Err(ImageError::new("merge", path, "it is not encoded as `-region` makes it")),
-            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
-                Err(ImageError::new("read", path, "it ends within its header"))
-            }
-            Err(error) => Err(ImageError::io("read", path, error)),
+            Ok(_) => Err(cannot("merge", path, Diagnostic::error("it is not encoded as `-region` makes it"))),
+            Err(error) => Err(cannot("read", path, or_too_early(error, Diagnostic::error(CUT_HEADER)))),
         }
     }
 
     /// Reads the next row as bytes of red, green and blue. The last one of a PNG file is checked with what follows it.
-    pub fn next(&mut self, rgb: &mut Vec<u8>) -> Result<(), ImageError> {
+    pub(super) fn next(&mut self, rgb: &mut Vec<u8>) -> Result<(), Diagnostic> {
         rgb.resize(self.size[0] as usize * CHANNELS, 0);
         self.left = self.left.saturating_sub(1);
         let read = match &mut self.decoder {
             Decoder::Tga(source) => source.read_exact(rgb),
-            Decoder::Png(reader) if self.left > 0 => reader.read_row(rgb).map(drop).map_err(io::Error::from),
             Decoder::Png(reader) => {
-                reader.read_row(rgb).and_then(|_| reader.finish()).map_err(io::Error::from)
+                let read =
+                    reader.read_row(rgb).and_then(|_| if self.left > 0 { Ok(()) } else { reader.finish() });
+                read.map_err(io::Error::from)
             }
         };
         if let Decoder::Tga(_) = self.decoder {
             rgb.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
         }
-        read.map_err(|error| match error.kind() {
-            io::ErrorKind::UnexpectedEof => ImageError::new("read", &self.path, too_short(self.size)),
-            _ => ImageError::io("read", &self.path, error),
+        read.map_err(|error| cannot("read", &self.path, or_too_early(error, too_short(self.size))))
+    }
+
+    /// Returns the file with the picture of these rows, none of which has been read.
+    pub fn convert(mut self, file: OutputFile, format: Format) -> Result<CompleteFile, Diagnostic> {
+        let size = self.size.map(|side| side as usize);
+        let mut writer = file.begin(format, size, Content::Colors, None)?;
+        self.copy(size[1], &mut writer)?;
+        writer.complete()
+    }
+
+    /// Hands the next rows to a writer.
+    pub(super) fn copy(&mut self, rows: usize, writer: &mut PictureWriter) -> Result<(), Diagnostic> {
+        let mut row = vec![];
+        (0..rows).try_for_each(|_| {
+            self.next(&mut row)?;
+            writer.row_of_bytes(&row)
         })
     }
 }

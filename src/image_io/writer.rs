@@ -1,9 +1,11 @@
 //! A picture file that is written row by row.
 
-use super::header;
+use super::beside;
+use super::format::{Content, Format};
+use super::header::{bmp_row, exr_row, header};
 use super::output::{CompleteFile, OutputFile};
 use super::part::{PNG_COMMENT, Part, Rows};
-use super::{Format, ImageError, beside};
+use crate::diagnostic::Diagnostic;
 use crate::picture::{BLUE_FIRST, CHANNELS, Color, RED_FIRST, truncate_to_bytes};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -12,15 +14,6 @@ use tempfile::SpooledTempFile;
 
 /// The length of a PNG file's chunks of compressed rows, in bytes.
 const PNG_CHUNK: usize = 1 << 16;
-
-/// What the colours of a picture mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Content {
-    /// Red, green and blue, or the coordinates of normals.
-    Colors,
-    /// Distances, equal in all channels, and infinite where there is nothing.
-    Distances,
-}
 
 /// The number of pixels whose colours a file does not show, or not as they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,8 +45,6 @@ pub struct PictureWriter {
     /// The row of the whole picture that comes first.
     top: usize,
     spool: Shared,
-    /// The length of what precedes the rows, but for PNG.
-    header: usize,
     png: Option<Box<png::StreamWriter<'static, Shared>>>,
     /// The number of rows so far.
     rows: usize,
@@ -92,26 +83,23 @@ impl OutputFile {
         size: [usize; 2],
         content: Content,
         part: Option<&Part>,
-    ) -> Result<PictureWriter, ImageError> {
-        let header = header_of(format, size, content, part);
-        let header = header.map_err(|reason| ImageError::new("write", &self.path, reason))?;
-        let rows = size[1].saturating_mul(row_length(format, size[0], content));
-        let begin = || {
-            let mut spool = Shared(Arc::new(Mutex::new(self.spool(header.len().saturating_add(rows))?)));
-            spool.write_all(&header)?;
+    ) -> Result<PictureWriter, Diagnostic> {
+        let mut spool = Shared(Arc::new(Mutex::new(self.spool())));
+        let mut begin = || {
+            spool.write_all(&header(format, size, content, part)?)?;
             let encoder = (format == Format::Png).then(|| png_encoder(spool.clone(), size, part));
-            io::Result::Ok((spool, encoder.transpose()?.map(Box::new)))
+            Ok::<_, Diagnostic>(encoder.transpose()?.map(Box::new))
         };
-        let (spool, png) = begin().map_err(|error| ImageError::io("write", &self.path, error))?;
-        let (header, top) = (header.len(), part.map_or(0, |part| part.at[1] as usize));
-        let (output, rows, bytes, exceptional) = (self, 0, vec![], Exceptional::default());
-        Ok(PictureWriter { output, format, size, content, top, spool, header, png, rows, bytes, exceptional })
+        let png = self.written(begin())?;
+        let (output, top) = (self, part.map_or(0, |part| part.at[1] as usize));
+        let (rows, bytes, exceptional) = (0, vec![], Exceptional::default());
+        Ok(PictureWriter { output, format, size, content, top, spool, png, rows, bytes, exceptional })
     }
 }
 
 impl PictureWriter {
     /// Adds the next row from the top.
-    pub fn row(&mut self, colors: &[Color]) -> Result<(), ImageError> {
+    pub fn row(&mut self, colors: &[Color]) -> Result<(), Diagnostic> {
         if self.format.is_float() {
             self.encode_numbers(colors);
         } else {
@@ -126,10 +114,10 @@ impl PictureWriter {
 
     /// Adds the next row from the top, given as bytes of red, green and blue. This is an error in a file of
     /// floating-point numbers.
-    pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
+    pub fn row_of_bytes(&mut self, bytes: &[u8]) -> Result<(), Diagnostic> {
         if self.format.is_float() {
             let reason = "a picture of bytes has no floating-point numbers";
-            return Err(ImageError::new("write", &self.output.path, reason));
+            return self.output.written(Err(Diagnostic::error(reason)));
         }
         self.bytes.clear();
         self.bytes.extend_from_slice(bytes);
@@ -156,7 +144,7 @@ impl PictureWriter {
         self.bytes.clear();
         if self.format == Format::Exr {
             let channels = if self.content == Content::Colors { 3 } else { 1 };
-            self.bytes.extend(header::exr_row(self.top + self.rows, colors.len() * channels));
+            self.bytes.extend(exr_row(self.top + self.rows, colors.len() * channels));
         }
         let mut push = |number: f64| self.bytes.extend((number as f32).to_le_bytes());
         match (self.content, self.format) {
@@ -169,23 +157,23 @@ impl PictureWriter {
     }
 
     /// Writes the bytes of a row, with BMP's padding.
-    fn write_bytes(&mut self) -> Result<(), ImageError> {
+    fn write_bytes(&mut self) -> Result<(), Diagnostic> {
         if self.format == Format::Bmp {
-            self.bytes.resize(header::bmp_row(self.size[0]), 0);
+            self.bytes.resize(bmp_row(self.size[0]), 0);
         }
         let mut write = || match &mut self.png {
             Some(encoder) => encoder.write_all(&self.bytes),
             None => {
                 let mut spool = self.spool.lock();
                 if matches!(self.format, Format::Bmp | Format::Pfm) {
-                    // Their rows are stored from the bottom.
-                    let below = self.size[1].saturating_sub(1 + self.rows);
-                    spool.seek(SeekFrom::Start((self.header + below * self.bytes.len()) as u64))?;
+                    // Their rows are stored from the bottom: from the end of one, it is two rows to the next.
+                    let rows = if self.rows == 0 { self.size[1].saturating_sub(1) as i64 } else { -2 };
+                    spool.seek(SeekFrom::Current(rows * self.bytes.len() as i64))?;
                 }
                 spool.write_all(&self.bytes)
             }
         };
-        write().map_err(|error| ImageError::io("write", &self.output.path, error))?;
+        self.output.written(write())?;
         self.rows += 1;
         Ok(())
     }
@@ -193,7 +181,7 @@ impl PictureWriter {
     /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
     /// file, or `None` if there are no rows, if the picture does not go to a regular file whose name tells its format,
     /// or if its format has no parts.
-    pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, ImageError> {
+    pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, Diagnostic> {
         let path_of_part = part_beside(&self.output.path, self.format);
         let Some(path_of_part) = path_of_part.filter(|_| self.rows > 0 && !self.output.is_stream()) else {
             return Ok(None);
@@ -204,30 +192,17 @@ impl PictureWriter {
             let black = vec![0; width * CHANNELS];
             (rows..height).try_for_each(|_| self.row_of_bytes(&black))?;
         }
-        let CompleteFile { output: OutputFile { path, .. }, content: spool } = self.complete()?;
-        let file = spool.into_file().map_err(|error| ImageError::io("write", &path, error))?;
-        let mut from = Rows::new(&path, format, file)?;
+        let CompleteFile { output, content: spool } = self.complete()?;
+        let mut from = Rows::new(&output.path, format, output.written(spool.into_file())?)?;
         let mut to = OutputFile::prepare(&path_of_part)?.begin(format, [width, rows], content, Some(part))?;
-        let mut row = Vec::new();
-        for _ in 0..rows {
-            from.next(&mut row)?;
-            to.row_of_bytes(&row)?;
-        }
-        to.finish().map(|()| Some(path_of_part))
-    }
-
-    /// Writes the picture to its target. If this fails and the target is a regular file, nothing is written.
-    pub fn finish(self) -> Result<(), ImageError> {
-        self.complete()?.put_in_place()
+        from.copy(rows, &mut to)?;
+        to.complete()?.put_in_place().map(|()| Some(path_of_part))
     }
 
     /// Returns the file of the picture, which has all of its rows.
-    pub fn complete(self) -> Result<CompleteFile, ImageError> {
-        let end = || {
-            self.png.map_or(Ok(()), |encoder| encoder.finish())?;
-            io::Result::Ok(std::mem::replace(&mut *self.spool.lock(), tempfile::spooled_tempfile(0)))
-        };
-        let content = end().map_err(|error| ImageError::io("write", &self.output.path, error))?;
+    pub fn complete(self) -> Result<CompleteFile, Diagnostic> {
+        self.output.written(self.png.map_or(Ok(()), |encoder| encoder.finish()))?;
+        let content = std::mem::replace(&mut *self.spool.lock(), tempfile::spooled_tempfile(0));
         Ok(CompleteFile { output: self.output, content })
     }
 }
@@ -237,48 +212,6 @@ impl PictureWriter {
 pub fn part_beside(path: &Path, format: Format) -> Option<PathBuf> {
     let has_parts = format.has_parts() && Format::of(path) == Some(format);
     has_parts.then(|| beside(path, "partial"))
-}
-
-/// Returns what precedes the rows, but for PNG, or why the format cannot hold the picture.
-fn header_of(
-    format: Format,
-    size @ [width, height]: [usize; 2],
-    content: Content,
-    part: Option<&Part>,
-) -> Result<Vec<u8>, String> {
-    let whole = part.map_or(size, |part| part.whole.map(|side| side as usize));
-    let has_short_sides = matches!(format, Format::Tga | Format::Pfm | Format::Exr);
-    if let (true, [width, height]) = (has_short_sides, whole)
-        && width.max(height) > u16::MAX.into()
-    {
-        return Err(format!("{width} x {height} is above 65535 pixels a side"));
-    }
-    let is_grey = content == Content::Distances;
-    Ok(match format {
-        Format::Tga => header::tga(size, part),
-        Format::Png => vec![],
-        Format::Bmp => header::bmp(size)
-            .ok_or_else(|| format!("{width} x {height} pixels are above 4 GB, where a BMP file ends"))?,
-        Format::Ppm => format!("P6\n{width} {height}\n255\n").into_bytes(),
-        // The negative number says that the lowest byte comes first.
-        Format::Pfm => format!("P{}\n{width} {height}\n-1.0\n", if is_grey { 'f' } else { 'F' }).into_bytes(),
-        Format::Exr => {
-            let at = part.map_or([0; 2], |part| part.at.map(|n| n as usize));
-            header::exr(size, whole, at, if is_grey { &["Z"] } else { &["B", "G", "R"] })
-        }
-    })
-}
-
-/// Returns the length of an encoded row in bytes; 0 for PNG, which compresses them.
-fn row_length(format: Format, width: usize, content: Content) -> usize {
-    let numbers = if content == Content::Distances { width } else { CHANNELS * width };
-    match format {
-        Format::Tga | Format::Ppm => CHANNELS * width,
-        Format::Png => 0,
-        Format::Bmp => header::bmp_row(width),
-        Format::Pfm => size_of::<f32>() * numbers,
-        Format::Exr => header::exr_row(0, 0).len() + size_of::<f32>() * numbers,
-    }
 }
 
 /// Returns an encoder for three channels of eight bits, with the fastest compression that the crate has.

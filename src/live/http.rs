@@ -252,7 +252,7 @@ impl Answer {
 
 impl<E: Into<Diagnostic>> From<E> for Answer {
     fn from(error: E) -> Self {
-        Self::impossible(error.into().message)
+        Self::impossible(error.into().in_one_line())
     }
 }
 

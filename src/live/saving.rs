@@ -4,7 +4,8 @@ use super::http::Answer;
 use super::painter::{Painter, Subject};
 use crate::base::escape::quoted;
 use crate::cli::Output;
-use crate::image_io::{CompleteFile, Content, OutputFile, SameFile, Written, check_distinct, put_in_place};
+use crate::diagnostic::Diagnostic;
+use crate::image_io::{CompleteFile, Content, OutputFile, Written, check_distinct, put_in_place};
 use crate::picture::Color;
 use crate::render::{Layer, Progress};
 use crate::scene::edition::Edition;
@@ -35,7 +36,7 @@ pub fn save(
 }
 
 /// An error if two pictures go to one file, or if one goes to a file that is read.
-fn check(subject: &Subject, outputs: &[Output], compared: &[PathBuf]) -> Result<(), SameFile> {
+fn check(subject: &Subject, outputs: &[Output], compared: &[PathBuf]) -> Result<(), Diagnostic> {
     let renderer = &subject.scene.renderer;
     let scene = &renderer.source.path;
     let folder = scene.parent().unwrap_or(Path::new(""));

@@ -22,9 +22,14 @@ fn written(folder: &Folder) -> ([usize; 2], Vec<u8>) {
 
 /// Why a picture is not read.
 fn refusal(folder: &Folder, name: &str) -> String {
-    let message = folder.run(&format!("-convert {name} -output out.ppm")).message(1);
+    let message = in_one_line(folder.run(&format!("-convert {name} -output out.ppm")).message(1));
     let reason = only_line(&message).strip_prefix(&format!("error: cannot read `{name}`: "));
     reason.unwrap_or_else(|| panic!("{name}: {message}")).to_owned()
+}
+
+/// The message with its hint after a semicolon.
+fn in_one_line(message: String) -> String {
+    message.replace("\n  hint: ", "; ")
 }
 
 fn assert_refused(folder: &Folder, name: &str, words: &[&str]) {
@@ -52,11 +57,14 @@ fn the_first_bytes_decide_the_format_and_the_name_is_checked() {
         }
     }
     folder.write("part.png", folder.read("a.tga"));
-    let message = folder.run("-merge part.png -output m.png").message(1);
+    let message = in_one_line(folder.run("-merge part.png -output m.png").message(1));
     assert!(message.contains("it is a TGA file; name it `part.tga`"), "{message}");
     folder.write("t.txt", textured("part.png"));
     let message = folder.run("-input t.txt -edition 2012a4 -size 4 4 -output t.tga").message(1);
-    assert!(message.contains("it is a TGA file; name it `part.tga`"), "{message}");
+    assert!(
+        message.contains("it is a TGA file\n") && message.contains("hint: name it `part.tga`"),
+        "{message}"
+    );
     let (_, expected) = pixels(&folder, "a.tga");
     for name in ["a.pgm", "a.pbm", "a.PNM", "a.pam"] {
         folder.write(name, folder.read("a.ppm"));

@@ -2,8 +2,10 @@
 
 use super::references::References;
 use raytracer::base::escape::quoted;
+use raytracer::base::memory;
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{Format, ImageError, read_picture};
+use raytracer::image_io::{Format, load_picture};
+use raytracer::picture::CHANNELS;
 use raytracer::tools::grade::{Column, Submission};
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -155,24 +157,25 @@ pub fn entries(path: &Path) -> Result<Vec<OsString>, Diagnostic> {
     Ok(names)
 }
 
-/// Reads a picture. One that is a link is not read, because it may lead to another name's picture. Too little memory is an
-/// error, since it says nothing of the picture.
+/// Reads a picture. One that is a link is not read, because it may lead to another name's picture. Too little memory for
+/// a picture of this size is an error, since it says nothing of the picture.
 fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, Diagnostic> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Submission::Missing),
         Ok(found) if found.is_symlink() => return Ok(Submission::Unusable("it is a link".into())),
         _ => {}
     }
-    match read_picture(path) {
+    let bytes = size.iter().map(|&side| u64::from(side)).product::<u64>() * CHANNELS as u64;
+    memory::ask(bytes)
+        .map_err(|error| Diagnostic::error(format!("cannot read {}: {error}", quoted(path))))?;
+    // The path is known.
+    match load_picture(path).map(|(picture, _)| picture) {
         Ok(picture) if [picture.width(), picture.height()] == size => Ok(Submission::Picture(picture)),
         Ok(picture) => {
             let ([width, height], [right_width, right_height]) = ([picture.width(), picture.height()], size);
             let sizes = format!("{width} x {height} pixels instead of {right_width} x {right_height}");
             Ok(Submission::Unusable(format!("its size is {sizes}")))
         }
-        Err(error) if error.kind() == ErrorKind::OutOfMemory => Err(error.into()),
-        // The path is known.
-        Err(ImageError::File { error, .. }) => Ok(Submission::Unusable(error.to_string())),
-        Err(error) => Ok(Submission::Unusable(error.to_string())),
+        Err(reason) => Ok(Submission::Unusable(reason.in_one_line())),
     }
 }

@@ -96,8 +96,7 @@ impl References {
         self.names().any(|other| other == name)
     }
 
-    /// Makes a reference, and does some work with it or with the reason why there is none. Too little memory for a picture
-    /// is an error.
+    /// Makes a reference, and does some work with it or with the reason why there is none.
     pub fn with<T>(
         &self,
         index: usize,
@@ -106,8 +105,7 @@ impl References {
         match &self.all[index].1 {
             Origin::File(path) => match read_picture(path) {
                 Ok(picture) => work(Ok(Reference { picture, source: Source::File })),
-                Err(error) if error.kind() == std::io::ErrorKind::OutOfMemory => Err(error.into()),
-                Err(error) => work(Err(error.to_string())),
+                Err(error) => work(Err(error.in_one_line())),
             },
             Origin::Rendered(options, layer) => match renderer(options) {
                 Ok((renderer, options)) => work(render(&renderer, &options, *layer)),

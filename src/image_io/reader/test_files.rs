@@ -1,6 +1,6 @@
 //! Test files: TGA and PNG files of every variant, written byte by byte.
 
-use super::{ImageError, Picture, read_picture};
+use super::{Diagnostic, Picture, read_picture};
 use std::fs;
 use std::path::PathBuf;
 use tempfile::{TempDir, tempdir};
@@ -100,13 +100,13 @@ impl Folder {
         path
     }
 
-    pub(super) fn read(&self, name: &str, bytes: &[u8]) -> Result<Picture, ImageError> {
+    pub(super) fn read(&self, name: &str, bytes: &[u8]) -> Result<Picture, Diagnostic> {
         read_picture(&self.file(name, bytes))
     }
 
     /// The message of the error of a file, which must be one line.
     pub(super) fn complaint(&self, name: &str, bytes: &[u8]) -> String {
-        let shown = self.read(name, bytes).unwrap_err().to_string();
+        let shown = self.read(name, bytes).unwrap_err().in_one_line();
         assert_eq!(shown.lines().count(), 1, "{shown}");
         shown.replace(&*self.0.path().to_string_lossy(), "F").replace("F\\", "F/")
     }

@@ -2,6 +2,7 @@
 
 use super::test_files::*;
 use super::*;
+use crate::image_io::{Content, OutputFile};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use std::fs;
@@ -224,6 +225,23 @@ fn files_that_end_early_are_errors_wherever_they_end() {
     assert_eq!(complaint, "cannot read `F/raw.tga`: it is too short for 3 x 2 pixels");
 }
 
+/// A file of OpenEXR with runs in place of its last row.
+fn exr(folder: &Folder) -> Vec<u8> {
+    let path = folder.0.path().join("whole.exr");
+    let file = OutputFile::prepare(&path).unwrap();
+    let mut writer = file.begin(Format::Exr, [3, 2], Content::Colors, None).unwrap();
+    [0.5, 0.5].iter().for_each(|&level| writer.row(&[Color::splat(level); 3]).unwrap());
+    writer.complete().unwrap().put_in_place().unwrap();
+    let mut bytes = fs::read(path).unwrap();
+    let compression = bytes.windows(16).position(|part| part == b"compression\0\x01\0\0\0").map(|at| at + 16);
+    compression.into_iter().for_each(|at| bytes[at] = 1);
+    let row = bytes.len() - 36;
+    bytes.truncate(row);
+    bytes[row - 4] = 4;
+    bytes.extend([17, 9, 17, 8]);
+    bytes
+}
+
 #[test]
 fn a_damaged_byte_leads_to_a_picture_or_an_error() {
     let folder = Folder::new();
@@ -235,15 +253,25 @@ fn a_damaged_byte_leads_to_a_picture_or_an_error() {
         ("d.bmp", bmp(true)),
         ("e.ppm", [b"P6 3 2 255\n", COLORS.concat().as_slice()].concat()),
         ("c.png", png([2, 1], 8, 3, &[(b"PLTE", &[1, 2, 3, 40, 50, 60])], &[&[1, 0]])),
+        ("f.ppm", b"P3 # plain\n3 1 255\n1 2 3\n4 5 6 7 8 9\n".to_vec()),
+        ("g.pbm", b"P4\r\n9 2\r\n\x55\x80\xaa\0".to_vec()),
+        (
+            "h.pam",
+            b"P7\nWIDTH 2\nHEIGHT 1\nDEPTH 4\nMAXVAL 999\nENDHDR\n\0\x09\x01\x02\0\0\0\0\0\0\0\0\0\0\0\x07"
+                .to_vec(),
+        ),
+        ("i.pfm", [b"PF\n1 2\n-1\n".as_slice(), &[0x3e; 24]].concat()),
+        ("j.exr", exr(&folder)),
     ];
     for (name, file) in files {
+        assert!(folder.read(name, &file).is_ok(), "{name}");
         for (at, change) in
             (0..file.len()).flat_map(|at| [1, 2, 0x10, 0x20, 0x80, 0xFF].map(|change| (at, change)))
         {
             let mut damaged = file.clone();
             damaged[at] ^= change;
             if let Err(error) = folder.read(name, &damaged) {
-                assert_eq!(error.to_string().lines().count(), 1, "{error}");
+                assert_eq!(error.in_one_line().lines().count(), 1, "{error}");
             }
         }
     }

@@ -5,7 +5,7 @@ use super::near_names::nearest_file;
 use crate::base::escape::{escape, quoted};
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::image_io::read_picture;
+use crate::image_io::load_picture;
 use crate::scene::edition::Edition;
 use crate::scene::mesh::{self, memory_for, read_obj};
 use crate::scene::texels::{ImageFile, Texels};
@@ -42,12 +42,12 @@ pub fn find_texels(
     let places = mesh_places(name, folder, edition);
     let place = places.iter().find(|place| place.symlink_metadata().is_ok()).or(places.first());
     let file = place.map(PathBuf::as_path).unwrap_or(Path::new(name));
-    let picture = read_picture(file).map_err(|error| Diagnostic {
-        hint: hint_to_name(name, folder),
-        ..image_unreadable(name, *at, &error.to_string())
+    let (picture, _) = load_picture(file).map_err(|reason| Diagnostic {
+        hint: hint_to_name(name, folder).or(reason.hint),
+        ..image_unreadable(name, *at, &reason.message)
     })?;
     let size = [picture.width(), picture.height()].map(|n| n as usize);
-    let rgb = picture.pixels().to_vec();
+    let rgb = picture.into_pixels();
     Ok((Arc::new(Texels { size, rgb, divides_last: edition.divides_texels_last() }), file.to_owned()))
 }
 
