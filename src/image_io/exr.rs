@@ -46,7 +46,7 @@ struct Area {
 }
 
 /// Reads the display window. It is black where the data window has no numbers, and what lies outside it is cut off.
-pub(super) fn read(file: &[u8]) -> Result<(Picture, Remarks), Diagnostic> {
+pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagnostic> {
     let bad = |problem: &str| Err(Diagnostic::error(problem));
     let mut rest = file;
     let header = header(&mut rest)?;
@@ -70,7 +70,7 @@ pub(super) fn read(file: &[u8]) -> Result<(Picture, Remarks), Diagnostic> {
     if pixels > length.saturating_mul(MAX_INFLATION) || blocks > length / 8 {
         return Err(short());
     }
-    let mut picture = black(size_of(display), u64::MAX)?;
+    let mut picture = black(size_of(display), limit)?;
     let row_bytes =
         data.width as u64 * header.channels.iter().map(|channel| channel.bytes() as u64).sum::<u64>();
     if row_bytes > LONGEST_ROW {

@@ -6,7 +6,7 @@
 //! CR LF explain every byte.
 
 use super::format::{BYTE_ORDER_MARK, CUT_HEADER, OTHER_TEXT};
-use super::reader::{Remarks, black, fill_row, level, too_short};
+use super::reader::{Remarks, black, fill_row, level, no_pixels, too_short};
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{Color, Picture};
@@ -35,6 +35,11 @@ impl Header {
         (self.white, self.bits) = (white, if white > 255 { 16 } else { 8 });
     }
 
+    /// Returns the length of a raw row in bytes.
+    fn row_bytes(&self) -> u64 {
+        (u64::from(self.size[0]) * self.channels as u64 * self.bits as u64).div_ceil(8)
+    }
+
     /// Sets a pixel from its samples. Returns false if one of them is above white.
     fn set(&self, pixel: &mut [u8; 3], sample: impl Fn(usize) -> u32) -> bool {
         let has_color = usize::from(self.channels > 2);
@@ -45,7 +50,7 @@ impl Header {
 }
 
 /// Reads a picture from the start of a file.
-pub(super) fn read(file: &[u8]) -> Result<(Picture, Remarks), Diagnostic> {
+pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagnostic> {
     let start = file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file);
     let mut text = Text { start, rest: start, size: None };
     let kind = text.word()?;
@@ -58,10 +63,17 @@ pub(super) fn read(file: &[u8]) -> Result<(Picture, Remarks), Diagnostic> {
         _ => text.pam_header()?,
     };
     text.size = Some(header.size);
-    match kind {
-        b"P1" | b"P2" | b"P3" => Ok((text.plain(&header)?, Remarks::default())),
-        _ => text.raw(&header),
+    let is_plain = matches!(kind, b"P1" | b"P2" | b"P3");
+    let [width, height] = header.size.map(u64::from);
+    // A pixel of a plain picture has a character or more.
+    let row = if is_plain { width } else { header.row_bytes() };
+    if width == 0 || height == 0 {
+        return Err(no_pixels());
+    } else if row.saturating_mul(height) > text.rest.len() as u64 {
+        return Err(too_short(header.size));
     }
+    let picture = black(header.size, limit)?;
+    if is_plain { text.plain(&header, picture) } else { text.raw(&header, picture) }
 }
 
 /// A file, of which the header or all is text.
@@ -106,9 +118,8 @@ impl<'a> Text<'a> {
     }
 
     /// Reads the samples of a plain picture, after which the file has no more words.
-    fn plain(&mut self, header: &Header) -> Result<Picture, Diagnostic> {
+    fn plain(mut self, header: &Header, mut picture: Picture) -> Result<(Picture, Remarks), Diagnostic> {
         let [width, height] = header.size;
-        let mut picture = black(header.size, self.start.len() as u64)?;
         for pixel in picture.pixels_mut().as_chunks_mut().0 {
             let mut samples = [0; 3];
             for sample in &mut samples[..header.channels] {
@@ -116,23 +127,20 @@ impl<'a> Text<'a> {
             }
             header.set(pixel, |channel| samples[channel]);
         }
-        let Some(word) = self.next_word() else { return Ok(picture) };
+        let Some(word) = self.next_word() else { return Ok((picture, Remarks::default())) };
         let hint = parse::<f64>(word).is_none().then(|| OTHER_TEXT.into());
         let problem = format!("follows the last of {width} x {height} pixels");
         Err(Diagnostic { hint, ..self.bad_word(word, &problem) })
     }
 
-    fn raw(mut self, header: &Header) -> Result<(Picture, Remarks), Diagnostic> {
-        let (Header { channels, bits, white, .. }, [width, height]) = (*header, header.size);
-        let row_bytes = (u64::from(width) * channels as u64 * bits as u64).div_ceil(8);
-        let needed = row_bytes.saturating_mul(height.into());
-        let is_long_enough = self.rest.len() as u64 >= needed;
-        let mut picture = black(header.size, if is_long_enough { u64::MAX } else { 0 })?;
-        let (samples, has_line_end) = self.samples(needed as usize)?;
+    fn raw(self, header: &Header, mut picture: Picture) -> Result<(Picture, Remarks), Diagnostic> {
+        let Header { channels, bits, white, size: [_, height], .. } = *header;
+        let (row_bytes, height) = (header.row_bytes() as usize, height as usize);
+        let (samples, has_line_end) = self.samples(row_bytes * height)?;
         let mut clamped = 0;
-        for (bytes, y) in samples.chunks_exact(row_bytes as usize).zip(0..height as usize) {
+        for (bytes, y) in samples.chunks_exact(row_bytes).zip(0..height) {
             // The rows of single precision are stored from the bottom.
-            let row = picture.row_mut(if bits == 32 { y } else { height as usize - 1 - y });
+            let row = picture.row_mut(if bits == 32 { y } else { height - 1 - y });
             if (channels, bits, white) == (3, 8, 255) {
                 row.copy_from_slice(bytes);
                 continue;
@@ -164,7 +172,7 @@ impl<'a> Text<'a> {
     }
 
     /// Returns the samples, which take `needed` bytes, and whether a line end follows them.
-    fn samples(&mut self, needed: usize) -> Result<(Cow<'a, [u8]>, bool), Diagnostic> {
+    fn samples(&self, needed: usize) -> Result<(Cow<'a, [u8]>, bool), Diagnostic> {
         let (rest, [width, height]) = (self.rest, self.size.unwrap_or_default());
         let head = &self.start[..self.start.len() - rest.len()];
         let surplus = rest.len() - needed;

@@ -18,7 +18,7 @@ use std::fs::{self, File};
 use std::io::{self, Cursor, Read};
 use std::path::Path;
 
-/// Upper bound on the size of a decoded picture, in bytes.
+/// Upper bound on the size of a decoded picture from a file, in bytes.
 const MAX_BYTES: u64 = 1 << 29;
 /// Upper bound on the bytes for a row of a PNG file and for its metadata, such as a compressed colour
 /// profile.
@@ -57,9 +57,10 @@ pub fn read_remarked_picture(path: &Path) -> Result<(Picture, Remarks), Diagnost
     load_picture(path).map_err(|reason| cannot("read", path, reason))
 }
 
-/// Reads a picture like [`read_picture`] from the bytes of a file with this name.
-pub fn read_picture_from(name: &Path, bytes: &[u8]) -> Result<Picture, Diagnostic> {
-    decode(name, bytes).map(|(picture, _)| picture).map_err(|reason| cannot("read", name, reason))
+/// Reads a picture like [`read_picture`] from the bytes of a file with this name. One that takes more than `limit` bytes
+/// when it is decoded is an error.
+pub fn read_picture_from(name: &Path, bytes: &[u8], limit: u64) -> Result<Picture, Diagnostic> {
+    decode(name, bytes, limit).map(|(picture, _)| picture).map_err(|reason| cannot("read", name, reason))
 }
 
 /// Reads a picture like [`read_picture`], with remarks. The message of an error does not name the file.
@@ -68,7 +69,7 @@ pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
     let length = file.metadata()?.len();
     let mut bytes = with_room(length as usize)?;
     file.take(length).read_to_end(&mut bytes)?;
-    decode(path, &bytes)
+    decode(path, &bytes, MAX_BYTES)
 }
 
 /// Opens a regular file. A pipe could block the program.
@@ -79,22 +80,22 @@ pub(super) fn open_regular(path: &Path) -> Result<File, Diagnostic> {
     }
 }
 
-fn decode(name: &Path, bytes: &[u8]) -> Result<(Picture, Remarks), Diagnostic> {
+fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagnostic> {
     let format = identify(name, bytes)?;
     if has_no_pixels(format, bytes) {
         return Err(no_pixels());
     }
-    let most = MAX_PIXELS_PER_BYTE * bytes.len() as u64;
+    let max_pixels = MAX_PIXELS_PER_BYTE * bytes.len() as u64;
     let picture = match format {
-        Format::Tga => decoded(TgaDecoder::new(tga(bytes)?), most)?,
+        Format::Tga => decoded(TgaDecoder::new(tga(bytes)?), max_pixels, limit)?,
         Format::Png => {
             let mut limits = Limits::no_limits();
             limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
-            decoded(PngDecoder::with_limits(Cursor::new(bytes), limits), most)?
+            decoded(PngDecoder::with_limits(Cursor::new(bytes), limits), max_pixels, limit)?
         }
-        Format::Bmp => decoded(BmpDecoder::new(Cursor::new(bytes)), most)?,
-        Format::Ppm | Format::Pfm => return netpbm::read(bytes),
-        Format::Exr => return exr::read(bytes),
+        Format::Bmp => decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit)?,
+        Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit),
+        Format::Exr => return exr::read(bytes, limit),
     };
     Ok((picture, Remarks::default()))
 }
@@ -128,18 +129,26 @@ fn tga(bytes: &[u8]) -> Result<impl Read, Diagnostic> {
 }
 
 /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows.
-fn decoded<D: ImageDecoder>(decoder: image::ImageResult<D>, max_pixels: u64) -> Result<Picture, Diagnostic> {
+fn decoded<D: ImageDecoder>(
+    decoder: image::ImageResult<D>,
+    max_pixels: u64,
+    limit: u64,
+) -> Result<Picture, Diagnostic> {
     let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER)))?;
     let (width, height) = decoder.dimensions();
     let (size, color_type, length) = ([width, height], decoder.color_type(), decoder.total_bytes());
-    check_size(size, max_pixels, length)?;
+    match u64::from(width) * u64::from(height) {
+        0 => return Err(no_pixels()),
+        pixels if pixels > max_pixels => return Err(too_short(size)),
+        _ => check_bytes(size, length, limit)?,
+    }
     let mut samples = with_room(length as usize)?;
     samples.resize(length as usize, 0);
     decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size)))?;
     if color_type == ColorType::Rgb8 {
         return Ok(Picture::from_rgb(width, height, samples));
     }
-    let mut picture = black(size, max_pixels)?;
+    let mut picture = black(size, limit)?;
     to_rgb(color_type, &samples, picture.pixels_mut());
     Ok(picture)
 }
@@ -157,25 +166,20 @@ pub(super) fn or_too_early(error: io::Error, too_early: Diagnostic) -> Diagnosti
     if error.kind() == io::ErrorKind::UnexpectedEof { too_early } else { error.into() }
 }
 
-/// Returns a black picture, to be filled from the file, which has at most `max_pixels` pixels.
-pub(super) fn black(size @ [width, height]: [u32; 2], max_pixels: u64) -> Result<Picture, Diagnostic> {
+/// Returns a black picture, to be filled from the file.
+pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Picture, Diagnostic> {
     let pixels = u64::from(width) * u64::from(height);
-    check_size(size, max_pixels, pixels.saturating_mul(CHANNELS as u64))?;
+    check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
     Ok(Picture::new(width, height)?)
 }
 
-/// Checks the size of a picture that takes this number of bytes when it is decoded.
-fn check_size(size @ [width, height]: [u32; 2], max_pixels: u64, bytes: u64) -> Result<(), Diagnostic> {
-    match u64::from(width) * u64::from(height) {
-        0 => Err(no_pixels()),
-        pixels if pixels > max_pixels => Err(too_short(size)),
-        _ if bytes > MAX_BYTES => {
-            let [shown, limit] = [bytes, MAX_BYTES].map(Bytes);
-            let problem = format!("its {width} x {height} pixels take {shown}, above the limit of {limit}");
-            Err(Diagnostic::error(problem))
-        }
-        _ => Ok(()),
+fn check_bytes([width, height]: [u32; 2], bytes: u64, limit: u64) -> Result<(), Diagnostic> {
+    if bytes <= limit {
+        return Ok(());
     }
+    let [shown, limit] = [bytes, limit].map(Bytes);
+    let problem = format!("its {width} x {height} pixels take {shown}, above the limit of {limit}");
+    Err(Diagnostic::error(problem))
 }
 
 pub(super) fn no_pixels() -> Diagnostic {

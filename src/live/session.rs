@@ -321,8 +321,10 @@ impl Session {
 
     /// Takes a picture from elsewhere, in the bytes of a file with this name.
     fn take_reference(&self, name: &str, file: &[u8]) -> Found {
-        let picture = read_picture_from(Path::new(name), file)?;
-        let ([width, height], most) = (picture_size(&picture), self.most.side());
+        let most = self.most.side();
+        // Up to four channels of two bytes.
+        let picture = read_picture_from(Path::new(name), file, 8 * (most as u64).pow(2))?;
+        let [width, height] = picture_size(&picture);
         if width.max(height) > most {
             let reason =
                 format!("a page shows pictures of at most {most} pixels a side, not {width} x {height}");
