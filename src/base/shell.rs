@@ -34,14 +34,6 @@ impl Shell {
         };
         if word.starts_with(['"', '\'']) { format!("& {word}") } else { word }
     }
-
-    /// What ends a line that goes on in the next one. cmd.exe and PowerShell have none in common.
-    pub fn continuation(self) -> Option<&'static str> {
-        match self {
-            Self::Posix => Some(" \\"),
-            Self::Windows => None,
-        }
-    }
 }
 
 /// A word between single quotes if it has other characters than those of plain names, and with escape sequences between

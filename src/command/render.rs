@@ -218,7 +218,7 @@ impl Run<'_> {
         let rendered = self.prepared.render_rows(self.request, &watch, &mut take_row);
         progress.end();
         match (failure, rendered) {
-            (Some(error), _) => Err(error.into()),
+            (Some(error), _) => Err(error),
             (None, Err(Stopped::Cancelled { rows })) => Ok(Err(rows)),
             (None, rendered) => Ok(Ok(rendered?)),
         }

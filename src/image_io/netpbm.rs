@@ -178,20 +178,18 @@ impl<'a> Text<'a> {
         let surplus = rest.len() - needed;
         // White space before the samples could be surplus just as well.
         let is_next_white = rest.first().is_some_and(u8::is_ascii_whitespace);
-        let (in_crlf, all_in_crlf) = match rest.strip_prefix(b"\n").filter(|_| head.ends_with(b"\r")) {
-            Some(_) => line_ends(&self.start[..=head.len()]),
-            None => (false, false),
-        };
+        let is_in_crlf =
+            head.ends_with(b"\r") && rest.starts_with(b"\n") && has_crlf_only(&self.start[..=head.len()]);
         match surplus {
             // All lines of the header end in CR LF. So does the last, and a byte is missing.
-            0 if all_in_crlf && head.contains(&b'\n') => Err(too_short([width, height])),
+            0 if is_in_crlf && head.contains(&b'\n') => Err(too_short([width, height])),
             0 => Ok((rest.into(), false)),
-            1 if in_crlf => Ok((rest[1..].into(), false)),
+            1 if is_in_crlf => Ok((rest[1..].into(), false)),
             1 | 2 if !is_next_white && matches!(&rest[needed..], b"\n" | b"\r\n") => {
                 Ok((rest[..needed].into(), true))
             }
             _ => {
-                let samples = all_in_crlf.then(|| without_cr(&rest[1..])).flatten();
+                let samples = is_in_crlf.then(|| without_cr(&rest[1..])).flatten();
                 if let Some(samples) = samples.filter(|samples| samples.len() == needed) {
                     return Ok((samples.into(), false));
                 }
@@ -281,11 +279,10 @@ fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Returns whether every CR in a header belongs to a CR LF, and whether every LF does too.
-fn line_ends(head: &[u8]) -> (bool, bool) {
-    let pairs = head.windows(2).filter(|pair| pair == b"\r\n").count();
-    let is_paired = |end: u8| head.iter().filter(|&&byte| byte == end).count() == pairs;
-    (is_paired(b'\r'), is_paired(b'\r') && is_paired(b'\n'))
+/// True if every CR and every LF belongs to a CR LF.
+fn has_crlf_only(text: &[u8]) -> bool {
+    let pairs = text.windows(2).filter(|pair| pair == b"\r\n").count();
+    [b'\r', b'\n'].iter().all(|end| text.iter().filter(|&byte| byte == end).count() == pairs)
 }
 
 /// Returns the bytes of a text with LF in place of CR LF, or `None` if LF occurs alone.

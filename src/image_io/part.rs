@@ -71,8 +71,9 @@ impl PartFile {
         let no_part = |problem: String| cannot("merge", path, Diagnostic::error(problem));
         let Rows { size: [width, height], comment, .. } = Rows::open(path)?;
         let part = comment.as_deref().and_then(Part::parse).ok_or_else(|| {
-            let picture = format!("it is a picture of {width} x {height} pixels");
-            no_part(picture + ", and no part as `-region` makes it")
+            no_part(format!(
+                "it is a picture of {width} x {height} pixels, and no part as `-region` makes it"
+            ))
         })?;
         let [x, y, width, height] = [part.at[0], part.at[1], width, height].map(|n| n as usize);
         let window = Window { x, y, width, height };
@@ -133,16 +134,17 @@ impl Rows {
         rgb.resize(self.size[0] as usize * CHANNELS, 0);
         self.left = self.left.saturating_sub(1);
         let read = match &mut self.decoder {
-            Decoder::Tga(source) => source.read_exact(rgb),
+            Decoder::Tga(source) => {
+                let read = source.read_exact(rgb);
+                rgb.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
+                read
+            }
             Decoder::Png(reader) => {
                 let read =
                     reader.read_row(rgb).and_then(|_| if self.left > 0 { Ok(()) } else { reader.finish() });
                 read.map_err(io::Error::from)
             }
         };
-        if let Decoder::Tga(_) = self.decoder {
-            rgb.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
-        }
         read.map_err(|error| cannot("read", &self.path, or_too_early(error, too_short(self.size))))
     }
 

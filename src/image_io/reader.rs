@@ -18,6 +18,8 @@ use std::fs::{self, File};
 use std::io::{self, Cursor, Read};
 use std::path::Path;
 
+/// Upper bound on the length of a file, in bytes: that of the largest picture in single precision, with alpha.
+const LONGEST_FILE: u64 = 1 << 32;
 /// Upper bound on the size of a decoded picture from a file, in bytes.
 const MAX_BYTES: u64 = 1 << 29;
 /// Upper bound on the bytes for a row of a PNG file and for its metadata, such as a compressed colour
@@ -67,6 +69,9 @@ pub fn read_picture_from(name: &Path, bytes: &[u8], limit: u64) -> Result<Pictur
 pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
+    if length > LONGEST_FILE {
+        return Err(Diagnostic::error(format!("it is longer than {}", Bytes(LONGEST_FILE))));
+    }
     let mut bytes = with_room(length as usize)?;
     file.take(length).read_to_end(&mut bytes)?;
     decode(path, &bytes, MAX_BYTES)

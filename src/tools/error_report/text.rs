@@ -44,9 +44,10 @@ fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>, shell: Shell) {
 
 /// The lines of a command, which `shell` reads as they stand.
 fn to_paste(command: &[String], shell: Shell) -> Vec<String> {
-    match shell.continuation() {
-        Some(end) => wrapped(command, "    ", "      ", end),
-        None => vec![command.join(" ")],
+    match shell {
+        Shell::Posix => wrapped(command, "    ", "      ", " \\"),
+        // No end of a line that goes on is common to cmd.exe and PowerShell.
+        Shell::Windows => vec![command.join(" ")],
     }
 }
 
