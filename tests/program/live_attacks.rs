@@ -67,6 +67,18 @@ fn sheet(side: usize) -> String {
 }
 
 #[test]
+fn a_small_file_with_a_vast_picture_is_refused() {
+    let folder = Folder::with_scene(GLASS);
+    let server = Server::start(folder.path(), "-size 4 4");
+    // Runs of 128 black pixels, of which there are 8000 x 8000.
+    let head = [0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x40, 0x1f, 0x40, 0x1f, 24, 0x20];
+    let file = [&head[..], &[0xff, 0, 0, 0].repeat(8000 * 8000 / 128)].concat();
+    let (status, said) = server.post("/reference?name=a.tga", &[], &file).expect("an answer");
+    let said = String::from_utf8(said).expect("text");
+    assert!(status == 422 && said.contains("8000 x 8000 pixels take 192.0 MB, above the limit"), "{said}");
+}
+
+#[test]
 fn work_ends_with_its_client_in_every_phase() {
     let folder = Folder::with_scene(GLASS);
     let server = Server::start(folder.path(), "-size 4 4");
