@@ -63,7 +63,7 @@ mod server {
         let remove = move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take());
         signals.before_end(remove.clone());
         let server = Server::open(options, input, &page.words, page.port.unwrap_or(0))?;
-        let url = server.url();
+        let url = server.url.clone();
         log.say(&format!("open {url}  (Ctrl-C ends)"));
         if page.browser {
             open_browser(&url, opened);
