@@ -1,6 +1,7 @@
 //! Who is let in: a request with the key that comes from the page itself, under a name of this machine.
 
 use super::http::{Answer, Head};
+use std::io;
 use subtle::ConstantTimeEq;
 
 /// The number of random bits in the key.
@@ -11,9 +12,9 @@ pub struct Key(pub String);
 
 impl Key {
     /// Returns a new key from the system's random numbers.
-    pub fn new() -> Result<Self, getrandom::Error> {
+    pub fn new() -> io::Result<Self> {
         let mut bytes = [0; BITS / 8];
-        getrandom::fill(&mut bytes)?;
+        getrandom::fill(&mut bytes).map_err(|error| io::Error::other(error.to_string()))?;
         Ok(Self(bytes.map(|byte| format!("{byte:02x}")).concat()))
     }
 

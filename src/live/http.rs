@@ -1,9 +1,8 @@
 //! Requests and answers of HTTP/1.1, as far as a page needs them.
 //!
-//! Of the crates that are whole servers, `tiny_http` (0.12, of 2022) and `rouille`, which stands on it, have no time
-//! limits; `oxhttp` is maintained, but limits each read instead of the whole request, cannot tell which free port it
-//! has found, and reads a body to its end however long it is. So the part that is easy to get wrong, the head of a
-//! request, is parsed by `httparse`, the parser of hyper; what is allowed and how long it may take is decided here.
+//! The part that is easy to get wrong, the head of a request, is parsed by `httparse`, the parser of hyper; what is
+//! allowed and how long it may take is decided here. Of the crates that are whole servers, none has time limits for whole
+//! requests.
 
 use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
 use crate::diagnostic::Diagnostic;

@@ -45,10 +45,10 @@ const RESTS: u8 = 1;
 const ASKS: u8 = 2;
 
 impl Server {
-    /// Opens the scene of a command line, which has a page that starts with these words, and listens on the loopback
-    /// interface at this port, where 0 is any free one. An error is a line, or the message for a scene.
-    pub fn open(options: &Options, input: &Path, words: &[String], port: u16) -> Result<Self, Diagnostic> {
-        let session = Session::open(options, input, words)?;
+    /// Opens the scene of a command line, and listens on the loopback interface at this port, where 0 is any free one. An
+    /// error is a line, or the message for a scene.
+    pub fn open(options: &Options, input: &Path, port: u16) -> Result<Self, Diagnostic> {
+        let session = Session::open(options, input)?;
         let listen = || {
             let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
             let (key, (end, ended)) = (Key::new()?, channel());
@@ -124,7 +124,7 @@ impl Shared {
             own.rank.store(RESTS, Ordering::Relaxed);
             let body = connection.body(length, Instant::now() + BODY_TIME)?;
             let answer = match (head.is_post, head.path.as_str()) {
-                (false, "/") => page(),
+                (false, "/") => page()?,
                 (false, _) => Answer::text(404, "there is nothing here"),
                 (true, "/quit") => Answer::text(200, "ended"),
                 (true, "/alive") => alive(&mut connection),
@@ -137,7 +137,7 @@ impl Shared {
             };
             connection.send(&answer, head.closes)?;
             own.rank.store(RESTS, Ordering::Relaxed);
-            if (head.is_post, head.path.as_str()) == (true, "/quit") {
+            if head.is_post && head.path == "/quit" {
                 let _ = self.end.send(());
             }
             if head.closes {
@@ -175,15 +175,13 @@ struct Page {
 }
 
 /// Returns the page. Its policy lets nothing run or be loaded but its own parts.
-fn page() -> Answer {
-    let page = Key::new().ok().map(|Key(mark)| Page { mark });
-    let Some((page, text)) = page.and_then(|page| page.render().ok().map(|text| (page, text))) else {
-        return Answer::text(503, "there are no random numbers");
-    };
+fn page() -> io::Result<Answer> {
+    let page = Page { mark: Key::new()?.0 };
     let policy = format!(
         "default-src 'none'; script-src 'nonce-{0}'; style-src 'nonce-{0}'; connect-src 'self'; img-src data:; \
          base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
         page.mark
     );
-    Answer { status: 200, content_type: "text/html; charset=utf-8", policy, body: text.into_bytes() }
+    let body = page.render().map_err(io::Error::other)?.into_bytes();
+    Ok(Answer { status: 200, content_type: "text/html; charset=utf-8", policy, body })
 }

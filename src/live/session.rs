@@ -30,8 +30,6 @@ use std::time::{Duration, Instant};
 pub struct Session {
     input: PathBuf,
     line: Options,
-    /// The flags that the page starts with.
-    words: Vec<String>,
     /// The pictures that a page can write.
     outputs: Vec<Output>,
     most: Most,
@@ -81,8 +79,8 @@ struct Shown {
 type Found = Result<Answer, Answer>;
 
 impl Session {
-    /// Opens the scene of a command line, which has a page that starts with these words.
-    pub fn open(line: &Options, input: &Path, words: &[String]) -> Result<Self, Diagnostic> {
+    /// Opens the scene of a command line.
+    pub fn open(line: &Options, input: &Path) -> Result<Self, Diagnostic> {
         let compared =
             line.comparison.iter().find_map(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
         // One that cannot be read has been complained about.
@@ -98,7 +96,6 @@ impl Session {
         Ok(Self {
             input: input.to_owned(),
             line: line.clone(),
-            words: words.to_vec(),
             outputs: line.outputs.iter().filter(may_write).cloned().collect(),
             most: Most::of(line, size),
             scenes: Scenes::open(input, line.hints())?,
@@ -184,7 +181,7 @@ impl Session {
         let outputs: Vec<_> = self.outputs.iter().map(|output| output.file.to_string_lossy()).collect();
         let meta = json!({
             "name": self.input.to_string_lossy(),
-            "words": self.words,
+            "words": self.line.page.as_ref().map(|page| &page.words),
             "outputs": outputs,
             "text": first.renderer.source.text,
             "scene": description(first),
