@@ -3,7 +3,6 @@
 use super::http::Answer;
 use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options};
-use serde_json::Value;
 use std::ffi::OsString;
 use std::time::Duration;
 
@@ -54,7 +53,7 @@ pub const MAX_MESH_BYTES: u64 = 1 << 26;
 pub const MAX_SCENES: usize = 4;
 pub const MAX_PREPARED: usize = 3;
 
-/// The amounts that a picture may ask for, unless the command line itself asks for more.
+/// The amounts that a picture may ask for, the longer side first, unless the command line itself asks for more.
 const AMOUNTS: [(&str, usize); 5] = [
     ("side", MAX_SIDE),
     ("samples", 1024),
@@ -75,8 +74,8 @@ fn amounts(options: &Options) -> [usize; 5] {
     [side, samples as usize, options.effects.bounces as usize, options.filter.support(), cells]
 }
 
-/// The most that a picture may ask for: the amounts of the command line, or those of any page.
-pub struct Most([usize; 5]);
+/// The most that a picture may ask for, in this order: the amounts of the command line, or those of any page.
+pub struct Most(pub [usize; 5]);
 
 impl Most {
     /// The limits for pages of this command line, which compares with a picture of this size.
@@ -85,15 +84,6 @@ impl Most {
         most[0] = most[0].max(compared[0]).max(compared[1]);
         most.iter_mut().zip(AMOUNTS).for_each(|(most, (_, limit))| *most = limit.max(*most));
         Self(most)
-    }
-
-    /// The longest side of a picture.
-    pub fn side(&self) -> usize {
-        self.0[0]
-    }
-
-    pub fn to_json(&self) -> Value {
-        AMOUNTS.iter().zip(self.0).map(|((name, _), most)| ((*name).to_owned(), Value::from(most))).collect()
     }
 
     /// Returns what these flags ask for. Errors: the message of the command line's parser, a flag that does more than

@@ -186,7 +186,7 @@ impl Session {
             "text": first.renderer.source.text,
             "scene": description(first),
             "reference": reference.as_deref().map(summary),
-            "most": self.most.to_json(),
+            "most": self.most.0,
             "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
         });
         Answer::described(&meta, &[])
@@ -281,7 +281,7 @@ impl Session {
     fn take_reference(&self, query: &str, file: &[u8]) -> Found {
         let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
         let picture = read_picture_from(Path::new(&name), file)?;
-        let ([width, height], most) = (picture_size(&picture), self.most.side());
+        let ([width, height], most) = (picture_size(&picture), self.most.0[0]);
         if width.max(height) > most {
             let reason =
                 format!("a page shows pictures of at most {most} pixels a side, not {width} x {height}");
@@ -315,16 +315,11 @@ impl Session {
         let is_plain = !view.options.visualize_grid && view.options.adaptive.is_none();
         let (reference, own) = self.pair(view, stop)?;
         let (picture, own) = (&reference.picture, &own.picture);
-        if picture_size(picture) != picture_size(own) {
-            return Err(Answer::text(422, "the pictures differ in size"));
-        }
+        let differs = picture_size(picture) == picture_size(own) && picture.pixels() != own.pixels();
+        let can_try = is_plain && differs && request.camera_rays() <= MAX_CAUSE_RAYS;
         let watch = |progress: Progress| stop.watch(progress);
-        let differs = picture.pixels() != own.pixels();
-        let original = if is_plain && differs && request.camera_rays() <= MAX_CAUSE_RAYS {
-            Original::watched(&scene.renderer, structure, &request, &watch)
-        } else {
-            None
-        };
+        let original = || Original::watched(&scene.renderer, structure, &request, &watch);
+        let original = can_try.then(original).flatten();
         let cause = original.map(|original| original.explain(picture, own).to_string());
         Ok(Answer::described(&json!({ "cause": cause }), &[]))
     }
