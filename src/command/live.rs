@@ -43,7 +43,8 @@ pub fn show(_: &Options, _: &Signals, _: &Log) -> Result<(), Diagnostic> {
 mod server {
     use super::*;
     use raytracer::live::Server;
-    use std::io::Write;
+    use std::env;
+    use std::io::{self, Write};
     use std::process::{Command, Stdio};
     use std::sync::{Arc, Mutex, PoisonError};
     use std::thread;
@@ -56,66 +57,65 @@ mod server {
         if !is_shown(options) {
             return Ok(());
         }
-        // The file from which the browser comes here would be left behind.
-        let opened = Arc::new(Mutex::new(None));
+        let opened = Opened::default();
+        // The file would be left behind.
         let to_remove = opened.clone();
-        let remove = move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take());
-        signals.before_end(remove.clone());
-        let server = Server::open(options, input, &page.words, page.port.unwrap_or(0))?;
-        let url = server.url();
-        log.say(&format!("open {url}  (Ctrl-C ends)"));
+        signals.before_end(move || to_remove.remove());
+        let server = Server::open(options, input, page.port.unwrap_or(0))?;
+        log.say(&format!("open {}  (Ctrl-C ends)", server.url));
         if page.browser {
-            open_browser(&url, opened);
+            // A browser that does not open is no error: the address stands on the terminal.
+            let _ = opened.open(&server.url);
         }
         server.run();
-        remove();
+        opened.remove();
         Ok(())
     }
 
-    /// Opens the address in the browser of the desktop, if there is one.
+    /// The file from which the browser of the desktop comes to the page.
     ///
     /// Everybody on the machine can read the arguments of a process, so the key does not stand there: the browser
     /// opens a file that only its owner can read, which leads to the page and is removed after a while.
-    fn open_browser(url: &str, opened: Arc<Mutex<Option<NamedTempFile>>>) {
-        let Some(opener) = opener() else { return };
-        // A signal waits for this, since it removes the file.
-        let Ok(file) = ({
-            let mut opened = opened.lock().unwrap_or_else(PoisonError::into_inner);
-            redirection(url).map(|file| opened.insert(file).path().to_owned())
-        }) else {
-            return;
-        };
-        let mut command = Command::new(opener);
-        command.arg(file).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        let Ok(mut opening) = command.spawn() else { return };
-        const LOADING: Duration = Duration::from_secs(20);
-        let wait = move || {
-            let _ = opening.wait();
-            thread::sleep(LOADING);
-            drop(opened.lock().unwrap_or_else(PoisonError::into_inner).take());
-        };
-        let _ = thread::Builder::new().spawn(wait);
+    #[derive(Clone, Default)]
+    struct Opened(Arc<Mutex<Option<NamedTempFile>>>);
+
+    impl Opened {
+        /// Opens the address in the browser, if there is a desktop.
+        fn open(&self, url: &str) -> io::Result<()> {
+            let Some(opener) = opener() else { return Ok(()) };
+            let page = format!(
+                "<!DOCTYPE html><title>raytracer</title><meta http-equiv=\"refresh\" content=\"0;url={url}\">\n"
+            );
+            // A signal waits for this lock, since it removes the file.
+            let file = {
+                let mut opened = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut file = tempfile::Builder::new().prefix("raytracer-").suffix(".html").tempfile()?;
+                file.write_all(page.as_bytes())?;
+                opened.insert(file).path().to_owned()
+            };
+            let mut command = Command::new(opener);
+            command.arg(file).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+            let (mut opening, own) = (command.spawn()?, self.clone());
+            const LOADING: Duration = Duration::from_secs(20);
+            let wait = move || {
+                let _ = opening.wait();
+                thread::sleep(LOADING);
+                own.remove();
+            };
+            thread::Builder::new().spawn(wait).map(drop)
+        }
+
+        fn remove(&self) {
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        }
     }
 
-    fn redirection(url: &str) -> std::io::Result<NamedTempFile> {
-        let mut file = tempfile::Builder::new().prefix("raytracer-").suffix(".html").tempfile()?;
-        writeln!(
-            file,
-            "<!DOCTYPE html><title>raytracer</title><meta http-equiv=\"refresh\" content=\"0;url={url}\">"
-        )?;
-        Ok(file)
-    }
-
-    /// The program that opens a file on this desktop; none where there is no desktop.
+    /// Returns the program that opens a file on this desktop; none where there is no desktop.
     fn opener() -> Option<&'static str> {
-        if cfg!(target_os = "macos") {
-            Some("open")
-        } else if cfg!(target_os = "windows") {
-            Some("explorer")
-        } else {
-            let has_desktop =
-                ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some());
-            has_desktop.then_some("xdg-open")
+        match env::consts::OS {
+            "macos" => Some("open"),
+            "windows" => Some("explorer"),
+            _ => ["DISPLAY", "WAYLAND_DISPLAY"].iter().find_map(env::var_os).map(|_| "xdg-open"),
         }
     }
 }

@@ -1,16 +1,15 @@
 //! Requests and answers of HTTP/1.1, as far as a page needs them.
 //!
-//! Of the crates that are whole servers, `tiny_http` (0.12, of 2022) and `rouille`, which stands on it, have no time
-//! limits; `oxhttp` is maintained, but limits each read instead of the whole request, cannot tell which free port it
-//! has found, and reads a body to its end however long it is. So the part that is easy to get wrong, the head of a
-//! request, is parsed by `httparse`, the parser of hyper; what is allowed and how long it may take is decided here.
+//! The part that is easy to get wrong, the head of a request, is parsed by `httparse`, the parser of hyper; what is
+//! allowed and how long it may take is decided here. Of the crates that are whole servers, none has time limits for whole
+//! requests.
 
 use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
 use crate::diagnostic::Diagnostic;
+use httparse::{EMPTY_HEADER, Error, Request, Status};
 use serde_json::Value;
-use std::fmt::Display;
 use std::io::{self, Read, Write};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
 /// The head of a request.
@@ -18,7 +17,7 @@ use std::time::{Duration, Instant};
 pub struct Head {
     pub is_post: bool,
     pub path: String,
-    /// What follows the question mark.
+    /// The part of the target after the question mark.
     pub query: String,
     pub host: Option<String>,
     pub origin: Option<String>,
@@ -34,37 +33,30 @@ const START: &[u8] = b"HTTP/1.1 ";
 /// A connection, on which requests follow each other.
 pub struct Connection<'s> {
     stream: &'s TcpStream,
-    /// What has been received and not been used.
+    /// The bytes that have been received and not been used.
     received: Vec<u8>,
-    /// Whether the other side says no more, although it may still listen.
-    is_half_closed: bool,
-    /// How many bytes of the answer have been sent to find out, and when the next one is.
+    /// How many bytes of the answer have been sent to find out whether the other side still listens.
     probed: usize,
-    next_probe: Instant,
 }
 
 impl<'s> Connection<'s> {
     pub fn new(stream: &'s TcpStream) -> Self {
-        Self { stream, received: vec![], is_half_closed: false, probed: 0, next_probe: Instant::now() }
+        Self { stream, received: vec![], probed: 0 }
     }
 
-    /// Returns the head of the next request; none if the other side ends the connection before it starts one. All of it
-    /// must arrive before the deadline.
-    pub fn head(&mut self, deadline: Instant) -> io::Result<Option<Result<Head, Answer>>> {
+    /// Returns the head of the next request, or why it is refused. All of it must arrive before the deadline.
+    pub fn head(&mut self, deadline: Instant) -> io::Result<Result<Head, Answer>> {
         loop {
             match parse_head(&self.received) {
                 Ok(Some((head, length))) => {
                     self.received.drain(..length);
-                    return Ok(Some(Ok(head)));
+                    return Ok(Ok(head));
                 }
                 Ok(None) if self.received.len() >= MAX_HEAD => {
-                    return Ok(Some(Err(Answer::text(431, "the head of the request is too long"))));
+                    return Ok(Err(Answer::text(431, "the head of the request is too long")));
                 }
-                Ok(None) => {}
-                Err(answer) => return Ok(Some(Err(answer))),
-            }
-            if self.receive(MAX_HEAD, deadline)? == 0 {
-                return Ok(None);
+                Ok(None) => self.receive(MAX_HEAD, deadline)?,
+                Err(answer) => return Ok(Err(answer)),
             }
         }
     }
@@ -72,27 +64,25 @@ impl<'s> Connection<'s> {
     /// Returns a body of this length, which must arrive before the deadline.
     pub fn body(&mut self, length: usize, deadline: Instant) -> io::Result<Vec<u8>> {
         while self.received.len() < length {
-            if self.receive(length, deadline)? == 0 {
-                return Err(io::ErrorKind::UnexpectedEof.into());
-            }
+            self.receive(length, deadline)?;
         }
         let rest = self.received.split_off(length);
         Ok(std::mem::replace(&mut self.received, rest))
     }
 
-    /// Receives what there is, up to `most` bytes in all, and returns how many more.
-    fn receive(&mut self, most: usize, deadline: Instant) -> io::Result<usize> {
-        self.stream.set_read_timeout(Some(until(deadline)?))?;
-        self.read(most)
-    }
-
-    fn read(&mut self, most: usize) -> io::Result<usize> {
+    /// Receives at least one byte, and no more than `most` in all.
+    fn receive(&mut self, most: usize, deadline: Instant) -> io::Result<()> {
         let mut part = [0; 1 << 14];
         let room = most.saturating_sub(self.received.len()).min(part.len());
         let mut stream = self.stream;
-        let count = stream.read(&mut part[..room])?;
-        self.received.extend_from_slice(&part[..count]);
-        Ok(count)
+        stream.set_read_timeout(Some(until(deadline)?))?;
+        match stream.read(&mut part[..room])? {
+            0 => Err(io::ErrorKind::UnexpectedEof.into()),
+            count => {
+                self.received.extend_from_slice(&part[..count]);
+                Ok(())
+            }
+        }
     }
 
     /// Returns true if the other side no longer waits for its answer, as far as can be told.
@@ -100,49 +90,38 @@ impl<'s> Connection<'s> {
     /// One that has closed the connection looks at first like one that only says no more. The difference shows when
     /// something is sent: so it gets the first bytes of the answer, which are the same for all, one by one.
     pub fn has_left(&mut self) -> bool {
-        if !self.is_half_closed {
-            let found = self.stream.set_nonblocking(true).and_then(|()| self.read(MAX_HEAD));
-            if self.stream.set_nonblocking(false).is_err() {
-                return true;
+        let mut stream = self.stream;
+        let found = stream.set_nonblocking(true).and_then(|()| stream.peek(&mut [0]));
+        match stream.set_nonblocking(false).and(found) {
+            Ok(0) => {
+                let Some(byte) = START.get(self.probed..=self.probed) else { return false };
+                self.probed += 1;
+                matches!(stream.take_error(), Ok(Some(_)) | Err(_)) || stream.write_all(byte).is_err()
             }
-            match found {
-                // Nothing longer than a head needs to be said before there is an answer.
-                Ok(0) if self.received.len() >= MAX_HEAD => return true,
-                Ok(0) => (self.is_half_closed, self.next_probe) = (true, Instant::now()),
-                Err(error) if error.kind() != io::ErrorKind::WouldBlock => return true,
-                Ok(_) | Err(_) => return false,
-            }
+            Ok(_) => false,
+            Err(error) => error.kind() != io::ErrorKind::WouldBlock,
         }
-        if matches!(self.stream.take_error(), Ok(Some(_)) | Err(_)) {
-            return true;
-        }
-        if self.probed < START.len() && Instant::now() >= self.next_probe {
-            let mut stream = self.stream;
-            if stream.write_all(&START[self.probed..=self.probed]).is_err() {
-                return true;
-            }
-            self.probed += 1;
-            self.next_probe += Duration::from_millis(250) * (1 << self.probed);
-        }
-        false
     }
 
     /// Sends an answer. The other side may take a while to receive it, but not for ever.
     pub fn send(&mut self, answer: &Answer, closes: bool) -> io::Result<()> {
-        let deadline = Instant::now() + SEND_TIME;
-        let head = answer.head(closes);
-        let sent = std::mem::take(&mut self.probed);
-        self.write(&head.as_bytes()[sent..], deadline)?;
-        self.write(&answer.body, deadline)
-    }
-
-    fn write(&self, mut rest: &[u8], deadline: Instant) -> io::Result<()> {
-        let mut stream = self.stream;
-        while !rest.is_empty() {
-            stream.set_write_timeout(Some(until(deadline)?))?;
-            rest = &rest[stream.write(rest)?..];
+        let (mut stream, deadline) = (self.stream, Instant::now() + SEND_TIME);
+        let (head, sent) = (answer.head(closes), std::mem::take(&mut self.probed));
+        for mut rest in [&head.as_bytes()[sent..], &answer.body] {
+            while !rest.is_empty() {
+                stream.set_write_timeout(Some(until(deadline)?))?;
+                rest = &rest[stream.write(rest)?..];
+            }
         }
         Ok(())
+    }
+
+    /// Says why, and waits a little for the other side to read it before the connection is closed.
+    pub fn refuse(&mut self, answer: &Answer) -> io::Result<()> {
+        const ENOUGH: usize = 1 << 16;
+        self.send(answer, true)?;
+        self.stream.shutdown(Shutdown::Write)?;
+        self.body(ENOUGH, Instant::now() + Duration::from_millis(500)).map(drop)
     }
 }
 
@@ -154,12 +133,12 @@ fn until(deadline: Instant) -> io::Result<Duration> {
 
 /// Parses the head at the start of these bytes, and returns its length, too; none if it is not complete.
 fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
-    let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
-    let mut request = httparse::Request::new(&mut headers);
-    let length = match request.parse(bytes) {
-        Ok(httparse::Status::Complete(length)) => length,
-        Ok(httparse::Status::Partial) => return Ok(None),
-        Err(httparse::Error::TooManyHeaders) => return Err(Answer::text(431, "too many headers")),
+    let mut headers = [EMPTY_HEADER; MAX_HEADERS];
+    let mut request = Request::new(&mut headers);
+    let end = match request.parse(bytes) {
+        Ok(Status::Complete(end)) => end,
+        Ok(Status::Partial) => return Ok(None),
+        Err(Error::TooManyHeaders) => return Err(Answer::text(431, "too many headers")),
         Err(error) => return Err(Answer::text(400, &format!("not a request: {error}"))),
     };
     let is_post = match request.method {
@@ -170,14 +149,14 @@ fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
     let target = request.path.unwrap_or_default();
     let (path, query) = target.split_once('?').unwrap_or((target, ""));
     let header = |name| header(request.headers, name);
+    let length = match header("content-length")? {
+        Some(text) if text.bytes().all(|byte| byte.is_ascii_digit()) => text.parse().map(Some).ok(),
+        Some(_) => None,
+        None => Some(None),
+    };
     if header("transfer-encoding")?.is_some() {
         return Err(Answer::text(411, "the length of the body must be given"));
     }
-    let unclear = || Answer::text(400, "the length of the body is unclear");
-    let number = |text: String| match text.bytes().all(|byte| byte.is_ascii_digit()) {
-        true => text.parse().map_err(|_| unclear()),
-        false => Err(unclear()),
-    };
     let is_close = |text: String| text.to_ascii_lowercase().contains("close");
     let head = Head {
         is_post,
@@ -186,10 +165,10 @@ fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
         host: header("host")?,
         origin: header("origin")?,
         key: header("x-key")?,
-        length: header("content-length")?.map(number).transpose()?,
+        length: length.ok_or_else(|| Answer::text(400, "the length of the body is unclear"))?,
         closes: request.version == Some(0) || header("connection")?.is_some_and(is_close),
     };
-    Ok(Some((head, length)))
+    Ok(Some((head, end)))
 }
 
 /// Returns a header that means something here. One that could be read in two ways is refused.
@@ -203,7 +182,7 @@ fn header(headers: &[httparse::Header], name: &str) -> Result<Option<String>, An
     }
 }
 
-/// What is sent back: what was asked for, or why it is refused.
+/// An answer to a request, or the reason why it is refused.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Answer {
     pub status: u16,
@@ -218,13 +197,9 @@ impl Answer {
         Self { status, content_type, policy: "default-src 'none'; frame-ancestors 'none'".into(), body }
     }
 
+    /// Returns a line of text. With the status 422 it says why a question that is understood cannot be answered.
     pub fn text(status: u16, text: &str) -> Self {
         Self::new(status, "text/plain; charset=utf-8", format!("{text}\n").into_bytes())
-    }
-
-    /// The question is understood, but cannot be answered for this reason.
-    pub fn impossible(reason: impl Display) -> Self {
-        Self::text(422, &reason.to_string())
     }
 
     /// Returns a description in JSON and the bytes that it describes, for the page's script: the length of the first as
@@ -232,7 +207,7 @@ impl Answer {
     pub fn described(meta: &Value, parts: &[&[u8]]) -> Self {
         let meta = meta.to_string().into_bytes();
         let length = (meta.len() as u32).to_le_bytes();
-        let body = [&length[..], &meta].iter().chain(parts).copied().collect::<Vec<_>>().concat();
+        let body = [&length, &meta[..]].iter().chain(parts).copied().collect::<Vec<_>>().concat();
         Self::new(200, "application/octet-stream", body)
     }
 
@@ -252,7 +227,7 @@ impl Answer {
 
 impl<E: Into<Diagnostic>> From<E> for Answer {
     fn from(error: E) -> Self {
-        Self::impossible(error.into().in_one_line())
+        Self::text(422, &error.into().in_one_line())
     }
 }
 

@@ -1,50 +1,40 @@
 //! How much one request may ask for, and all of them together.
 
+use super::http::Answer;
+use crate::caster::choose::{Resolution, Structure};
+use crate::cli::{self, Command, Options};
+use std::ffi::OsString;
 use std::time::Duration;
 
-/// The bytes of a request's head.
+/// The bytes of a request's head, and its headers.
 pub const MAX_HEAD: usize = 1 << 14;
-/// The headers of a request.
 pub const MAX_HEADERS: usize = 64;
-/// The bytes of a question, with the text of a scene.
+/// The bytes of a question, with the text of a scene, and those of a picture that is dropped on the page.
 pub const MAX_QUESTION: usize = 1 << 21;
-/// The bytes of a picture that is dropped on the page.
 pub const MAX_PICTURE_FILE: usize = 1 << 25;
 
 /// Connections at the same time.
 pub const MAX_CONNECTIONS: usize = 32;
-/// How long the head of a request may take to arrive.
+/// How long the head of a request and its body may take to arrive, and an answer to be received.
 pub const HEAD_TIME: Duration = Duration::from_secs(5);
-/// How long a connection that has shown the key may rest.
-pub const IDLE_TIME: Duration = Duration::from_secs(120);
-/// How long a body may take to arrive.
 pub const BODY_TIME: Duration = Duration::from_secs(20);
-/// How long an answer may take to be received.
 pub const SEND_TIME: Duration = Duration::from_secs(60);
-/// How long a page waits to hear that the program is still there.
+/// How long a connection that has shown the key may rest, and a page waits to hear that the program is still there.
+pub const IDLE_TIME: Duration = Duration::from_secs(120);
 pub const ALIVE_TIME: Duration = Duration::from_secs(30);
 
-/// Requests that are worked on at the same time. The last place is kept for short ones.
-pub const MAX_PLACES: usize = 5;
-/// The bytes that these take together, without those that take few. One that takes more by itself is worked on alone.
+/// The bytes that requests take together. One that takes more by itself waits for all others, and one that takes few for
+/// none.
 pub const MAX_BYTES: u64 = 400_000_000;
-pub const FEW_BYTES: u64 = 32_000_000;
+pub const FEW_BYTES: u64 = 8_000_000;
+/// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is built
+/// for each primitive in a cell, and of reading a picture, with something to spare.
+pub const BYTES_PER_PIXEL: u64 = 32;
+pub const BYTES_PER_PRIMITIVE: u64 = 256;
+pub const BYTES_PER_REFERENCE: u64 = 64;
+pub const BYTES_OF_READING: u64 = 100_000_000;
 
-/// Longer than anybody waits for the scene of the command line.
-pub const FOREVER: Duration = Duration::from_secs(1 << 30);
-
-/// How long the answer to a question may take, with the time for which it waits for others.
-pub fn answer_time(path: &str) -> Duration {
-    Duration::from_secs(match path {
-        "/picture" | "/compare" | "/cause" => 60,
-        // The command line may name pictures that no page would show.
-        "/save" => 600,
-        _ => 20,
-    })
-}
-
-/// The longer side of a picture in pixels, unless the command line itself asks for more; `settings` has limits of this
-/// kind that are not needed elsewhere.
+/// The longer side of a picture in pixels.
 pub const MAX_SIDE: usize = 2048;
 /// Primitives in the cells of a grid, each counted once for each cell: building it takes less than a second.
 pub const MAX_REFERENCES: u64 = 1 << 22;
@@ -52,22 +42,166 @@ pub const MAX_REFERENCES: u64 = 1 << 22;
 pub const MAX_CAUSE_RAYS: usize = 1 << 22;
 
 /// The triangles, shapes and planes of a scene that is typed in, with those of its meshes, and of all such scenes that
-/// are open.
+/// are open or prepared.
 pub const MAX_PRIMITIVES: usize = 1_000_000;
 /// The lights of such a scene times its primitives: it is looked for which of them lie on each other.
 pub const MAX_LIGHT_PAIRS: usize = 1 << 24;
-/// The mesh files that it names.
+/// The mesh files that it names, and their bytes: reading them takes about a second.
 pub const MAX_MESHES: usize = 32;
-/// The bytes of these files together: reading them takes about a second.
 pub const MAX_MESH_BYTES: u64 = 1 << 26;
-/// Scenes that were typed in and stay open, so that each of a few pages has its own.
+/// Scenes that were typed in and stay open, so that each of a few pages has its own, and scenes that stay prepared.
 pub const MAX_SCENES: usize = 4;
-/// Scenes that stay prepared.
 pub const MAX_PREPARED: usize = 3;
 
-/// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is built
-/// for each primitive in a cell, and of reading a picture, with something to spare.
-pub const BYTES_PER_PIXEL: u64 = 32;
-pub const BYTES_PER_PRIMITIVE: u64 = 256;
-pub const BYTES_PER_REFERENCE: u64 = 64;
-pub const BYTES_OF_READING: u64 = 100_000_000;
+/// The amounts that a picture may ask for, the longer side first, unless the command line itself asks for more.
+const AMOUNTS: [(&str, usize); 5] = [
+    ("side", MAX_SIDE),
+    ("samples", 1024),
+    // Each may double the rays.
+    ("bounces", 16),
+    ("support", 16),
+    ("cells", 1 << 21),
+];
+
+/// Returns what a picture asks for, in the order of [`AMOUNTS`].
+fn amounts(options: &Options) -> [usize; 5] {
+    let samples = options.adaptive.map_or(options.sampler.count(), |adaptive| adaptive.most);
+    let cells = match options.structure {
+        Structure::Grid(Resolution::Cells(cells)) => cells.into_iter().product(),
+        _ => 0,
+    };
+    let side = options.request().size.into_iter().fold(0, usize::max);
+    [side, samples as usize, options.effects.bounces as usize, options.filter.support(), cells]
+}
+
+/// The most that a picture may ask for, in this order: the amounts of the command line, or those of any page.
+pub struct Most(pub [usize; 5]);
+
+impl Most {
+    /// The limits for pages of this command line, which compares with a picture of this size.
+    pub fn of(line: &Options, compared: [usize; 2]) -> Self {
+        let mut most = amounts(line);
+        most[0] = most[0].max(compared[0]).max(compared[1]);
+        most.iter_mut().zip(AMOUNTS).for_each(|(most, (_, limit))| *most = limit.max(*most));
+        Self(most)
+    }
+
+    /// Returns what these flags ask for. Errors: the message of the command line's parser, a flag that does more than
+    /// shape a picture, or more than the limits allow.
+    pub fn options(&self, words: &[String]) -> Result<Options, Answer> {
+        let line = ["raytracer", "-input", "scene.txt", "-gui"];
+        let line = line.into_iter().chain(words.iter().map(String::as_str)).map(OsString::from);
+        let flags = |words: &[String]| words.iter().filter(|word| is_flag(word)).count();
+        let options = match cli::parse(line)? {
+            // The words of its page are those that shape a picture.
+            Command::Render(options)
+                if options.page.as_ref().is_some_and(|page| flags(&page.words) == flags(words)) =>
+            {
+                *options
+            }
+            _ => return Err(Answer::text(422, "these flags cannot be given here")),
+        };
+        for ((value, most), (name, _)) in amounts(&options).into_iter().zip(self.0).zip(AMOUNTS) {
+            if value > most {
+                let reason = format!("{name}: {value} is more than this page allows, {most}");
+                return Err(Answer::text(422, &reason));
+            }
+        }
+        Ok(options)
+    }
+}
+
+fn is_flag(word: &str) -> bool {
+    word.strip_prefix('-').is_some_and(|rest| rest.contains(|c: char| c.is_ascii_alphabetic()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<String> {
+        line.split_whitespace().map(str::to_owned).collect()
+    }
+
+    fn line(flags: &str) -> Options {
+        let all = format!("raytracer -input s.txt {flags}");
+        match cli::parse(all.split_whitespace().map(OsString::from)) {
+            Ok(Command::Render(options)) => *options,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn flags_that_shape_a_picture_are_understood() {
+        let most = Most::of(&line(""), [0; 2]);
+        for flags in [
+            "",
+            "-size 7 9 -shadows -shade_back -bounces 3 -weight .1 -grid auto -visualize_grid",
+            "-transparent_shadows -jittered_samples 9 -seed 3 -gaussian_filter .5 -grid 3 4 5",
+            "-adaptive_samples 64 1 -mitchell_filter 2",
+        ] {
+            assert_eq!(
+                most.options(&words(flags)).map(|options| Options {
+                    input: None,
+                    page: None,
+                    preview: false,
+                    ..options
+                }),
+                Ok(Options { input: None, ..line(flags) })
+            );
+        }
+    }
+
+    #[test]
+    fn no_flag_reaches_a_file_or_starts_anything_else() {
+        let most = Most::of(&line(""), [0; 2]);
+        for flags in [
+            "-output a.png",
+            "-depth 1 2 a.png",
+            "-normals a.png",
+            "-cost_map rays a.png",
+            "-render_samples a.png 3",
+            "-compare a.png",
+            "-reference a.png",
+            "-json -",
+            "-stats",
+            "-pixel 0 0",
+            "-gui",
+            "-gui -port 80",
+            "-gouraud",
+            "-threads 4096",
+            "-repeat 3",
+            "-region 0 0 1 1",
+            "-strict",
+            "-progress",
+            "-quiet",
+            "-merge a.png",
+            "-help",
+            "-version",
+            "-input other.txt",
+            "--output a.png",
+            "-bounces=3 -stats",
+            "a.png",
+        ] {
+            assert!(most.options(&words(flags)).is_err(), "{flags}");
+        }
+    }
+
+    #[test]
+    fn the_limits_are_those_of_the_page_or_of_the_line() {
+        let message = "bounces: 17 is more than this page allows, 16";
+        let too_much = words("-bounces 17");
+        assert_eq!(Most::of(&line(""), [0; 2]).options(&too_much), Err(Answer::text(422, message)));
+        assert!(Most::of(&line("-bounces 17"), [0; 2]).options(&too_much).is_ok());
+        for flags in [
+            "-size 4 2049",
+            "-random_samples 1025",
+            "-box_filter 17",
+            "-grid 1000 1000 3",
+            "-size 70000 1",
+            "-bounces x",
+        ] {
+            assert!(Most::of(&line(""), [0; 2]).options(&words(flags)).is_err(), "{flags}");
+        }
+    }
+}

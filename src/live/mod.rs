@@ -9,17 +9,14 @@
 //! are worked on by threads, and end when their client has left; what cannot be ended is bounded beforehand.
 
 mod access;
-mod camera;
 mod http;
 mod limits;
 mod objects;
-mod painter;
-mod queue;
 mod rays;
-mod saving;
 mod scenes;
 mod server;
 mod session;
-mod settings;
+mod view;
+mod workers;
 
 pub use server::Server;

@@ -5,63 +5,43 @@ use crate::render::Request;
 use crate::render::renderer::Prepared;
 use crate::scene::Camera;
 use crate::stats::Quiet;
-use crate::tools::explain::{Objects, Stop};
+use crate::tools::explain::{ObjectPart, Objects, Stop};
 use glam::DVec2;
 use rayon::prelude::*;
-use serde::Serialize;
 use std::collections::HashMap;
 
-/// An object in the text.
-#[derive(Debug, Serialize)]
-pub struct NamedObject {
-    name: String,
-    line: u32,
-    column: u32,
-}
-
-/// The object behind the centre of each pixel.
-#[derive(Debug, Default)]
-pub struct ObjectMap {
-    pub objects: Vec<NamedObject>,
-    /// Row by row from the top: the index of the object and one, as two bytes with the lower one first; 0 where nothing
-    /// is.
-    pub places: Vec<u8>,
-}
-
-impl ObjectMap {
-    /// For a picture of this size. Incomplete where it is stopped.
-    pub fn new(
-        prepared: &Prepared,
-        camera: Option<Camera>,
-        [width, height]: [usize; 2],
-        stop: &Stop,
-    ) -> Result<Self, Diagnostic> {
-        let objects = Objects::new(prepared.renderer())?;
-        let view = prepared.camera(&Request { camera, ..Request::new([width, height]) });
-        // Every ray is cast, also where a picture would be rasterized.
-        let seen = |pixel: usize| {
-            let at = DVec2::new((pixel % width) as f64, (height - 1 - pixel / width) as f64);
-            let nearest = || prepared.caster().nearest(&view.ray(at, DVec2::ZERO), None, &mut Quiet);
-            if stop.is_over() { None } else { nearest().map(|visible| visible.primitive) }
-        };
-        let primitives: Vec<Option<u32>> = (0..width * height).into_par_iter().map(seen).collect();
-        let mut map = Self::default();
-        let (mut of_primitives, mut of_positions) = (HashMap::new(), HashMap::new());
-        for primitive in primitives {
-            let place = primitive.map_or(0, |id| {
-                *of_primitives.entry(id).or_insert_with(|| {
-                    let Some(part) = objects.of(id) else { return 0 };
-                    *of_positions.entry((part.at.line, part.at.column)).or_insert_with(|| {
-                        let (line, column) = (part.at.line, part.at.column);
-                        map.objects.push(NamedObject { name: part.name, line, column });
-                        u16::try_from(map.objects.len()).unwrap_or(0)
-                    })
+/// Returns the objects behind the centres of a picture's pixels, and for each pixel, row by row from the top, the index
+/// of its object and one, as two bytes with the lower one first; 0 where nothing is. Incomplete where it is stopped.
+pub fn object_map(
+    prepared: &Prepared,
+    camera: Option<Camera>,
+    [width, height]: [usize; 2],
+    stop: &Stop,
+) -> Result<(Vec<ObjectPart>, Vec<u8>), Diagnostic> {
+    let known = Objects::new(prepared.renderer())?;
+    let view = prepared.camera(&Request { camera, ..Request::new([width, height]) });
+    // Every ray is cast, also where a picture would be rasterized.
+    let seen = |pixel: usize| {
+        let at = DVec2::new((pixel % width) as f64, (height - 1 - pixel / width) as f64);
+        let nearest = || prepared.caster().nearest(&view.ray(at, DVec2::ZERO), None, &mut Quiet);
+        if stop.is_over() { None } else { nearest().map(|visible| visible.primitive) }
+    };
+    let primitives: Vec<Option<u32>> = (0..width * height).into_par_iter().map(seen).collect();
+    let (mut objects, mut places) = (vec![], Vec::with_capacity(2 * primitives.len()));
+    let (mut of_primitives, mut of_positions) = (HashMap::new(), HashMap::new());
+    for primitive in primitives {
+        let place = primitive.map_or(0, |id| {
+            *of_primitives.entry(id).or_insert_with(|| {
+                let Some(part) = known.of(id) else { return 0 };
+                *of_positions.entry((part.at.line, part.at.column)).or_insert_with(|| {
+                    objects.push(part);
+                    u16::try_from(objects.len()).unwrap_or(0)
                 })
-            });
-            map.places.extend(place.to_le_bytes());
-        }
-        Ok(map)
+            })
+        });
+        places.extend(place.to_le_bytes());
     }
+    Ok((objects, places))
 }
 
 #[cfg(test)]
@@ -88,10 +68,10 @@ mod tests {
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
         let prepared = renderer.prepare(None, 4, Tracing::Fast).unwrap();
         let stop = Stop::at(Instant::now() + Duration::from_secs(60));
-        let map = ObjectMap::new(&prepared, None, [2, 2], &stop).unwrap();
+        let (objects, places) = object_map(&prepared, None, [2, 2], &stop).unwrap();
         let named: Vec<(&str, u32)> =
-            map.objects.iter().map(|object| (object.name.as_str(), object.line)).collect();
+            objects.iter().map(|object| (object.name.as_str(), object.at.line)).collect();
         assert_eq!(named, [("Sphere", 3), ("Box", 4)]);
-        assert_eq!(map.places, [1, 0, 0, 0, 0, 0, 2, 0]);
+        assert_eq!(places, [1, 0, 0, 0, 0, 0, 2, 0]);
     }
 }

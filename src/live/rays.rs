@@ -4,36 +4,22 @@ use crate::caster::grid::Lattice;
 use crate::caster::grid::dda::Dda;
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
-use crate::tools::explain::{Lighting, PixelTree, RayNode, SampleTree};
+use crate::tools::explain::{PixelTree, RayNode};
 use crate::trace::Secondary;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Lines beyond this number are not drawn.
-const MAX_LINES: usize = 4000;
-/// Nor are more cells.
-const MAX_CELLS: usize = 4000;
+/// Lines and cells beyond this number are not drawn.
+const MAX_DRAWN: usize = 4000;
 /// The text is cut after so many lines.
 const MAX_TEXT: usize = 5000;
-
-/// What a line in space shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LineKind {
-    Camera,
-    Reflected,
-    Refracted,
-    /// A ray that reaches a light.
-    Light,
-    /// A ray to a light that something blocks.
-    Shadow,
-    Normal,
-}
 
 /// A line in space.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Segment {
-    pub kind: LineKind,
+    /// A ray from the `camera`, a `reflected` or `refracted` one, one that reaches a `light`, one whose light something
+    /// blocks (`shadow`), or a `normal`.
+    pub kind: &'static str,
     pub from: DVec3,
     pub to: DVec3,
 }
@@ -57,13 +43,19 @@ impl Rays {
     pub fn of(tree: &PixelTree, bounds: Option<Aabb>, cells: Option<[usize; 3]>) -> Self {
         let far = bounds.map_or(10.0, |bounds| bounds.extent().length().max(f64::MIN_POSITIVE));
         let mut drawing = Drawing { far, segments: vec![], owners: vec![] };
-        tree.samples.iter().for_each(|sample| drawing.add_sample(sample));
+        for sample in &tree.samples {
+            let mut waiting: Vec<usize> = (0..sample.rays.len().min(1)).collect();
+            while let Some(node) = waiting.pop().map(|place| &sample.rays[place]) {
+                drawing.add(node);
+                waiting.extend(node.children.iter().rev());
+            }
+        }
         let text: Vec<String> = tree.to_string().lines().take(MAX_TEXT).map(str::to_owned).collect();
         let tells = tells(&text, &drawing.owners);
         let lattice = bounds.zip(cells).map(|(bounds, cells)| Lattice::new(bounds, cells));
         let passed = lattice.as_ref().map(|lattice| cells_passed(lattice, tree)).unwrap_or_default();
         let cell_size = lattice.map_or(DVec3::ZERO, |lattice| lattice.cell_size);
-        drawing.segments.truncate(MAX_LINES);
+        drawing.segments.truncate(MAX_DRAWN);
         Self { text, tells, segments: drawing.segments, cells: passed, cell_size }
     }
 }
@@ -78,54 +70,40 @@ struct Drawing {
 }
 
 impl Drawing {
-    fn add_sample(&mut self, sample: &SampleTree) {
-        let mut waiting = if sample.rays.is_empty() { vec![] } else { vec![0] };
-        while let Some(node) = waiting.pop().and_then(|place: usize| sample.rays.get(place)) {
-            self.add_ray(node);
-            waiting.extend(node.children.iter().rev());
-        }
-    }
-
-    fn add_ray(&mut self, node: &RayNode) {
+    /// Draws a ray, the normal where it ends, and a line towards each light to which a ray is cast from there.
+    fn add(&mut self, node: &RayNode) {
         let kind = match node.kind {
-            None => LineKind::Camera,
-            Some(Secondary::Reflected) => LineKind::Reflected,
-            Some(Secondary::Refracted) => LineKind::Refracted,
+            None => "camera",
+            Some(Secondary::Reflected) => "reflected",
+            Some(Secondary::Refracted) => "refracted",
         };
-        let own = self.segments.len();
-        let t = node.surface.as_ref().map(|surface| surface.t);
-        self.add(kind, &node.ray, t);
-        let Some(surface) = &node.surface else { return self.owners.push((own, vec![])) };
-        let (point, normal) = (surface.point.position, surface.point.normal);
-        let lights = surface.lights.iter().map(|light| self.add_light(point, light)).collect();
-        self.segments.push(Segment {
-            kind: LineKind::Normal,
-            from: point,
-            to: point + 0.06 * self.far * normal,
-        });
+        let own = self.ray(kind, &node.ray, node.surface.as_ref().map(|surface| surface.t));
+        let mut lights = vec![];
+        if let Some(surface) = &node.surface {
+            let from = surface.point.position;
+            for light in &surface.lights {
+                let distance = light.incident.distance;
+                lights.push(light.shadow.as_ref().map(|shadow| match &shadow.blocker {
+                    Some(blocker) => self.ray("shadow", &shadow.ray, Some(blocker.t)),
+                    None => {
+                        let ray = Ray::new(from, light.incident.direction);
+                        self.ray("light", &ray, distance.is_finite().then_some(distance))
+                    }
+                }));
+            }
+            let to = from + 0.06 * self.far * surface.point.normal;
+            self.segments.push(Segment { kind: "normal", from, to });
+        }
         self.owners.push((own, lights));
     }
 
-    /// The line towards a light, if a ray is cast there.
-    fn add_light(&mut self, point: DVec3, light: &Lighting) -> Option<usize> {
-        let shadow = light.shadow.as_ref()?;
-        let blocked = shadow.blocker.as_ref().map(|blocker| blocker.t);
-        let distance = light.incident.distance;
-        let ray = Ray::new(point, light.incident.direction);
-        let (kind, t) = match blocked {
-            Some(t) => (LineKind::Shadow, Some(t)),
-            None => (LineKind::Light, distance.is_finite().then_some(distance)),
-        };
-        self.add(kind, if blocked.is_some() { &shadow.ray } else { &ray }, t);
-        Some(self.segments.len() - 1)
-    }
-
-    /// A ray up to `t`. An orthographic camera's may start behind its plane.
-    fn add(&mut self, kind: LineKind, ray: &Ray, t: Option<f64>) {
-        let length = ray.direction.length().max(f64::MIN_POSITIVE);
-        let t = t.unwrap_or(self.far / length);
-        let start = if t < 0.0 { t - self.far / length } else { 0.0 };
+    /// Draws a ray up to `t`, and returns its index. An orthographic camera's may start behind its plane.
+    fn ray(&mut self, kind: &'static str, ray: &Ray, t: Option<f64>) -> usize {
+        let far = self.far / ray.direction.length().max(f64::MIN_POSITIVE);
+        let t = t.unwrap_or(far);
+        let start = if t < 0.0 { t - far } else { 0.0 };
         self.segments.push(Segment { kind, from: ray.at(start), to: ray.at(t) });
+        self.segments.len() - 1
     }
 }
 
@@ -134,15 +112,13 @@ impl Drawing {
 fn tells(text: &[String], owners: &[(usize, Vec<Option<usize>>)]) -> Vec<Option<usize>> {
     let (mut rays, mut lights) = (owners.iter(), [].iter());
     let (mut ray, mut current) = (None, None);
-    let mut told = vec![];
-    for line in text {
+    let mut tell = |line: &String| {
         let words = line.trim_start();
         let starts_with = |starts: &[&str]| starts.iter().any(|start| words.starts_with(start));
-        if starts_with(&["camera ray", "reflected ray,", "refracted ray,"]) {
-            if let Some((own, its_lights)) = rays.next() {
-                (ray, lights) = (Some(*own), its_lights.iter());
-                current = ray;
-            }
+        if starts_with(&["camera ray", "reflected ray,", "refracted ray,"])
+            && let Some((own, its_lights)) = rays.next()
+        {
+            (ray, current, lights) = (Some(*own), Some(*own), its_lights.iter());
         } else if starts_with(&["light "]) {
             current = lights.next().copied().flatten().or(ray);
         } else if starts_with(&["own colour"]) {
@@ -150,9 +126,9 @@ fn tells(text: &[String], owners: &[(usize, Vec<Option<usize>>)]) -> Vec<Option<
         } else if starts_with(&["the sample's colour", "sample "]) {
             (ray, current) = (None, None);
         }
-        told.push(current);
-    }
-    told
+        current
+    };
+    text.iter().map(&mut tell).collect()
 }
 
 /// The cells of a grid that the rays of a pixel pass, without those to the lights.
@@ -162,7 +138,7 @@ fn cells_passed(lattice: &Lattice, tree: &PixelTree) -> Vec<DVec3> {
     for node in tree.samples.iter().flat_map(|sample| &sample.rays) {
         let Some((mut dda, _)) = Dda::of_ray(lattice, &node.ray) else { continue };
         let end = node.surface.as_ref().map_or(i32::MAX, |surface| dda.fixed_t(surface.t));
-        while indices.len() < MAX_CELLS {
+        while indices.len() < MAX_DRAWN {
             let cell = lattice.cell_of(dda.index());
             if cell.min_element() < 0.0 || cell.cmpge(DVec3::from_array(most)).any() {
                 break;
@@ -222,26 +198,15 @@ mod tests {
         let (tree, rays) = rays(Structure::List);
         let nodes = || tree.samples.iter().flat_map(|sample| &sample.rays);
         let lights = nodes().flat_map(|node| &node.surface).flat_map(|surface| &surface.lights);
-        let drawn =
-            |kinds: &[LineKind]| rays.segments.iter().filter(|line| kinds.contains(&line.kind)).count();
+        let drawn = |kinds: &[&str]| rays.segments.iter().filter(|line| kinds.contains(&line.kind)).count();
         assert!(nodes().count() > 4);
-        assert_eq!(drawn(&[LineKind::Camera, LineKind::Reflected, LineKind::Refracted]), nodes().count());
-        assert_eq!(
-            drawn(&[LineKind::Light, LineKind::Shadow]),
-            lights.filter(|light| light.shadow.is_some()).count()
-        );
-        for (index, line) in
-            rays.segments.iter().enumerate().filter(|(_, line)| line.kind != LineKind::Normal)
-        {
+        assert_eq!(drawn(&["camera", "reflected", "refracted"]), nodes().count());
+        assert_eq!(drawn(&["light", "shadow"]), lights.filter(|light| light.shadow.is_some()).count());
+        for (index, line) in rays.segments.iter().enumerate().filter(|(_, line)| line.kind != "normal") {
             let first = rays.tells.iter().position(|&told| told == Some(index)).expect("a line of the text");
-            let word = match line.kind {
-                LineKind::Camera => "camera ray",
-                LineKind::Reflected => "reflected ray",
-                LineKind::Refracted => "refracted ray",
-                _ => "light ",
-            };
+            let word = if line.kind == "shadow" { "light" } else { line.kind };
             assert!(rays.text[first].trim_start().starts_with(word), "{}", rays.text[first]);
-            if line.kind == LineKind::Shadow {
+            if line.kind == "shadow" {
                 // The line between has the direction to the light.
                 assert!(rays.text[first + 2].contains("shadow ray blocked"), "{}", rays.text[first + 2]);
             }
@@ -252,7 +217,7 @@ mod tests {
     fn a_ray_ends_where_the_next_one_starts() {
         let (_, rays) = rays(Structure::List);
         let (camera, second) =
-            (&rays.segments[0], rays.segments.iter().find(|line| line.kind == LineKind::Refracted));
+            (&rays.segments[0], rays.segments.iter().find(|line| line.kind == "refracted"));
         assert_eq!(camera.from, DVec3::new(0.0, 0.0, 5.0));
         assert!((second.unwrap().from - camera.to).length() < 1e-12);
     }

@@ -7,149 +7,143 @@ use super::session::Session;
 use crate::cli::Options;
 use crate::diagnostic::Diagnostic;
 use askama::Template;
-use std::fmt::Display;
 use std::io;
-use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::path::Path;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// A page that is being served.
 pub struct Server {
     listener: TcpListener,
-    address: SocketAddr,
+    /// The address to open, with the key.
+    pub url: String,
     shared: Arc<Shared>,
+    ended: Receiver<()>,
 }
 
-/// What the connections share.
+/// The state that connections share.
 struct Shared {
     key: Key,
-    session: Arc<Session>,
-    state: Mutex<State>,
-    /// Wakes those who wait to hear that the program ends.
-    ending: Condvar,
-}
-
-#[derive(Default)]
-struct State {
-    has_ended: bool,
+    session: Session,
     /// The connections, the oldest first.
-    open: Vec<Open>,
+    open: Mutex<Vec<Arc<Open>>>,
+    end: Sender<()>,
 }
 
 struct Open {
-    id: u64,
     stream: TcpStream,
-    has_shown_key: bool,
-    rests: bool,
+    /// One of the following. Connections with a lower one make room first, and those that ask for something never.
+    rank: AtomicU8,
 }
 
-impl Server {
-    /// Opens the scene of a command line, which has a page that starts with these words, and listens on the loopback
-    /// interface at this port, where 0 is any free one. An error is a line, or the message for a scene.
-    pub fn open(options: &Options, input: &Path, words: &[String], port: u16) -> Result<Self, Diagnostic> {
-        let failed = |error: &dyn Display| Diagnostic::error(format!("cannot serve the page: {error}"));
-        let session = Arc::new(Session::open(options, input, words)?);
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| failed(&error))?;
-        let address = listener.local_addr().map_err(|error| failed(&error))?;
-        let key = Key::new().map_err(|error| failed(&error))?;
-        let (state, ending) = Default::default();
-        Ok(Self { listener, address, shared: Arc::new(Shared { key, session, state, ending }) })
-    }
+const HAS_NO_KEY: u8 = 0;
+const RESTS: u8 = 1;
+const ASKS: u8 = 2;
 
-    /// The address to open, with the key.
-    pub fn url(&self) -> String {
-        format!("http://{}/?key={}", self.address, self.shared.key.0)
+impl Server {
+    /// Opens the scene of a command line, and listens on the loopback interface at this port, where 0 is any free one. An
+    /// error is a line, or the message for a scene.
+    pub fn open(options: &Options, input: &Path, port: u16) -> Result<Self, Diagnostic> {
+        let session = Session::open(options, input)?;
+        let listen = || {
+            let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+            let (key, (end, ended)) = (Key::new()?, channel());
+            let url = format!("http://{}/?key={}", listener.local_addr()?, key.0);
+            let shared = Arc::new(Shared { key, session, open: Mutex::default(), end });
+            Ok(Self { listener, url, shared, ended })
+        };
+        listen().map_err(|error: io::Error| Diagnostic::error(format!("cannot serve the page: {error}")))
     }
 
     /// Serves the page until it is ended there.
     pub fn run(self) {
-        for (id, stream) in (0..).zip(self.listener.incoming()) {
-            if self.shared.lock().has_ended {
-                return;
-            }
-            // There may be no file descriptors or threads left; some will be free again.
-            let started = stream.and_then(|stream| self.start(id, stream));
-            if started.is_err() {
-                thread::sleep(Duration::from_millis(20));
-            }
-        }
-    }
-
-    /// Starts a thread for a connection. One without room is closed.
-    fn start(&self, id: u64, stream: TcpStream) -> io::Result<()> {
-        if self.shared.lock().add(id, &stream).is_err() {
-            return Ok(());
-        }
-        let (shared, address) = (self.shared.clone(), self.address);
-        let serve = move || {
-            let _ = stream.set_nodelay(true);
-            // A browser that has vanished reads no answer.
-            let _ = shared.serve(id, &stream);
-            let _ = stream.shutdown(Shutdown::Both);
-            let mut state = shared.lock();
-            state.open.retain(|other| other.id != id);
-            if state.has_ended {
-                // Wakes the thread that waits for connections.
-                let _ = TcpStream::connect(address);
+        let Self { listener, shared, ended, .. } = self;
+        let accept = move || {
+            for stream in listener.incoming() {
+                let shared = shared.clone();
+                let thread = thread::Builder::new().name("connection".into());
+                // There may be no file descriptors or threads left; some will be free again.
+                if stream.and_then(|stream| thread.spawn(move || shared.serve(stream))).is_err() {
+                    thread::sleep(Duration::from_millis(20));
+                }
             }
         };
-        let thread = thread::Builder::new().name("connection".into()).spawn(serve);
-        thread.map(drop).inspect_err(|_| self.shared.lock().open.retain(|other| other.id != id))
-    }
-}
-
-impl State {
-    /// Takes a connection in. Where there are too many, the oldest that has not shown the key makes room, or else the
-    /// oldest that asks for nothing. An error if there is no room.
-    fn add(&mut self, id: u64, stream: &TcpStream) -> io::Result<()> {
-        let stream = stream.try_clone()?;
-        if self.open.len() >= MAX_CONNECTIONS {
-            let stranger = self.open.iter().position(|other| !other.has_shown_key);
-            let first = stranger.or_else(|| self.open.iter().position(|other| other.rests));
-            let first = first.ok_or(io::ErrorKind::ConnectionRefused)?;
-            let _ = self.open.remove(first).stream.shutdown(Shutdown::Both);
+        if thread::Builder::new().spawn(accept).is_ok() {
+            let _ = ended.recv();
         }
-        self.open.push(Open { id, stream, has_shown_key: false, rests: true });
-        Ok(())
     }
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    fn open(&self) -> MutexGuard<'_, Vec<Arc<Open>>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Notes that a connection has shown the key, and whether it asks for something.
-    fn trust(&self, id: u64, rests: bool) {
-        let mut state = self.lock();
-        let known = state.open.iter_mut().filter(|other| other.id == id);
-        known.for_each(|other| (other.has_shown_key, other.rests) = (true, rests));
+    /// Serves a connection until it is closed. One without room is closed at once.
+    fn serve(&self, stream: TcpStream) {
+        let own = Arc::new(Open { stream, rank: AtomicU8::new(HAS_NO_KEY) });
+        if self.add(own.clone()) {
+            // A browser that has vanished reads no answer.
+            let _ = self.answer_all(&own);
+            let _ = own.stream.shutdown(Shutdown::Both);
+            self.open().retain(|other| !Arc::ptr_eq(other, &own));
+        }
     }
 
-    /// Answers the requests of a connection until it is closed.
-    fn serve(&self, id: u64, stream: &TcpStream) -> io::Result<()> {
-        let mut connection = Connection::new(stream);
+    /// Takes a connection in. Where there are too many, the oldest that has not shown the key makes room, or else the
+    /// oldest that asks for nothing. Returns false if there is no room.
+    fn add(&self, own: Arc<Open>) -> bool {
+        let mut open = self.open();
+        if open.len() >= MAX_CONNECTIONS {
+            let ranks = open.iter().map(|other| other.rank.load(Ordering::Relaxed)).enumerate();
+            let first = ranks.filter(|&(_, rank)| rank < ASKS).min_by_key(|&(_, rank)| rank);
+            let Some((place, _)) = first else { return false };
+            let _ = open.remove(place).stream.shutdown(Shutdown::Both);
+        }
+        open.push(own);
+        true
+    }
+
+    /// Answers the requests of a connection until one side closes it.
+    fn answer_all(&self, own: &Open) -> io::Result<()> {
+        own.stream.set_nodelay(true)?;
+        let mut connection = Connection::new(&own.stream);
         let mut time = HEAD_TIME;
-        while let Some(head) = connection.head(Instant::now() + time)? {
+        loop {
+            let head = connection.head(Instant::now() + time)?;
             let (head, length) = match head.and_then(|head| self.admitted(head)) {
                 Ok(admitted) => admitted,
-                Err(answer) => return refuse(&answer, &mut connection, stream),
+                Err(answer) => return connection.refuse(&answer),
             };
             time = IDLE_TIME;
             // One that sends no body asks for nothing yet.
-            self.trust(id, true);
+            own.rank.store(RESTS, Ordering::Relaxed);
             let body = connection.body(length, Instant::now() + BODY_TIME)?;
-            self.trust(id, head.path == "/alive");
-            let answer = self.answer(&head, body, &mut || connection.has_left());
+            let answer = match (head.is_post, head.path.as_str()) {
+                (false, "/") => page()?,
+                (false, _) => Answer::text(404, "there is nothing here"),
+                (true, "/quit") => Answer::text(200, "ended"),
+                (true, "/alive") => alive(&mut connection),
+                (true, path) => {
+                    own.rank.store(ASKS, Ordering::Relaxed);
+                    let mut has_left = || connection.has_left();
+                    let found = self.session.answer(path, &head.query, &body, &mut has_left);
+                    found.unwrap_or_else(|refusal| refusal)
+                }
+            };
             connection.send(&answer, head.closes)?;
-            self.trust(id, true);
-            if head.closes || self.lock().has_ended {
-                break;
+            own.rank.store(RESTS, Ordering::Relaxed);
+            if head.is_post && head.path == "/quit" {
+                let _ = self.end.send(());
+            }
+            if head.closes {
+                return Ok(());
             }
         }
-        Ok(())
     }
 
     /// Returns the head of a request that may be answered, and the length of its body.
@@ -158,51 +152,19 @@ impl Shared {
         let most = if head.path == "/reference" { MAX_PICTURE_FILE } else { MAX_QUESTION };
         match head.length {
             Some(length) if length > most => Err(Answer::text(413, &format!("at most {most} bytes"))),
-            Some(length) => Ok((head, length)),
             None if head.is_post => Err(Answer::text(411, "the length of the body must be given")),
-            None => Ok((head, 0)),
+            length => Ok((head, length.unwrap_or(0))),
         }
-    }
-
-    fn answer(&self, head: &Head, body: Vec<u8>, has_left: &mut dyn FnMut() -> bool) -> Answer {
-        match (head.is_post, head.path.as_str()) {
-            (false, "/") => page(),
-            (true, "/quit") => {
-                self.lock().has_ended = true;
-                self.ending.notify_all();
-                Answer::text(200, "ended")
-            }
-            (true, "/alive") => self.alive(has_left),
-            (true, path) => {
-                let found = self.session.answer(path, &head.query, body, has_left);
-                found.unwrap_or_else(|refusal| refusal)
-            }
-            (false, _) => Answer::text(404, "there is nothing here"),
-        }
-    }
-
-    /// Answers late: a page that waits for it learns at once that the program has ended.
-    fn alive(&self, has_left: &mut dyn FnMut() -> bool) -> Answer {
-        const LOOK: Duration = Duration::from_millis(500);
-        let end = Instant::now() + ALIVE_TIME;
-        while Instant::now() < end && !has_left() {
-            let goes_on = |state: &mut State| !state.has_ended;
-            let waited = self.ending.wait_timeout_while(self.lock(), LOOK, goes_on);
-            if waited.unwrap_or_else(PoisonError::into_inner).0.has_ended {
-                return Answer::text(200, "ended");
-            }
-        }
-        Answer::text(200, "alive")
     }
 }
 
-/// Says why, and waits a little for the other side to read it before the connection is closed.
-fn refuse(answer: &Answer, connection: &mut Connection, stream: &TcpStream) -> io::Result<()> {
-    const ENOUGH: usize = 1 << 16;
-    connection.send(answer, true)?;
-    stream.shutdown(Shutdown::Write)?;
-    let _ = connection.body(ENOUGH, Instant::now() + Duration::from_millis(500));
-    Ok(())
+/// Answers late: a page that waits for it notices at once when the program ends, since the connection breaks.
+fn alive(connection: &mut Connection) -> Answer {
+    let end = Instant::now() + ALIVE_TIME;
+    while Instant::now() < end && !connection.has_left() {
+        thread::sleep(Duration::from_millis(500));
+    }
+    Answer::text(200, "alive")
 }
 
 /// The page: one document, whose own parts have a mark that is new each time.
@@ -213,15 +175,13 @@ struct Page {
 }
 
 /// Returns the page. Its policy lets nothing run or be loaded but its own parts.
-fn page() -> Answer {
-    let page = Key::new().ok().map(|Key(mark)| Page { mark });
-    let Some((page, text)) = page.and_then(|page| page.render().ok().map(|text| (page, text))) else {
-        return Answer::text(503, "there are no random numbers");
-    };
+fn page() -> io::Result<Answer> {
+    let page = Page { mark: Key::new()?.0 };
     let policy = format!(
         "default-src 'none'; script-src 'nonce-{0}'; style-src 'nonce-{0}'; connect-src 'self'; img-src data:; \
          base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
         page.mark
     );
-    Answer { status: 200, content_type: "text/html; charset=utf-8", policy, body: text.into_bytes() }
+    let body = page.render().map_err(io::Error::other)?.into_bytes();
+    Ok(Answer { status: 200, content_type: "text/html; charset=utf-8", policy, body })
 }

@@ -1,22 +1,20 @@
 //! Answers the questions of pages.
 
-use super::camera::{camera_block, camera_values};
 use super::http::Answer;
 use super::limits::*;
-use super::objects::ObjectMap;
-use super::painter::{Painted, Painter, Subject};
-use super::queue::Queue;
+use super::objects::object_map;
 use super::rays::Rays;
-use super::saving::save;
 use super::scenes::{OpenScene, Scenes};
-use super::settings::{Most, command_line};
+use super::view::{Painted, Painter, View};
+use super::workers::Workers;
+use crate::base::escape::quoted;
 use crate::base::memory;
+use crate::base::shell::Shell;
 use crate::cli::{Options, Output};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{read_picture, read_picture_from};
+use crate::image_io::{Written, check_distinct, put_in_place, read_picture, read_picture_from};
 use crate::picture::{CHANNELS, Picture};
 use crate::render::{Cost, Layer, Progress, grid_view};
-use crate::scene::edition::Edition;
 use crate::scene::parser::parse_camera;
 use crate::tools::causes::Original;
 use crate::tools::compare::{Comparison, DifferencePicture};
@@ -26,23 +24,20 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// What the pages of a command line share.
+/// The state that the pages of a command line share.
 pub struct Session {
     input: PathBuf,
-    /// The flags that the page starts with.
-    words: Vec<String>,
+    line: Options,
     /// The pictures that a page can write.
     outputs: Vec<Output>,
-    /// The pictures that the command line compares.
-    compared: Vec<PathBuf>,
     most: Most,
     scenes: Scenes,
     painter: Painter,
     /// The picture from elsewhere that views are compared with.
     reference: Mutex<Option<Arc<Reference>>>,
-    queue: Arc<Queue>,
+    workers: Workers,
 }
 
 struct Reference {
@@ -50,14 +45,14 @@ struct Reference {
     picture: Picture,
 }
 
-/// What a page asks. Each question has some of these.
+/// A question of a page. Each kind has some of these members.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Question {
-    /// A random number of the page, and one that grows with each picture.
-    page: Option<u64>,
-    turn: Option<u64>,
-    view: Option<View>,
+    /// A random number of the page, and one that grows with its questions.
+    page: u64,
+    turn: u64,
+    view: Option<Shown>,
     /// Width and height in pixels of a sketch with one ray through each centre, in place of the whole picture.
     sketch: Option<[usize; 2]>,
     /// The pixel whose rays are traced, by column and row from the top left.
@@ -67,359 +62,296 @@ struct Question {
     words: Vec<String>,
 }
 
-/// A view of a scene, as the controls and the hand have set it.
+/// A view, as the page describes it.
 #[derive(Deserialize)]
-struct View {
+struct Shown {
     /// The scene's revision.
     scene: u64,
     /// Flags with their values.
     words: Vec<String>,
     /// The camera's block of scene text; none for the scene's own.
     camera: Option<String>,
-    show: Show,
-}
-
-/// What a picture shows: colours, or what each pixel costs.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Show {
-    Color,
-    Rays,
-    Tests,
-    Cells,
-}
-
-impl Question {
-    fn read(path: &str, body: &[u8]) -> Result<Self, Answer> {
-        let refused = |error: serde_json::Error| Answer::text(400, &format!("not a question: {error}"));
-        let mut question: Self = serde_json::from_slice(body).map_err(refused)?;
-        // These are views themselves.
-        if matches!(path, "/objects" | "/save") {
-            question.view = Some(serde_json::from_slice(body).map_err(refused)?);
-        }
-        Ok(question)
-    }
+    /// The cost that is shown in place of colours.
+    #[serde(flatten)]
+    cost: Option<Cost>,
 }
 
 type Found = Result<Answer, Answer>;
-type Work = Box<dyn Fn(&Session, &Stop) -> Found + Send + Sync>;
 
 impl Session {
-    /// Opens the scene of a command line, which has a page that starts with these words.
-    pub fn open(options: &Options, input: &Path, words: &[String]) -> Result<Self, Diagnostic> {
-        let cores = || thread::available_parallelism().map_or(1, usize::from);
-        let queue = Queue::new(options.threads.unwrap_or_else(cores));
-        let (path, hints, endless) = (input.to_owned(), options.hints(), Instant::now() + FOREVER);
-        let open = move |_: &Stop| Scenes::open(&path, hints.clone());
-        let scenes = queue.run(0, endless, &mut || None, open);
-        let scenes = scenes.map_err(|answer| Diagnostic::error(String::from_utf8_lossy(&answer.body)))??;
-        let comparison = options.comparison.as_ref();
-        let file = comparison.and_then(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
+    /// Opens the scene of a command line.
+    pub fn open(line: &Options, input: &Path) -> Result<Self, Diagnostic> {
+        let compared =
+            line.comparison.iter().find_map(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
         // One that cannot be read has been complained about.
-        let picture = file.and_then(|path| Some((path, read_picture(path).ok()?)));
+        let picture = compared.and_then(|path| Some((path, read_picture(path).ok()?)));
         let reference = picture.map(|(path, picture)| {
             Arc::new(Reference { name: path.to_string_lossy().into_owned(), picture })
         });
-        let compared = comparison.into_iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
-        // A page renders no part of a picture, and standard output has another reader.
-        let may_write = |output: &&Output| !output.is_standard_output() && options.region.is_none();
+        // A page renders no part of a picture, standard output has another reader, and a pipe would wait for one.
+        let may_write =
+            |output: &&Output| !output.is_standard_output() && output.file.is_file() && line.region.is_none();
         let size = reference.as_ref().map_or([0; 2], |reference| picture_size(&reference.picture));
+        let cores = || thread::available_parallelism().map_or(1, usize::from);
         Ok(Self {
             input: input.to_owned(),
-            words: words.to_vec(),
-            outputs: options.outputs.iter().filter(may_write).cloned().collect(),
-            compared: compared.flatten().cloned().collect(),
-            most: Most::of(options, size),
-            scenes,
-            painter: Painter::new(options.structure),
+            line: line.clone(),
+            outputs: line.outputs.iter().filter(may_write).cloned().collect(),
+            most: Most::of(line, size),
+            scenes: Scenes::open(input, line.hints())?,
+            painter: Painter::new(line.structure),
             reference: Mutex::new(reference),
-            queue,
+            workers: Workers::new(line.threads.unwrap_or_else(cores)),
         })
     }
 
     /// Answers a question. `has_left` is asked often whether the other side no longer waits.
-    pub fn answer(
-        self: &Arc<Self>,
-        path: &str,
-        query: &str,
-        body: Vec<u8>,
-        has_left: &mut dyn FnMut() -> bool,
-    ) -> Found {
-        let deadline = Instant::now() + answer_time(path);
-        // Of some kinds only the newest question of a page counts.
-        let kind = match path {
-            "/picture" | "/compare" | "/cause" => Some("picture"),
-            "/scene" => Some("scene"),
-            "/objects" => Some("objects"),
-            "/trace" => Some("trace"),
-            "/start" | "/save" | "/reference" => None,
+    pub fn answer(&self, path: &str, query: &str, body: &[u8], has_left: &mut dyn FnMut() -> bool) -> Found {
+        // The kind of questions of which only the newest of a page counts; how many seconds it may take, with the time
+        // for which it waits for others; and the pictures and the copies of the scene that it takes memory for.
+        let (kind, seconds, pictures, copies) = match path {
+            "/start" | "/reference" => (None, 20, 0, 0),
+            "/scene" => (Some("scene"), 20, 0, 0),
+            "/picture" => (Some("picture"), 60, 1, 0),
+            "/compare" => (Some("picture"), 60, 2, 0),
+            "/cause" => (Some("picture"), 60, 2, 2),
+            "/objects" => (Some("objects"), 20, 1, 1),
+            "/trace" => (Some("trace"), 20, 0, 1),
+            // The command line may name pictures that no page would show.
+            "/save" => (None, 600, 1, 0),
             _ => return Err(Answer::text(404, "there is nothing here")),
         };
-        let question = if path == "/reference" { Question::default() } else { Question::read(path, &body)? };
-        let turn = kind.zip(question.page).map(|(kind, page)| self.queue.turn(page, kind, question.turn));
+        let deadline = Instant::now() + Duration::from_secs(seconds);
+        let refused = |error: serde_json::Error| Answer::text(400, &format!("not a question: {error}"));
+        let is_file = path == "/reference";
+        let question: Question =
+            if is_file { Question::default() } else { serde_json::from_slice(body).map_err(refused)? };
+        let turn = kind.map(|kind| (question.page, kind, question.turn));
+        turn.iter().for_each(|&turn| self.workers.note(turn));
         let mut gives_up = || match () {
             // This is no failure, and a browser lists failures.
-            () if turn.is_some_and(|turn| self.queue.is_overtaken(turn)) => {
+            () if turn.is_some_and(|turn| self.workers.is_overtaken(turn)) => {
                 Some(Answer::described(&json!({ "overtaken": true }), &[]))
             }
             () if Instant::now() > deadline => {
                 let reason = "this takes longer than a page may: choose a smaller picture, or fewer samples";
-                Some(Answer::impossible(reason))
+                Some(Answer::text(422, reason))
             }
             () => has_left().then(|| Answer::text(408, "nobody waits for this answer")),
         };
-        let (work, bytes) = match path {
-            "/reference" => {
-                let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
-                let work: Work = Box::new(move |session, _| session.take_reference(&name, &body));
-                (work, BYTES_OF_READING)
-            }
-            _ => self.work(path, question)?,
-        };
-        let session = self.clone();
-        self.queue.run(bytes, deadline, &mut gives_up, move |stop| work(&session, stop))?
+        let sketch = question.sketch.filter(|_| path == "/picture");
+        let view = question.view.map(|shown| self.view(shown, sketch)).transpose()?;
+        let of_view = view.as_ref().map_or(0, |view| view.bytes(pictures, copies));
+        let bytes = if is_file { BYTES_OF_READING } else { of_view };
+        self.workers.run(bytes, deadline, &mut gives_up, |stop| match (path, view, question.pixel) {
+            ("/start", ..) => Ok(self.start()),
+            ("/reference", ..) => self.take_reference(query, body),
+            ("/scene", ..) if let Some(text) = question.text => self.type_in(text, &question.words, stop),
+            ("/picture", Some(view), _) => self.picture(&view, stop),
+            ("/compare", Some(view), _) => self.compare(view, stop),
+            ("/cause", Some(view), _) => self.cause(view, stop),
+            ("/objects", Some(view), _) => self.objects(&view, stop),
+            ("/trace", Some(view), Some(pixel)) => self.trace(&view, pixel, stop),
+            ("/save", Some(view), _) => self.save(&view, stop),
+            _ => Err(Answer::text(400, "not a question: it is incomplete")),
+        })?
     }
 
-    /// Returns what is to be done for a question, and the memory in bytes that it takes.
-    fn work(&self, path: &str, question: Question) -> Result<(Work, u64), Answer> {
-        let incomplete = || Answer::text(400, "not a question: it is incomplete");
-        if path == "/start" {
-            return Ok((Box::new(|session, _| session.start()), 0));
+    fn view(
+        &self,
+        Shown { scene, words, camera, cost }: Shown,
+        sketch: Option<[usize; 2]>,
+    ) -> Result<View, Answer> {
+        let closed = |reason| Answer::text(410, reason);
+        let scene = self.scenes.scene(scene).ok_or_else(|| closed("the scene is closed"))?;
+        let options = self.most.options(&words)?;
+        if options.edition != scene.named {
+            return Err(closed("the scene is open in another edition"));
         }
-        if path == "/scene" {
-            let text = question.text.ok_or_else(incomplete)?;
-            let named = self.most.options(&question.words)?.edition;
-            return Ok((Box::new(move |session, stop| session.type_in(&text, named, stop)), 0));
-        }
-        let view = question.view.ok_or_else(incomplete)?;
-        let mut subject = self.subject(&view)?;
-        if path == "/picture" {
-            subject.sketch = question.sketch.map(clipped);
-        }
-        let bytes = match path {
-            "/picture" | "/save" => subject.bytes(1, 0),
-            "/compare" => subject.bytes(2, 0),
-            "/cause" => subject.bytes(2, 2),
-            "/objects" => subject.bytes(1, 1),
-            _ => subject.bytes(0, 1),
-        };
-        let work: Work = match path {
-            "/picture" => Box::new(move |session, stop| session.picture(&subject, &view.words, stop)),
-            "/save" => Box::new(move |session, stop| session.save(&subject, stop)),
-            "/compare" => Box::new(move |session, stop| session.compare(&subject, stop)),
-            "/cause" => Box::new(move |session, stop| session.cause(&subject, stop)),
-            "/objects" => Box::new(move |session, stop| session.objects(&subject, stop)),
-            _ => {
-                let pixel = question.pixel.ok_or_else(incomplete)?;
-                Box::new(move |session, stop| session.trace(&subject, pixel, stop))
-            }
-        };
-        Ok((work, bytes))
+        let options = options.in_edition(scene.choice.edition);
+        let in_block = |error: Diagnostic| Answer::text(422, &error.in_file(Path::new("camera")).headline());
+        let camera = camera.map(|block| parse_camera(&block).map_err(in_block)).transpose()?;
+        let view = View { scene, words, options, camera, cost, sketch: sketch.map(clipped) };
+        memory::ask(view.bytes(2, 0))?;
+        Ok(view)
     }
 
-    fn start(&self) -> Found {
-        let first = self.scenes.first();
+    fn start(&self) -> Answer {
+        let (first, reference) = (&self.scenes.first, self.reference());
         let outputs: Vec<_> = self.outputs.iter().map(|output| output.file.to_string_lossy()).collect();
         let meta = json!({
             "name": self.input.to_string_lossy(),
-            "words": self.words(),
+            "words": self.line.page.as_ref().map(|page| &page.words),
             "outputs": outputs,
             "text": first.renderer.source.text,
-            "scene": self.description(first),
-            "reference": self.reference().as_deref().map(summary),
-            "most": self.most.to_json(),
+            "scene": description(first),
+            "reference": reference.as_deref().map(summary),
+            "most": self.most.0,
             "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
-            "version": env!("CARGO_PKG_VERSION"),
         });
+        Answer::described(&meta, &[])
+    }
+
+    fn type_in(&self, text: String, words: &[String], stop: &Stop) -> Found {
+        let named = self.most.options(words)?.edition;
+        let meta = match self.scenes.type_in(text, named, stop) {
+            Ok(scene) => json!({ "scene": description(&scene) }),
+            Err(error) => {
+                let at = error.position().map(|at| [at.line, at.column]);
+                json!({ "errors": [{ "at": at, "problem": error.message, "hint": error.hint }] })
+            }
+        };
         Ok(Answer::described(&meta, &[]))
     }
 
-    /// The flags that the page starts with. Their picture has the size of the one to compare with.
-    fn words(&self) -> Vec<String> {
-        let mut words = self.words.clone();
-        let Some(wanted) = self.reference().map(|reference| picture_size(&reference.picture)) else {
-            return words;
-        };
-        let Ok(mut options) = self.most.options(&words) else { return words };
-        if options.picture_size() == wanted {
-            return words;
-        }
-        // The samples may enlarge or reduce the picture.
-        let sizes = [wanted, wanted.map(|side| side / 3), wanted.map(|side| 3 * side)];
-        let makes = |size: &[usize; 2]| {
-            options.size = *size;
-            options.picture_size() == wanted
-        };
-        let [width, height] = sizes.into_iter().find(makes).unwrap_or(wanted);
-        if let Some(start) = words.iter().position(|word| word == "-size") {
-            let values = words[start + 1..].iter().take_while(|word| !word.starts_with('-')).count();
-            words.drain(start..=start + values);
-        }
-        words.extend(["-size".to_owned(), width.to_string(), height.to_string()]);
-        words
-    }
-
-    fn type_in(&self, text: &str, named: Option<Edition>, stop: &Stop) -> Found {
-        let meta = match self.scenes.type_in(text.to_owned(), named, stop) {
-            Ok(scene) => json!({ "scene": self.description(&scene) }),
-            Err(error) => json!({ "errors": [error] }),
-        };
-        self.painter.forget(|revision| self.scenes.is_open(revision));
-        Ok(Answer::described(&meta, &[]))
-    }
-
-    fn picture(&self, subject: &Subject, words: &[String], stop: &Stop) -> Found {
-        let Painted { picture, costs, nans, time } = self.painter.paint(subject, stop)?;
-        let layer = subject.cost.map_or(Layer::Color, Layer::Cost);
-        let output = self.outputs.iter().find(|output| output.layer == layer);
+    fn picture(&self, view: &View, stop: &Stop) -> Found {
+        let start = Instant::now();
+        let Painted { picture, costs, nans } = self.painter.paint(view, stop)?;
         let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         let counts = costs.iter().flat_map(|report| report.map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
-        // Which edition the words of the scene tell depends on the pictures that are written, too.
-        let mut words = words.to_vec();
-        let choice = &subject.scene.choice;
-        if choice.because.is_some() {
-            words.extend(["-edition".to_owned(), choice.edition.to_string()]);
-        }
-        let output = output.map(|output| output.file.as_path());
         let meta = json!({
             "size": picture_size(&picture),
-            "shows": subject.sketch.unwrap_or_else(|| subject.options.picture_size()),
-            "milliseconds": time.as_secs_f64() * 1000.0,
+            "shows": view.sketch.unwrap_or_else(|| view.options.picture_size()),
+            "milliseconds": start.elapsed().as_secs_f64() * 1000.0,
             "nans": nans,
             "costs": costs.map(|report| report.to_string()),
-            "command": command_line(&self.input, &words, subject.cost, output),
-            "camera": subject.camera.as_ref().map(camera_block),
+            "command": self.command_line(view),
         });
         Ok(Answer::described(&meta, &[&rgba(&picture), &counts]))
     }
 
-    fn save(&self, subject: &Subject, stop: &Stop) -> Found {
-        let said = save(subject, &self.outputs, &self.compared, &self.painter, stop)?;
-        Ok(Answer::described(&json!({ "said": said }), &[]))
-    }
-
-    fn objects(&self, subject: &Subject, stop: &Stop) -> Found {
-        let size = clipped(subject.options.picture_size());
-        let ready = self.painter.ready(subject, false, false)?;
-        let map = ObjectMap::new(ready.borrow_dependent(), subject.camera, size, stop);
-        let map = map?;
-        Ok(Answer::described(&json!({ "size": size, "objects": map.objects }), &[&map.places]))
-    }
-
-    fn trace(&self, subject: &Subject, pixel: [usize; 2], stop: &Stop) -> Found {
-        if subject.options.reduced {
-            return Err(Answer::impossible("the pixels of a picture that is reduced are not traced"));
+    /// Returns the command line that writes the picture of a view.
+    fn command_line(&self, view: &View) -> String {
+        let text = |path: &Path| path.to_string_lossy().into_owned();
+        let layer = view.cost.map_or(Layer::Color, Layer::Cost);
+        let output = self.outputs.iter().find(|output| output.layer == layer);
+        let mut line = vec!["raytracer".into(), "-input".into(), text(&self.input)];
+        line.extend_from_slice(&view.words);
+        // Which edition the words of the scene tell depends on the pictures that are written, too.
+        let choice = &view.scene.choice;
+        if choice.because.is_some() {
+            line.extend(["-edition".into(), choice.edition.to_string()]);
         }
-        let ready = self.painter.ready(subject, true, false)?;
+        match view.cost {
+            None => line.push("-output".into()),
+            Some(cost) => line.extend(["-cost_map".into(), cost.name().into()]),
+        }
+        line.push(output.map_or("picture.png".into(), |output| text(&output.file)));
+        line.iter().map(|word| Shell::OF_SYSTEM.word(word)).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Writes the pictures that the command line names of a view, all or none.
+    fn save(&self, view: &View, stop: &Stop) -> Found {
+        if self.outputs.is_empty() {
+            let reason = "the command line names no picture to write; copy the one below";
+            return Err(Answer::text(422, reason));
+        }
+        let written = self.outputs.iter().map(|output| Written::Named(output.file.clone()));
+        let compared = self.line.comparison.iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
+        let compared = compared.flatten().map(|picture| ("picture", picture.clone()));
+        let read =
+            [("scene", self.input.clone())].into_iter().chain(view.scene.files.clone()).chain(compared);
+        check_distinct(written, read)?;
+        let files = self.outputs.iter().map(|output| self.painter.complete(view, output, stop));
+        put_in_place(files.collect::<Result<_, _>>()?)?;
+        let names: Vec<String> = self.outputs.iter().map(|output| quoted(&output.file)).collect();
+        Ok(Answer::described(&json!({ "said": format!("saved {}", names.join(", ")) }), &[]))
+    }
+
+    fn objects(&self, view: &View, stop: &Stop) -> Found {
+        let size = clipped(view.options.picture_size());
+        let ready = self.painter.ready(view, false, false)?;
+        let (objects, places) = object_map(ready.borrow_dependent(), view.camera, size, stop)?;
+        Ok(Answer::described(&json!({ "size": size, "objects": objects }), &[&places]))
+    }
+
+    fn trace(&self, view: &View, pixel: [usize; 2], stop: &Stop) -> Found {
+        if view.options.reduced {
+            return Err(Answer::text(422, "the pixels of a picture that is reduced are not traced"));
+        }
+        let ready = self.painter.ready(view, true, false)?;
         let prepared = ready.borrow_dependent();
-        let explainer = Explainer::new(prepared)?;
-        let tree = explainer.pixel(&subject.request(Layer::Color), pixel, stop)?;
-        let rays = Rays::of(&tree, subject.scene.renderer.bounds(), prepared.cells());
+        let tree = Explainer::new(prepared)?.pixel(&view.request(Layer::Color), pixel, stop)?;
+        let rays = Rays::of(&tree, view.scene.renderer.bounds(), prepared.cells());
         Ok(Answer::described(&json!({ "pixel": pixel, "rays": rays }), &[]))
     }
 
-    /// Takes a picture from elsewhere, in the bytes of a file with this name.
-    fn take_reference(&self, name: &str, file: &[u8]) -> Found {
-        let most = self.most.side();
+    /// Takes a picture from elsewhere, in the bytes of a file whose name the query has.
+    fn take_reference(&self, query: &str, file: &[u8]) -> Found {
+        let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
+        let most = self.most.0[0];
         // Up to four channels of two bytes.
-        let picture = read_picture_from(Path::new(name), file, 8 * (most as u64).pow(2))?;
+        let picture = read_picture_from(Path::new(&name), file, 8 * (most as u64).pow(2))?;
         let [width, height] = picture_size(&picture);
         if width.max(height) > most {
             let reason =
                 format!("a page shows pictures of at most {most} pixels a side, not {width} x {height}");
-            return Err(Answer::impossible(reason));
+            return Err(Answer::text(422, &reason));
         }
-        let reference = Arc::new(Reference { name: name.to_owned(), picture });
+        let reference = Arc::new(Reference { name, picture });
         let said = Answer::described(&summary(&reference), &[]);
         *self.reference.lock().unwrap_or_else(PoisonError::into_inner) = Some(reference);
         Ok(said)
     }
 
-    fn compare(&self, subject: &Subject, stop: &Stop) -> Found {
-        let (reference, own) = self.pair(subject, stop)?;
+    fn compare(&self, view: View, stop: &Stop) -> Found {
+        let (reference, own) = self.pair(view, stop)?;
         let picture = &reference.picture;
-        let compared = Comparison::new_unless(picture, &own, &|| stop.is_over())?;
-        let shown = DifferencePicture::new(picture, &own)?;
+        let compared = Comparison::new_unless(picture, &own.picture, &|| stop.is_over())?;
+        let shown = DifferencePicture::new(picture, &own.picture)?;
         let meta = json!({
             "size": picture_size(picture), "block": compared.to_string(), "amplification": shown.amplification,
-            "name": reference.name,
         });
         let difference = rgba(&shown.picture);
         // The last of the panels that stand side by side.
         let [all, panel] = [shown.picture.width(), picture.width()].map(|width| 4 * width as usize);
         let difference: Vec<&[u8]> = difference.chunks_exact(all).map(|row| &row[all - panel..]).collect();
-        Ok(Answer::described(&meta, &[&rgba(picture), &rgba(&own), &difference.concat()]))
+        Ok(Answer::described(&meta, &[&rgba(picture), &rgba(&own.picture), &difference.concat()]))
     }
 
     /// Finds what makes the difference, in the words of the command line; none where nothing can be tried.
-    fn cause(&self, subject: &Subject, stop: &Stop) -> Found {
-        let (reference, own) = self.pair(subject, stop)?;
-        let picture = &reference.picture;
-        if picture_size(picture) != picture_size(&own) {
-            return Err(Answer::impossible("the pictures differ in size"));
-        }
-        let request = subject.request(Layer::Color);
-        let can_try = !subject.options.visualize_grid
-            && subject.options.adaptive.is_none()
-            && request.camera_rays() <= MAX_CAUSE_RAYS
-            && picture.pixels() != own.pixels();
+    fn cause(&self, view: View, stop: &Stop) -> Found {
+        let (structure, request) = (view.options.structure, view.request(Layer::Color));
+        let scene = view.scene.clone();
+        let is_plain = !view.options.visualize_grid && view.options.adaptive.is_none();
+        let (reference, own) = self.pair(view, stop)?;
+        let (picture, own) = (&reference.picture, &own.picture);
+        let differs = picture_size(picture) == picture_size(own) && picture.pixels() != own.pixels();
+        let can_try = is_plain && differs && request.camera_rays() <= MAX_CAUSE_RAYS;
         let watch = |progress: Progress| stop.watch(progress);
-        let renderer = &subject.scene.renderer;
-        let original = || Original::watched(renderer, subject.options.structure, &request, &watch);
-        let original = if can_try { original() } else { None };
-        let cause = original.map(|original| original.explain(picture, &own).to_string());
+        let original = || Original::watched(&scene.renderer, structure, &request, &watch);
+        let original = can_try.then(original).flatten();
+        let cause = original.map(|original| original.explain(picture, own).to_string());
         Ok(Answer::described(&json!({ "cause": cause }), &[]))
     }
 
     /// Returns the picture from elsewhere, and the view's.
-    fn pair(&self, subject: &Subject, stop: &Stop) -> Result<(Arc<Reference>, Picture), Answer> {
+    fn pair(&self, view: View, stop: &Stop) -> Result<(Arc<Reference>, Painted), Answer> {
         let reference = self.reference();
-        let reference = reference.ok_or_else(|| Answer::impossible("there is no picture to compare with"))?;
+        let reference = reference.ok_or_else(|| Answer::text(422, "there is no picture to compare with"))?;
         // Costs are no colours, and their map has a scale beside it.
-        let own = self.painter.paint(&Subject { cost: None, ..subject.clone() }, stop)?;
-        Ok((reference, own.picture))
+        Ok((reference, self.painter.paint(&View { cost: None, ..view }, stop)?))
     }
 
     fn reference(&self) -> Option<Arc<Reference>> {
         self.reference.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
+}
 
-    /// Returns what the page needs to know of a scene to turn it, and of the edition that it was read in.
-    fn description(&self, scene: &OpenScene) -> Value {
-        let (renderer, choice) = (&scene.renderer, &scene.choice);
-        let defaults = self.most.options(&[]).map(|options| options.in_edition(choice.edition).effects);
-        let defaults = defaults.unwrap_or_default();
-        json!({
-            "revision": scene.revision,
-            "camera": camera_values(&renderer.scene.camera, renderer.scene.model.screen),
-            "bounds": renderer.bounds(),
-            "is_unlit": renderer.scene.lights.is_empty(),
-            "edition": choice.edition,
-            "note": choice.note().or_else(|| choice.doubt().map(|doubt| doubt.join("; "))),
-            "defaults": { "bounces": defaults.bounces, "weight": defaults.min_weight },
-        })
-    }
-
-    fn subject(&self, view: &View) -> Result<Subject, Answer> {
-        let scene = self.scenes.scene(view.scene).ok_or_else(|| Answer::text(410, "the scene is closed"))?;
-        let options = self.most.options(&view.words)?;
-        if options.edition != scene.named {
-            return Err(Answer::text(410, "the scene is open in another edition"));
-        }
-        let options = options.in_edition(scene.choice.edition);
-        let camera = view.camera.as_deref().map(parse_camera).transpose();
-        let camera = camera.map_err(|error| Answer::impossible(format!("the camera: {}", error.message)))?;
-        let cost = match view.show {
-            Show::Color => None,
-            Show::Rays => Some(Cost::Rays),
-            Show::Tests => Some(Cost::Tests),
-            Show::Cells => Some(Cost::Cells),
-        };
-        let subject = Subject { scene, options, camera, cost, sketch: None };
-        memory::ask(subject.bytes(2, 0))?;
-        Ok(subject)
-    }
+/// Returns what the page needs to know of a scene to turn it, and of the edition that it was read in.
+fn description(OpenScene { revision, choice, renderer, .. }: &OpenScene) -> Value {
+    let (scene, edition) = (&renderer.scene, choice.edition);
+    json!({
+        "revision": revision,
+        "camera": scene.camera,
+        "screen": scene.model.screen,
+        "bounds": renderer.bounds(),
+        "is_unlit": scene.lights.is_empty(),
+        "edition": edition,
+        "note": choice.note().or_else(|| choice.doubt().map(|doubt| doubt.join("; "))),
+        "defaults": { "bounces": edition.default_bounces(), "weight": edition.default_weight() },
+    })
 }
 
 fn summary(reference: &Reference) -> Value {

@@ -1,7 +1,7 @@
 //! The layers of a render: each of them is a picture that shows another property of the same scene.
 
 use crate::stats::Counts;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The property that a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -39,7 +39,7 @@ pub enum Layer {
 }
 
 /// What a pixel costs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "cost", rename_all = "snake_case")]
 pub enum Cost {
     /// Rays of every kind.
@@ -51,6 +51,15 @@ pub enum Cost {
 }
 
 impl Cost {
+    /// The name, as after `-cost_map`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rays => "rays",
+            Self::Tests => "tests",
+            Self::Cells => "cells",
+        }
+    }
+
     /// How much of it has been counted.
     pub fn of(self, counts: &Counts) -> u64 {
         match self {

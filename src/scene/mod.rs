@@ -38,6 +38,7 @@ use material::Material;
 use mesh::Corners;
 use model::Model;
 pub use object::Object;
+use serde::Serialize;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
 pub(crate) use transform::is_transformation;
@@ -91,7 +92,8 @@ pub struct MeshFile {
 }
 
 /// A camera. Its directions need not be unit vectors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Camera {
     /// A camera whose rays are parallel.
     Orthographic {

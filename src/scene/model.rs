@@ -3,6 +3,7 @@
 
 use crate::picture::Color;
 use glam::DVec3;
+use serde::Serialize;
 
 /// How a scene is seen, lit and shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +27,8 @@ pub struct Model {
 }
 
 /// How the view of a perspective camera is spread over the pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Screen {
     /// The angle spans the longer side, from the outer edge of one pixel to that of another.
     LongerSide,

@@ -2,7 +2,7 @@
 // Questions to the program. Every answer is a description in JSON and the bytes that it describes.
 
 const key = new URLSearchParams(location.search).get('key') || '';
-// Of the questions of one kind that a page asks, a later one overtakes the earlier ones; of pictures, by their turns.
+// Of the questions of one kind that a page asks, a later turn overtakes the earlier ones. Pictures count their own.
 const page = Math.floor(Math.random() * 2 ** 50);
 let turn = 0;
 
@@ -17,7 +17,7 @@ class Refused extends Error {
 
 // Asks, and returns { meta, bytes }. A refusal is thrown, with its status and its reason.
 async function ask(path, question) {
-  const body = question instanceof Blob ? question : JSON.stringify({ page, ...question });
+  const body = question instanceof Blob ? question : JSON.stringify({ page, turn: Date.now(), ...question });
   let answer;
   try {
     answer = await fetch(path, { method: 'POST', headers: { 'X-Key': key }, body, cache: 'no-store' });
@@ -50,8 +50,8 @@ async function listen() {
   while (!ending.signal.aborted) {
     try {
       const answer = await fetch('/alive', { method: 'POST', headers: { 'X-Key': key }, body: '', signal: ending.signal });
-      const said = (await answer.text()).trim();
-      if (said === 'ended' || answer.status === 403) return showOver('The program has ended.');
+      await answer.text();
+      if (answer.status === 403) return showOver('The program has ended.');
       failures = 0;
       if (document.body.classList.contains('ended')) showOver('');
     } catch {

@@ -12,7 +12,7 @@ const compared = {
 };
 
 // A cost is no colour that could be compared.
-const comparing = () => compared.file !== null && shown() === 'color';
+const comparing = () => compared.file !== null && shown() === null;
 const look = () => document.querySelector('input[name=look]:checked').value;
 
 // Takes a file as the reference, and gives the picture its size.
@@ -22,7 +22,7 @@ async function takeFile(file) {
     const name = file.name.replace(/[^\w.-]/g, '_');
     const { meta } = await ask(`/reference?name=${name}`, file);
     takeReference(meta, file.name);
-    [find('width').value, find('height').value] = meta.size;
+    setSize(meta.size);
     find('show').value = 'color';
     if (sayWhatIsWrong()) controlsChanged();
     else say('The picture is larger than this page shows.');

@@ -24,6 +24,13 @@ function size() {
   });
 }
 
+// Gives the picture this width and height, which the samples and the filter may change.
+function setSize(wanted) {
+  for (const factor of [3, 1 / 3, 1]) {
+    [find('width').value, find('height').value] = wanted.map((side) => Math.floor(side * factor));
+    if (size().join() === wanted.join()) return;
+  }
+}
 
 // The flags. Those of the samples can be replaced.
 function wordsOf(samples = sampleWords()) {
@@ -105,8 +112,8 @@ function enableControls() {
 // Whether a picture gets more samples while the hand rests.
 const refines = () => find('refine').checked && !find('refine').disabled && value('show') === 'color';
 
-// What a picture shows, as the program names it.
-const shown = () => (value('show') === 'grid' ? 'color' : value('show'));
+// The cost that a picture shows; null if it shows colours.
+const shown = () => (['color', 'grid'].includes(value('show')) ? null : value('show'));
 
 // Shows something else, or the colours again.
 function toggleShow(kind) {
@@ -131,7 +138,7 @@ function sayWhatIsWrong() {
 }
 
 // The command line may ask for more than a page would.
-function setLimits({ side, samples, bounces, support }) {
+function setLimits([side, samples, bounces, support]) {
   for (const [id, most] of [['width', side], ['height', side], ['count', samples], ['bounces', bounces], ['radius', support]]) {
     find(id).max = most;
   }

@@ -140,7 +140,7 @@ async function lookAround() {
   if (!view.isOpen()) return;
   const scene = view.scene.revision;
   try {
-    const { meta, bytes } = await ask('/objects', { ...view.question(), show: 'color' });
+    const { meta, bytes } = await ask('/objects', { view: view.question() });
     if (view.scene.revision !== scene) return;
     objectMap = { ...meta, places: new Uint16Array(bytes.slice().buffer) };
   } catch (error) {

@@ -42,7 +42,7 @@ async function quit() {
 async function save(outputs) {
   if (outputs.length === 0) return download();
   try {
-    say((await ask('/save', { ...view.question(), show: 'color' })).meta.said);
+    say((await ask('/save', { view: view.question() })).meta.said);
   } catch (error) {
     complain(error);
   }
@@ -89,6 +89,7 @@ async function start() {
   document.title = `${meta.name} · raytracer`;
   setLimits(meta.most);
   fillControls(meta.words);
+  if (meta.reference) setSize(meta.reference.size);
   view.openedWith = view.readWith = editionWords();
   showCellColors(meta.cell_colors);
   startTabs();

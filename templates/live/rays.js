@@ -13,7 +13,7 @@ async function trace(pixel) {
   selectTab('rays');
   [find('column').value, find('row').value] = pixel;
   try {
-    const { meta } = await ask('/trace', { view: { ...view.question(), show: 'color' }, pixel });
+    const { meta } = await ask('/trace', { view: view.question(), pixel });
     [traced.rays, traced.pixel, traced.lit] = [meta.rays, meta.pixel, null];
     writeTree();
   } catch (error) {

@@ -50,10 +50,12 @@ const view = {
   // Takes a scene that is open. The camera stays if it was moved.
   open(scene) {
     [this.scene, this.openedWith] = [scene, this.readWith];
+    const stretch = scene.screen.both_sides;
+    const screen = { is_stretched: Boolean(stretch), up_as_written: Boolean(stretch && stretch.up_as_written) };
+    Object.assign(scene.camera, screen);
     showEdition(scene);
     if (this.camera) {
-      const { is_stretched, up_as_written } = scene.camera;
-      Object.assign(this.camera, { is_stretched, up_as_written, pivot: pivotOf(this.camera, scene.bounds) });
+      Object.assign(this.camera, { ...screen, pivot: pivotOf(this.camera, scene.bounds) });
     }
     this.layout();
     this.rest();
@@ -82,7 +84,7 @@ const view = {
 
   question(words = wordsOf()) {
     const camera = this.camera ? this.camera.block() : null;
-    return { scene: this.scene.revision, words, camera, show: shown() };
+    return { scene: this.scene.revision, words, camera, cost: shown() };
   },
 
   // Paints sketches, one after the other, as long as the hand moves.

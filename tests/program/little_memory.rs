@@ -1,11 +1,14 @@
 //! Runs with little memory: each stage of a run ends with its result or with one line, never by a signal.
 #![cfg(target_os = "linux")]
 
+#[cfg(feature = "gui")]
 use crate::live_server::{Server, view};
-use crate::support::{CAMERA, Folder, Run, finish, only_line, scene, sphere};
+#[cfg(feature = "gui")]
+use crate::support::sphere;
+use crate::support::{CAMERA, Folder, Run, finish, only_line, scene};
+#[cfg(feature = "gui")]
 use serde_json::json;
 use std::fmt::Write;
-use std::fs::File;
 use std::process::Command;
 
 /// The program, which may take this number of kilobytes of address space.
@@ -178,12 +181,15 @@ fn the_blocks_of_a_grid_are_asked_for() {
     assert!(only_line(&message).starts_with("error: the grid does not fit into memory"), "{message}");
 }
 
+#[cfg(feature = "gui")]
 #[test]
 fn the_live_page_refuses_beforehand_and_goes_on() {
     let folder = Folder::with_scene(&sphere());
     folder.write("m.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(30_000)));
     // It is not read.
-    File::create(folder.path().join("large.obj")).and_then(|file| file.set_len(1 << 26)).expect("a file");
+    std::fs::File::create(folder.path().join("large.obj"))
+        .and_then(|file| file.set_len(1 << 26))
+        .expect("a file");
     let line = "-input s.txt -gui -port 0 -no_browser -threads 2";
     let server = Server::of(program_within(&folder, 200_000, line));
     let picture = |words: &str| {

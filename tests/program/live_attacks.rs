@@ -88,7 +88,7 @@ fn work_ends_with_its_client_in_every_phase() {
     leave(&server, "/picture", &bytes(&wanted(1, &deep("2048 2048"))), long);
     leave(&server, "/picture", &bytes(&wanted(1, &deep("1 1"))), short);
     // Saving is refused at once where no picture is named.
-    assert_eq!(server.ask("/save", &deep("9 9")).unwrap_err().0, 422);
+    assert_eq!(server.ask("/save", &json!({ "view": deep("9 9") })).unwrap_err().0, 422);
     // An explanation.
     leave(&server, "/trace", &bytes(&json!({ "view": deep("9 9"), "pixel": [4, 4] })), long);
     // A comparison, and its cause.
@@ -121,7 +121,8 @@ fn work_ends_with_its_client_in_every_phase() {
     for words in ["-size 2048 2048 -bounces 9", "-size 2048 2048 -bounces 9 -grid auto"] {
         leave(&server, "/picture", &bytes(&wanted(4, &view(revision, words))), short);
     }
-    leave(&server, "/objects", &bytes(&view(revision, "-size 2048 2048")), short);
+    let whole = json!({ "view": view(revision, "-size 2048 2048") });
+    leave(&server, "/objects", &bytes(&whole), short);
     assert!(server.is_alive());
 }
 
@@ -170,11 +171,13 @@ fn a_later_question_of_its_kind_overtakes_an_earlier_one() {
     let folder = Folder::with_scene(GLASS);
     let server = Server::start(folder.path(), "-size 4 4");
     let deep = view(0, &format!("-size 9 9 {DEEP}"));
-    let trace = |view: &Value| server.ask("/trace", &json!({ "page": 1, "view": view, "pixel": [4, 4] }));
+    let trace = |turn: u64, view: &Value| {
+        server.ask("/trace", &json!({ "page": 1, "turn": turn, "view": view, "pixel": [4, 4] }))
+    };
     thread::scope(|scope| {
-        let slow = scope.spawn(|| trace(&deep));
+        let slow = scope.spawn(|| trace(1, &deep));
         sleep(SECOND / 2);
-        assert!(trace(&view(0, "-size 9 9")).expect("rays").0["rays"].is_object());
+        assert!(trace(2, &view(0, "-size 9 9")).expect("rays").0["rays"].is_object());
         assert_eq!(slow.join().expect("no panic").expect("an answer").0, json!({ "overtaken": true }));
     });
 }
@@ -204,10 +207,7 @@ fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_nobody() {
         assert!(asked.elapsed() < 2 * SECOND, "others wait for {:?}", asked.elapsed());
         let (status, said) = traced.join().expect("no panic").map(drop).expect_err("no answer");
         let took = start.elapsed();
-        assert!(
-            status == 422 && (said.contains("longer than a page may") || said.contains("take too long")),
-            "{status} {said}"
-        );
+        assert!(status == 422 && said.contains("longer than a page may"), "{status} {said}");
         assert!(took > 19 * SECOND && took < 21 * SECOND, "{took:?}");
         drop(streams);
     });
@@ -326,8 +326,8 @@ fn the_page_learns_that_the_program_ends() {
         sleep(SECOND / 2);
         assert_eq!(server.post("/quit", &[], b"").expect("an answer").0, 200);
         let start = Instant::now();
-        // It says so, or the connection breaks.
-        assert!(alive.join().expect("no panic").is_none_or(|(_, said)| said == b"ended\n"));
+        // The connection breaks.
+        assert_eq!(alive.join().expect("no panic"), None);
         assert!(start.elapsed() < SECOND);
     });
 }

@@ -106,5 +106,5 @@ impl Server {
 /// A view with these flags and the scene's own camera.
 pub fn view(revision: u64, words: &str) -> Value {
     let words: Vec<&str> = words.split_whitespace().collect();
-    json!({ "scene": revision, "words": words, "camera": null, "show": "color" })
+    json!({ "scene": revision, "words": words, "camera": null, "cost": null })
 }

@@ -9,6 +9,8 @@ use crate::support::scene;
 use crate::support::{Folder, sphere};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
+#[cfg(feature = "gui")]
+use serde_json::json;
 use std::fs::OpenOptions;
 use std::io::{PipeWriter, Write, pipe};
 use std::os::fd::AsFd;
@@ -207,6 +209,7 @@ fn no_ending_signal_at_any_moment_leaves_a_temporary_file() {
 #[test]
 fn a_page_ends_by_a_signal_and_saves_no_picture_over_what_is_read() {
     let mesh = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
+    let saved = json!({ "view": view(0, "-size 8 8") });
     for (signal, status) in ENDING {
         let folder = Folder::with_scene(&scene(1, "TriangleMesh { obj_file m.obj }"));
         folder.write("m.obj", mesh);
@@ -215,7 +218,7 @@ fn a_page_ends_by_a_signal_and_saves_no_picture_over_what_is_read() {
             let path = folder.path().join(name);
             std::fs::remove_file(&path).unwrap();
             std::os::unix::fs::symlink(target, &path).unwrap();
-            let (status, body) = server.ask("/save", &view(0, "-size 8 8")).unwrap_err();
+            let (status, body) = server.ask("/save", &saved).unwrap_err();
             std::fs::remove_file(&path).unwrap();
             folder.write(name, "");
             assert_eq!(status, 422);
@@ -225,7 +228,7 @@ fn a_page_ends_by_a_signal_and_saves_no_picture_over_what_is_read() {
         assert!(message("n.png", "m.obj").contains("`n.png` is the mesh `m.obj`, which would be lost"));
         assert!(message("n.png", "o.tga").contains("`o.tga` and `n.png` are the same file"));
         assert_eq!(folder.read("m.obj"), mesh.as_bytes());
-        server.ask("/save", &view(0, "-size 8 8")).expect("saved");
+        server.ask("/save", &saved).expect("saved");
         send(signal, &server.child);
         assert_eq!(end(&mut server.child).and_then(|status| status.code()), Some(status));
         assert_eq!(folder.names(), ["m.obj", "n.png", "o.tga", "s.txt"]);

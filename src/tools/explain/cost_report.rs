@@ -2,7 +2,6 @@
 
 use super::CostMap;
 use crate::caster::Fullness;
-use crate::render::Cost;
 use crate::stats::RULE;
 use std::fmt;
 
@@ -19,15 +18,10 @@ impl fmt::Display for CostReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{RULE}\nCOST MAP")?;
         let mut line = |label: &str, value: String| writeln!(f, "  {label:<27}{value}");
-        let name = match self.map.cost {
-            Cost::Rays => "rays",
-            Cost::Tests => "tests",
-            Cost::Cells => "cells",
-        };
         let ([x, y], most) = self.map.most_expensive();
         let pixels = self.map.counts.len().max(1);
         let total = self.map.total();
-        line("cost", name.into())?;
+        line("cost", self.map.cost.name().into())?;
         line("total", total.to_string())?;
         line("per pixel", format!("{:.1}", total as f64 / pixels as f64))?;
         line("most expensive pixel", format!("{most} at ({x}, {y})"))?;

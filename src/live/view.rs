@@ -1,0 +1,192 @@
+//! Views of scenes, and their pictures. Scenes stay prepared, so that the next picture of them starts at once.
+
+use super::http::Answer;
+use super::limits::*;
+use super::scenes::{OpenScene, is_too_large};
+use crate::base::memory;
+use crate::caster::choose::{Rays, Resolution, Structure};
+use crate::caster::grid::Lattice;
+use crate::caster::grid::insertion::{bounds_of, most_references};
+use crate::cli::{Options, Output};
+use crate::image_io::{CompleteFile, Content, OutputFile};
+use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
+use crate::render::renderer::Prepared;
+use crate::render::{Cost, Layer, Progress, Request, TakeRow, Tracing};
+use crate::scene::Camera;
+use crate::tools::explain::{CostMap, CostReport, Stop};
+use self_cell::self_cell;
+use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// About the rays of a scene that turns for a while, by which its structure is chosen.
+const MANY_RAYS: usize = 1 << 21;
+/// How many of the fullest cells are named.
+const FULLEST: usize = 5;
+
+/// A view of a scene, as the controls and the hand have set it.
+#[derive(Clone)]
+pub struct View {
+    pub scene: Arc<OpenScene>,
+    /// The flags.
+    pub words: Vec<String>,
+    /// The picture that they ask for, with its structure. Nothing else of it is used.
+    pub options: Options,
+    pub camera: Option<Camera>,
+    /// The cost that is shown in place of the colours.
+    pub cost: Option<Cost>,
+    /// The size of a sketch with one ray through each centre, in place of the picture.
+    pub sketch: Option<[usize; 2]>,
+}
+
+impl View {
+    /// The request for one layer of the picture.
+    pub fn request(&self, layer: Layer) -> Request {
+        let whole = self.options.request();
+        let drawn = match self.sketch {
+            Some(size) => Request { effects: whole.effects, ..Request::new(size) },
+            None => whole,
+        };
+        Request { camera: self.camera, layers: vec![layer], ..drawn }
+    }
+
+    /// Returns the memory in bytes of this number of pictures and copies of the scene.
+    pub fn bytes(&self, pictures: u64, copies: u64) -> u64 {
+        let [width, height] = self.request(Layer::Color).size.map(|side| side as u64);
+        let primitives = self.scene.primitives() as u64;
+        pictures * width * height * BYTES_PER_PIXEL + copies * primitives * BYTES_PER_PRIMITIVE
+    }
+}
+
+/// A picture that is finished.
+pub struct Painted {
+    pub picture: Picture,
+    /// What it cost, if that is shown.
+    pub costs: Option<CostReport>,
+    /// How many of its colours are not numbers.
+    pub nans: u64,
+}
+
+self_cell! {
+    /// A prepared scene.
+    pub struct Ready {
+        owner: Arc<OpenScene>,
+        #[covariant]
+        dependent: Prepared,
+    }
+}
+
+/// The values that a preparation depends on: the scene's revision, its structure, whether work is counted and whether
+/// cells are drawn, and the camera's rays where their number matters.
+type Preparation = (u64, Structure, bool, bool, Option<usize>);
+
+pub struct Painter {
+    /// The structure that the command line asks for, whatever it takes.
+    own: Structure,
+    /// The last scenes that were prepared, the newest last.
+    ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
+}
+
+impl Painter {
+    pub fn new(own: Structure) -> Self {
+        Self { own, ready: Mutex::default() }
+    }
+
+    /// Paints a view, unless it is stopped.
+    pub fn paint(&self, view: &View, stop: &Stop) -> Result<Painted, Answer> {
+        let layer = view.cost.map_or(Layer::Color, Layer::Cost);
+        let (mut bytes, mut counts, mut nans) = (vec![], vec![], 0);
+        let mut take_row = |_: usize, row: &[Color]| {
+            if view.cost.is_some() {
+                counts.extend(row.iter().map(|cost| cost.x as u64));
+            } else {
+                let before = bytes.len();
+                bytes.resize(before + row.len() * CHANNELS, 0);
+                nans += truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
+            }
+            ControlFlow::Continue(())
+        };
+        let ready = self.render(view, layer, stop, &mut take_row)?;
+        let request = view.request(layer);
+        let costs = view.cost.map(|cost| CostReport {
+            map: CostMap { cost, size: request.size, counts },
+            cells: ready.borrow_dependent().fullness(FULLEST),
+        });
+        let [width, height] = request.layer_size(&layer).map(|side| side as u32);
+        let picture = match &costs {
+            Some(report) => report.map.draw()?,
+            None => Picture::from_rgb(width, height, bytes),
+        };
+        Ok(Painted { picture, costs, nans })
+    }
+
+    /// Returns a complete file with one of the pictures that the command line names, of this view.
+    pub fn complete(&self, view: &View, output: &Output, stop: &Stop) -> Result<CompleteFile, Answer> {
+        let (file, layer) = (OutputFile::prepare(&output.file)?, output.layer);
+        if let Layer::Cost(cost) = layer {
+            let painted = self.paint(&View { cost: Some(cost), ..view.clone() }, stop)?;
+            return Ok(file.picture(output.format, &painted.picture)?);
+        }
+        let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
+        let size = view.request(layer).layer_size(&layer);
+        let mut writer = file.begin(output.format, size, content, None)?;
+        let mut written = Ok(());
+        let mut take_row = |_: usize, row: &[Color]| {
+            written = writer.row(row);
+            if written.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        };
+        let rendered = self.render(view, layer, stop, &mut take_row);
+        written?;
+        rendered?;
+        Ok(writer.complete()?)
+    }
+
+    fn render(
+        &self,
+        view: &View,
+        layer: Layer,
+        stop: &Stop,
+        take_row: TakeRow,
+    ) -> Result<Arc<Ready>, Answer> {
+        let ready = self.ready(view, matches!(layer, Layer::Cost(_)), view.options.visualize_grid)?;
+        let watch = |progress: Progress| stop.watch(progress);
+        ready.borrow_dependent().render_rows(&view.request(layer), &watch, take_row)?;
+        Ok(ready)
+    }
+
+    /// Prepares the scene of a view, unless it is prepared already: to count the work, or to show the grid's cells.
+    pub fn ready(&self, view: &View, counts: bool, shows_cells: bool) -> Result<Arc<Ready>, Answer> {
+        let (scene, structure) = (&view.scene, view.options.structure);
+        let whole = Request { layers: vec![Layer::Color], ..view.options.request() };
+        let rays = (counts || shows_cells).then(|| whole.camera_rays());
+        let preparation = (scene.revision, structure, counts, shows_cells, rays);
+        let all = || self.ready.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, ready)) = all().iter().find(|(known, _)| *known == preparation) {
+            return Ok(ready.clone());
+        }
+        if let Structure::Grid(Resolution::Cells(cells)) = structure {
+            let world = scene.renderer.world();
+            let references = most_references(world, &Lattice::new(bounds_of(world), cells));
+            let is_own = scene.revision == 0 && structure == self.own;
+            if references > MAX_REFERENCES && !is_own {
+                let reason = "-grid: these cells hold more than this page allows: choose fewer";
+                return Err(Answer::text(422, reason));
+            }
+            memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
+        }
+        let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
+        // Others need not wait meanwhile. The same may be prepared twice.
+        let ready = Arc::new(Ready::try_new(scene.clone(), |scene| match structure {
+            Structure::Grid(grid) if shows_cells => {
+                scene.renderer.prepare_cells(grid, whole.camera_rays(), tracing)
+            }
+            _ if counts => scene.renderer.prepare_for(structure, &whole, tracing),
+            _ => scene.renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing),
+        })?);
+        let mut all = all();
+        all.push((preparation, ready.clone()));
+        while all.len() > MAX_PREPARED || is_too_large(all.iter().map(|(_, ready)| ready.borrow_owner())) {
+            all.remove(0);
+        }
+        Ok(ready)
+    }
+}
