@@ -261,6 +261,12 @@ impl World {
         primitive < self.triangles.len() as u32
     }
 
+    /// Whether the primitive with this id is a shape.
+    #[inline(always)]
+    pub fn is_shape(&self, primitive: u32) -> bool {
+        !self.is_triangle(primitive) && primitive < self.first_plane()
+    }
+
     #[inline(always)]
     pub(crate) fn material_of(&self, primitive: u32) -> MaterialId {
         self.material_run(primitive).1

@@ -4,7 +4,7 @@
 use super::textbook::{V, lower};
 use glam::DVec3;
 use num_traits::Float;
-use raytracer::caster::grid::Lattice;
+use raytracer::caster::lattice::Lattice;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::primitive::triangle::Shear;

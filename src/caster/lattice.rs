@@ -2,12 +2,23 @@
 //! and traversal are built on it; it knows nothing of primitives.
 
 use crate::base::memory;
-use crate::caster::error::GridTooLarge;
-use crate::caster::ray_aabb::SimdAabb;
+use crate::caster::bounds::SimdAabb;
 use crate::math::aabb::Aabb;
-use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
+use std::fmt;
 use std::ops::Range;
+
+/// The error of building a grid: its cells or their contents do not fit into memory or into their indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridTooLarge;
+
+impl fmt::Display for GridTooLarge {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "the grid does not fit into memory: use fewer cells")
+    }
+}
+
+impl std::error::Error for GridTooLarge {}
 
 /// The division of a box into cells.
 ///
@@ -21,72 +32,24 @@ pub struct Lattice {
     cells: [usize; 3],
     /// The edge lengths of a cell.
     pub cell_size: DVec3,
-    cells_per_unit: DVec3,
     /// For the traversal.
     pub(super) tables: DdaTables,
 }
 
-/// What every traversal of a lattice needs, computed once.
+/// What every traversal of a lattice needs, computed once. The fourth lanes are not used.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DdaTables {
-    simd_bounds: SimdAabb,
-    cell_size: [f64; 4],
-    cells_per_unit: [f64; 4],
+    pub simd_bounds: SimdAabb,
+    pub cell_size: [f64; 4],
+    pub cells_per_unit: [f64; 4],
     /// The coordinate of the last cell along each axis.
-    last_cell: [f64; 4],
+    pub last_cell: [f64; 4],
     /// The difference of the indices of neighbouring cells along each axis.
     pub strides: [u32; 3],
     /// What a step adds to the index, by the set of axes along which the ray's direction is negative and by
     /// the set of axes that do not step (bit 0 for x). Bit 3 of the latter belongs to the unused lane and has
     /// no effect.
     pub step_offsets: [[isize; 16]; 8],
-}
-
-/// What the set-up of a DDA needs of the lattice: all axes for one ray, or one axis for four rays.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LatticeLanes<S: Simd> {
-    /// The lower corner of the bounds.
-    pub min: f64x4<S>,
-    pub cell_size: f64x4<S>,
-    pub cells_per_unit: f64x4<S>,
-    /// The coordinate of the last cell.
-    pub last_cell: f64x4<S>,
-}
-
-impl DdaTables {
-    fn new(bounds: &Aabb, cells: [usize; 3], cell_size: DVec3, cells_per_unit: DVec3) -> Self {
-        let [nx, ny, _] = cells;
-        let strides = [1, nx + 2, (nx + 2) * (ny + 2)];
-        let step_offset = |negative_axes: usize, unstepped: usize| {
-            let axis_offset = |axis: usize| {
-                let stride = strides[axis] as isize;
-                if negative_axes >> axis & 1 == 1 { -stride } else { stride }
-            };
-            (0..3).filter(|axis| unstepped >> axis & 1 == 0).map(axis_offset).sum()
-        };
-        let floats = |[x, y, z]: [usize; 3]| [x as f64, y as f64, z as f64, 0.0];
-        Self {
-            simd_bounds: SimdAabb::new(bounds),
-            cell_size: [cell_size.x, cell_size.y, cell_size.z, 1.0],
-            cells_per_unit: [cells_per_unit.x, cells_per_unit.y, cells_per_unit.z, 1.0],
-            last_cell: floats(cells.map(|n| n - 1)),
-            strides: strides.map(|stride| stride as u32),
-            step_offsets: std::array::from_fn(|negative_axes| {
-                std::array::from_fn(|unstepped| step_offset(negative_axes, unstepped))
-            }),
-        }
-    }
-
-    /// All axes, for one ray.
-    #[inline(always)]
-    pub fn lattice_lanes<S: Simd>(&self, simd: S) -> LatticeLanes<S> {
-        LatticeLanes {
-            min: f64x4::simd_from(simd, self.simd_bounds.min),
-            cell_size: f64x4::simd_from(simd, self.cell_size),
-            cells_per_unit: f64x4::simd_from(simd, self.cells_per_unit),
-            last_cell: f64x4::simd_from(simd, self.last_cell),
-        }
-    }
 }
 
 impl Lattice {
@@ -96,19 +59,29 @@ impl Lattice {
         let count = DVec3::from_array(cells.map(|n| n as f64));
         let extent = bounds.extent();
         let (cell_size, cells_per_unit) = (extent / count, count / extent);
-        let tables = DdaTables::new(&bounds, cells, cell_size, cells_per_unit);
-        Self { bounds, cells, cell_size, cells_per_unit, tables }
+        let [nx, ny, _] = cells;
+        let strides = [1, nx + 2, (nx + 2) * (ny + 2)];
+        let step_offset = |negative_axes: usize, unstepped: usize| -> isize {
+            let steps = (0..3).filter(|axis| unstepped >> axis & 1 == 0);
+            steps.map(|axis| strides[axis] as isize * (1 - 2 * (negative_axes >> axis & 1) as isize)).sum()
+        };
+        let tables = DdaTables {
+            simd_bounds: SimdAabb::new(&bounds),
+            cell_size: cell_size.extend(1.0).to_array(),
+            cells_per_unit: cells_per_unit.extend(1.0).to_array(),
+            last_cell: (count - 1.0).extend(0.0).to_array(),
+            strides: strides.map(|stride| stride as u32),
+            step_offsets: std::array::from_fn(|negative_axes| {
+                std::array::from_fn(|unstepped| step_offset(negative_axes, unstepped))
+            }),
+        };
+        Self { bounds, cells, cell_size, tables }
     }
 
     /// The number of cells along each axis without the border, at least one. It never changes, since a
     /// traversal relies on it for memory safety.
     pub fn cells(&self) -> [usize; 3] {
         self.cells
-    }
-
-    /// The bounds for [`intersect_aabb`](crate::caster::ray_aabb::intersect_aabb).
-    pub(crate) fn simd_bounds(&self) -> &SimdAabb {
-        &self.tables.simd_bounds
     }
 
     /// The number of indices, including those of the border.
@@ -163,7 +136,8 @@ impl Lattice {
 
     /// A point in units of cells, relative to the lower corner of the lattice.
     pub fn to_cells(&self, point: DVec3) -> DVec3 {
-        (point - self.bounds.min) * self.cells_per_unit
+        let [x, y, z, _] = self.tables.cells_per_unit;
+        (point - self.bounds.min) * DVec3::new(x, y, z)
     }
 
     /// The cell along `axis` that contains a coordinate given in units of cells: the nearest one for a

@@ -1,4 +1,4 @@
-//! Nodes of eight boxes in single precision, relative to a [`Frame`](crate::caster::blocks::triangle8::Frame), and the conservative
+//! Nodes of eight boxes in single precision, relative to a [`Frame`](crate::caster::block::Frame), and the conservative
 //! test which of the boxes a ray may meet.
 //!
 //! The test is the slab method (Kay and Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986) for eight boxes at once,
@@ -15,8 +15,8 @@
 //! `proofs/box8.g` proves these sums. A direction of less than 2^-60 counts as 2^-60, which moves the ray by less than
 //! 2^-58.
 
-use crate::caster::blocks::filter::FilterRay;
-use crate::caster::blocks::triangle8::LANES;
+use crate::caster::block::LANES;
+use crate::caster::filter::FilterRay;
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 

@@ -14,16 +14,17 @@
 //! hits at t is listed in the cell that the DDA visits at t, and a query that visits all cells up to the t of
 //! its best hit cannot miss a nearer one.
 
-use crate::caster::grid::fixed_t::FixedT;
-use crate::caster::grid::lattice::{DdaTables, Lattice, LatticeLanes};
-use crate::caster::ray_aabb::{RayInterval, intersect_aabb};
+use crate::caster::bounds::{RayInterval, intersect_aabb};
+use crate::caster::lattice::{DdaTables, GridTooLarge, Lattice};
 use crate::math::extremes::max;
 use crate::math::f64x4::{FourLanes, ROUND_TO_INTEGER};
 use crate::math::instructions::Level;
 use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::ray_lanes::RayLanes;
-use fearless_simd::{Simd, dispatch, f64x4};
+use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
 
 /// The length of the ray's interval in the lattice, in fixed-point units.
 pub const T_ONE: f64 = (1u64 << 29) as f64;
@@ -41,6 +42,89 @@ pub fn face_error_bound(lattice: &Lattice) -> f64 {
 /// Roundings of half a unit in addition to those of the steps: one for the first face, and one for all
 /// roundings in f64.
 const SETUP_ROUNDINGS: f64 = 2.0;
+
+/// The fixed-point t of the next face crossing along each axis. On x86-64 the three share an SSE2 register, which every
+/// such processor has.
+#[derive(Clone, Copy, Debug)]
+pub struct FixedT(#[cfg(target_arch = "x86_64")] __m128i, #[cfg(not(target_arch = "x86_64"))] [i32; 4]);
+
+#[cfg(target_arch = "x86_64")]
+impl FixedT {
+    /// Of x, y and z; the fourth lane is ignored.
+    #[inline(always)]
+    pub fn new(lanes: [i32; 4]) -> Self {
+        Self(bytemuck::cast(lanes))
+    }
+
+    /// The minimum of the three.
+    #[inline(always)]
+    pub fn min3(self) -> i32 {
+        let t = self.0;
+        // SAFETY: every x86-64 processor has SSE2, and intrinsics without pointers have no further
+        // requirements.
+        unsafe {
+            let y = _mm_shuffle_epi32::<0b01_01_01_01>(t);
+            let z = _mm_shuffle_epi32::<0b10_10_10_10>(t);
+            _mm_cvtsi128_si32(min(min(t, y), z))
+        }
+    }
+
+    /// Adds `t_delta` to all lanes that equal the minimum, wrapping on overflow, and returns the set of the
+    /// other axes (bit 0 for x).
+    #[inline(always)]
+    pub fn step(&mut self, t_delta: Self) -> usize {
+        let t = self.0;
+        // The unused lane is compared with itself, so it is never in the set. SAFETY: every x86-64 processor
+        // has SSE2, and intrinsics without pointers have no further requirements.
+        unsafe {
+            let yzx = _mm_shuffle_epi32::<0b11_00_10_01>(t);
+            let zxy = _mm_shuffle_epi32::<0b11_01_00_10>(t);
+            let unstepped = _mm_or_si128(_mm_cmpgt_epi32(t, yzx), _mm_cmpgt_epi32(t, zxy));
+            self.0 = _mm_add_epi32(t, _mm_andnot_si128(unstepped, t_delta.0));
+            _mm_movemask_ps(_mm_castsi128_ps(unstepped)) as usize
+        }
+    }
+}
+
+/// The lane-wise minimum.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn min(a: __m128i, b: __m128i) -> __m128i {
+    // SAFETY: every x86-64 processor has SSE2, and intrinsics without pointers have no further requirements.
+    unsafe {
+        let less = _mm_cmplt_epi32(a, b);
+        _mm_or_si128(_mm_and_si128(less, a), _mm_andnot_si128(less, b))
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl FixedT {
+    /// Of x, y and z; the fourth lane is ignored.
+    #[inline(always)]
+    pub fn new(lanes: [i32; 4]) -> Self {
+        Self(lanes)
+    }
+
+    /// The minimum of the three.
+    #[inline(always)]
+    pub fn min3(self) -> i32 {
+        let [x, y, z, _] = self.0;
+        x.min(y).min(z)
+    }
+
+    /// Adds `t_delta` to all lanes that equal the minimum, wrapping on overflow, and returns the set of the
+    /// other axes (bit 0 for x).
+    #[inline(always)]
+    pub fn step(&mut self, t_delta: Self) -> usize {
+        let (min, mut unstepped) = (self.min3(), 0);
+        for axis in 0..3 {
+            let steps = self.0[axis] == min;
+            self.0[axis] = self.0[axis].wrapping_add(if steps { t_delta.0[axis] } else { 0 });
+            unstepped |= usize::from(!steps) << axis;
+        }
+        unstepped
+    }
+}
 
 /// The state of a 3D-DDA: the current cell of a ray in a lattice, and the next face crossings.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +159,7 @@ impl<'l> Dda<'l> {
     pub fn of_ray(lattice: &'l Lattice, ray: &Ray) -> Option<(Self, [f64; 2])> {
         dispatch!(Level::baseline(), simd => {
             let ray_lanes = RayLanes::all_axes(simd, ray);
-            let interval = intersect_aabb(lattice.simd_bounds(), ray_lanes, ray.t_min, ray.t_max);
+            let interval = intersect_aabb(&lattice.tables.simd_bounds, ray_lanes, ray.t_min, ray.t_max);
             interval.map(|interval| (Self::new(lattice, &interval), [interval.entry, interval.exit]))
         })
     }
@@ -87,9 +171,11 @@ impl<'l> Dda<'l> {
         let RayInterval { entry, exit, ray_lanes: RayLanes { origin, direction, inv_direction } } = *interval;
         let fixed_per_t = T_ONE / max(exit - entry, MIN_INTERVAL);
         let (entry_lanes, scale) = (origin.broadcast(entry), origin.broadcast(fixed_per_t));
-        let DdaTables { strides, step_offsets, .. } = &lattice.tables;
-        let LatticeLanes { min, cell_size, cells_per_unit, last_cell } =
-            lattice.tables.lattice_lanes(origin.proof());
+        let DdaTables { simd_bounds, strides, step_offsets, .. } = &lattice.tables;
+        let lanes = |table: [f64; 4]| f64x4::simd_from(origin.proof(), table);
+        let (min, cell_size) = (lanes(simd_bounds.min), lanes(lattice.tables.cell_size));
+        let cells_per_unit = lanes(lattice.tables.cells_per_unit);
+        let last_cell = lanes(lattice.tables.last_cell);
         // Positions are in units of cells from here on.
         let origin = (origin - min) * cells_per_unit;
         let t_per_cell = inv_direction * cell_size;
@@ -154,112 +240,102 @@ fn index([x, y, z, _]: [i32; 4], [_, sy, sz]: &[u32; 3]) -> usize {
     x.wrapping_add(y.wrapping_mul(*sy)).wrapping_add(z.wrapping_mul(*sz)) as usize
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::aabb::Aabb;
-    use glam::DVec3;
+/// The entry of an empty cell.
+pub const EMPTY: u32 = 0;
+/// The entry of every border cell. A cursor steps on from any other entry, but never from this one.
+pub const BORDER: u32 = u32::MAX;
 
-    fn unit(n: [usize; 3]) -> Lattice {
-        Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, n)
-    }
+/// The entries of the cells of a lattice and of its border.
+///
+/// There is one entry for each index of the lattice, and the entry of every index that is not a cell's is
+/// [`BORDER`]. Neither the lattice nor the entries ever change, and the memory safety of cursors relies on
+/// that.
+#[derive(Debug)]
+pub struct CellTable {
+    lattice: Lattice,
+    entries: Box<[u32]>,
+}
 
-    fn cell_coords(lattice: &Lattice, index: usize) -> [i64; 3] {
-        lattice.cell_of(index).to_array().map(|i| i as i64)
-    }
-
-    fn is_inside(lattice: &Lattice, index: usize) -> bool {
-        cell_coords(lattice, index).iter().zip(lattice.cells()).all(|(&i, n)| i >= 0 && (i as usize) < n)
-    }
-
-    fn cells(ray: &Ray, n: [usize; 3]) -> Vec<[i64; 3]> {
-        let lattice = unit(n);
-        let Some((mut dda, _)) = Dda::of_ray(&lattice, ray) else { return vec![] };
-        let mut list = vec![];
-        while is_inside(&lattice, dda.index) {
-            list.push(cell_coords(&lattice, dda.index));
-            dda.step();
+impl CellTable {
+    /// A table with these entries, by index of the lattice. Those of the border are overwritten, and missing
+    /// ones are border cells; an error when the lattice does not fit into 32-bit indices.
+    pub fn new(lattice: Lattice, mut entries: Vec<u32>) -> Result<Self, GridTooLarge> {
+        lattice.fits()?;
+        entries.resize(lattice.index_count(), BORDER);
+        let mut end = 0;
+        for run in lattice.x_runs() {
+            entries[end..run.start].fill(BORDER);
+            end = run.end;
         }
-        list
+        entries[end..].fill(BORDER);
+        Ok(Self { lattice, entries: entries.into_boxed_slice() })
     }
 
-    #[test]
-    fn an_axis_parallel_ray_visits_one_line_of_cells() {
-        let ray = Ray::new(DVec3::new(-1.0, 0.6, 0.1), DVec3::X);
-        assert_eq!(cells(&ray, [3, 2, 1]), [[0, 1, 0], [1, 1, 0], [2, 1, 0]]);
-        let reversed = Ray::new(DVec3::new(2.0, 0.6, 0.1), DVec3::NEG_X);
-        assert_eq!(cells(&reversed, [3, 2, 1]), [[2, 1, 0], [1, 1, 0], [0, 1, 0]]);
+    /// The entry at an index of the lattice.
+    pub fn entry(&self, index: usize) -> u32 {
+        self.entries[index]
     }
 
-    #[test]
-    fn rays_start_inside_the_lattice_outside_it_or_not_at_all() {
-        let inside = Ray::new(DVec3::new(0.6, 0.5, 0.5), DVec3::X);
-        assert_eq!(cells(&inside, [4, 1, 1]), [[2, 0, 0], [3, 0, 0]]);
-        let miss = Ray::new(DVec3::new(0.6, 1.5, 0.5), DVec3::X);
-        assert!(cells(&miss, [4, 1, 1]).is_empty());
-        let past = Ray::new(DVec3::new(1.6, 0.5, 0.5), DVec3::X);
-        assert!(cells(&past, [4, 1, 1]).is_empty());
-        let orthographic = Ray { t_min: f64::NEG_INFINITY, ..past };
-        assert_eq!(cells(&orthographic, [4, 1, 1]).len(), 4);
-        let directionless = Ray::new(DVec3::splat(0.5), DVec3::ZERO);
-        assert!(cells(&directionless, [4, 1, 1]).is_empty());
+    /// The lattice of the cells.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
     }
 
-    /// Compares the positions on the ray at all crossings with the faces.
-    #[test]
-    fn face_crossings_are_within_their_error_bound() {
-        for n in [[9, 8, 7], [64, 1, 500], [1000, 1000, 1000], [4096, 3, 2]] {
-            let lattice = unit(n);
-            let bound = face_error_bound(&lattice);
-            for k in 0..200u32 {
-                let fraction = |k: u32| (k as f64 * 0.618_034) % 1.0;
-                let target = DVec3::new(fraction(k), fraction(3 * k + 1), fraction(7 * k + 2));
-                let origin = DVec3::new(-1.3 + fraction(11 * k), 2.0 * fraction(5 * k) - 0.5, -0.7);
-                let ray = Ray::new(origin, target - origin);
-                let Some((mut dda, [entry, _])) = Dda::of_ray(&lattice, &ray) else { continue };
-                while is_inside(&lattice, dda.index) {
-                    let t = entry + dda.exit() as f64 / dda.fixed_per_t;
-                    let position = lattice.to_cells(ray.at(t));
-                    let cell = cell_coords(&lattice, dda.index);
-                    for axis in 0..3 {
-                        let min = cell[axis] as f64 - bound;
-                        assert!(
-                            position[axis] >= min && position[axis] <= min + 1.0 + 2.0 * bound,
-                            "{n:?} {position} {cell:?}"
-                        );
-                    }
-                    dda.step();
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_face_error_bound_is_that_of_the_axis_with_the_most_cells() {
-        let of = |cells: f64| (cells + SETUP_ROUNDINGS) * cells * 2f64.powi(-30);
-        assert_eq!(face_error_bound(&unit([3, 4096, 500])), of(4096.0));
-        assert_eq!(face_error_bound(&unit([3, 2, 1])), of(3.0));
-    }
-
-    #[test]
-    fn a_fixed_t_is_the_least_that_is_not_before_its_t() {
-        let ray = Ray::new(DVec3::new(-1.0, 0.5, 0.5), DVec3::X);
-        let lattice = unit([4, 1, 1]);
-        let (dda, [entry, _]) = Dda::of_ray(&lattice, &ray).unwrap();
-        for k in [0, 1, 5, 1 << 20, (1 << 29) - 1] {
-            let t = |part: f64| entry + (f64::from(k) + part) / dda.fixed_per_t;
-            assert_eq!([0.25, 0.75].map(|part| dda.fixed_t(t(part))), [k + 1; 2]);
-            assert!((k..=k + 1).contains(&dda.fixed_t(t(0.0))));
-        }
-        assert_eq!(dda.fixed_t(f64::INFINITY), T_NEVER as i32);
-    }
-
-    #[test]
-    fn a_ray_that_only_touches_the_box_has_finite_steps() {
-        let ray = Ray::new(DVec3::new(-1.0, 1.0, 0.5), DVec3::new(1.0, -1.0, 0.0));
-        let lattice = unit([4, 4, 4]);
-        let (dda, [entry, exit]) = Dda::of_ray(&lattice, &ray).unwrap();
-        assert_eq!(entry, exit);
-        assert!(dda.fixed_per_t.is_finite(), "{}", dda.fixed_per_t);
+    /// A cursor at the first cell of a DDA, or at the border when the DDA's index is not in this table.
+    #[inline(always)]
+    pub fn start<'t>(&'t self, dda: Dda<'t>) -> CellCursor<'t> {
+        let entry = self.entries.get(dda.index()).copied().unwrap_or(BORDER);
+        CellCursor { entries: &self.entries, dda, entry }
     }
 }
+
+/// The position of a ray in a [`CellTable`], and the DDA that advances it. Unless the current entry is
+/// [`BORDER`], the DDA is at a cell of the table's lattice.
+#[derive(Clone, Copy, Debug)]
+pub struct CellCursor<'t> {
+    entries: &'t [u32],
+    dda: Dda<'t>,
+    entry: u32,
+}
+
+impl CellCursor<'_> {
+    /// The entry of the current cell.
+    #[inline(always)]
+    pub fn entry(&self) -> u32 {
+        self.entry
+    }
+
+    /// The DDA, which is at the current cell.
+    #[inline(always)]
+    pub fn dda(&self) -> &Dda<'_> {
+        &self.dda
+    }
+
+    /// Advances to the first cell that is not empty, which may be the current one.
+    #[inline(always)]
+    pub fn skip(&mut self) {
+        while self.entry == EMPTY {
+            self.step();
+        }
+    }
+
+    /// Advances to the next cell and returns the set of axes that did not step, as [`Dda::step`] does. At the
+    /// border nothing happens, and no axis steps.
+    #[inline(always)]
+    pub fn step(&mut self) -> usize {
+        const NO_AXIS_STEPS: usize = 7;
+        // The test costs nothing where the caller has already compared the entry.
+        if self.entry == BORDER {
+            return NO_AXIS_STEPS;
+        }
+        let unstepped = self.dda.step();
+        // SAFETY: every index that is not a cell's has the entry `BORDER`, so the DDA was at a cell of the
+        // lattice. A step of at most one cell along each axis leads from a cell to another cell or to the
+        // border around them, and `entries` has an entry for each of these indices.
+        self.entry = unsafe { *self.entries.get_unchecked(self.dda.index()) };
+        unstepped
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -12,7 +12,7 @@
 //!
 //! *Error bound.* Let r = 2^-24 be the unit roundoff of single precision, b the largest absolute coordinate
 //! of the block's edges, and c the smallest power of two that is at least 1 and at least every coordinate of
-//! its corners. In the block's [`Frame`](crate::caster::blocks::triangle8::Frame) the ray's origin, which is moved along the
+//! its corners. In the block's [`Frame`](crate::caster::block::Frame) the ray's origin, which is moved along the
 //! ray to where it enters the box, has coordinates of at most 1, the largest coordinate of the direction is
 //! 1, and b <= 2 c. Stored numbers are rounded once. Sums of three products are determinants, and a
 //! determinant of numbers of at most 1 is at most 4: it is linear in each number, so the maximum is reached
@@ -38,10 +38,14 @@
 //! The proofs also show that a wrong sign of det does no harm, and that the bounds hold for misses that are
 //! nearly hits. [`FilterErrorBounds`] rounds the bounds up and adds an allowance for underflow.
 
-use crate::caster::blocks::triangle8::{Block, FilterErrorBounds, LANES};
+use crate::caster::block::{Block, FilterErrorBounds, Frame, LANES};
+use crate::caster::bounds::RayInterval;
+use crate::math::f64x4::FourLanes;
 use crate::math::instructions::Level;
+use crate::math::number::Number;
+use crate::math::ray_lanes::RayLanes;
 use fearless_simd::prelude::*;
-use fearless_simd::{dispatch, f32x8, u32x8};
+use fearless_simd::{dispatch, f32x8, f64x4, u32x8};
 
 /// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is at most 2
 /// wide, and the largest coordinate of the direction is 1. Larger depths are clamped to it, which loses no hit.
@@ -57,6 +61,55 @@ pub struct FilterRay {
     pub direction: [f32; 4],
     /// Depth up to which a hit counts.
     pub max_depth: f32,
+}
+
+/// A ray in the filter's coordinates, up to the nearest hit so far.
+pub struct FilterState {
+    pub ray: FilterRay,
+    /// The t at which the filter's ray starts, the filter's units of t per unit of t, and the inverse.
+    entry: f64,
+    per_t: f64,
+    unit: f64,
+}
+
+impl FilterState {
+    /// The ray on its interval in the bounds, up to t = `last`.
+    #[inline(always)]
+    pub fn on_interval<S: Simd>(interval: &RayInterval<S>, frame: &Frame, last: f64) -> Self {
+        let RayInterval { entry, ray_lanes, .. } = interval;
+        let (entry, RayLanes { origin, direction, inv_direction }) = (*entry, *ray_lanes);
+        let largest = Number::abs(direction).max3();
+        // The inverse of the largest component, without another division.
+        let inv_largest = Number::abs(inv_direction).min3();
+        let scale = direction.broadcast(frame.scale);
+        let center = f64x4::simd_from(direction.proof(), frame.center);
+        let origin = (origin - center + direction.broadcast(entry) * direction) * scale;
+        let ray = [origin.to_f32(), (direction * direction.broadcast(inv_largest)).to_f32()];
+        Self::new(ray, entry, largest * frame.scale, inv_largest * frame.unit, last)
+    }
+
+    /// A ray with this origin and direction in the filter's coordinates, up to t = `last`. The other
+    /// parameters are as in [`FilterState`].
+    #[inline(always)]
+    pub fn new([origin, direction]: [[f32; 4]; 2], entry: f64, per_t: f64, unit: f64, last: f64) -> Self {
+        let ray = FilterRay { origin, direction, max_depth: 0.0 };
+        let mut filter_state = Self { ray, entry, per_t, unit };
+        filter_state.shorten(last);
+        filter_state
+    }
+
+    /// Converts the filter's t to the ray's.
+    #[inline(always)]
+    pub fn t(&self, depth: f32) -> f64 {
+        self.entry + f64::from(depth) * self.unit
+    }
+
+    /// Ends the ray at t = `last`.
+    #[inline(always)]
+    pub fn shorten(&mut self, last: f64) {
+        let max_depth = (last - self.entry) * self.per_t;
+        self.ray.max_depth = if max_depth < MAX_DEPTH { max_depth } else { MAX_DEPTH } as f32;
+    }
 }
 
 /// The filter's result for a block. Sets of lanes have bit 0 for the first lane.
@@ -152,7 +205,7 @@ fn cross<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::blocks::triangle8::{BlockIndex, Frame, NONE};
+    use crate::caster::block::{BlockIndex, NONE};
     use crate::math::aabb::Aabb;
     use crate::math::instructions;
     use crate::scene::mesh::Mesh;
@@ -239,6 +292,20 @@ mod tests {
                 let verdict = test_at(level, &block, &RAY, left_out);
                 assert_eq!((verdict.possible, verdict.certain), (possible, certain), "{left_out:?}");
             }
+        }
+    }
+
+    #[test]
+    fn the_depth_of_a_filter_ray_ends_where_the_ray_does() {
+        let mut state = FilterState::new([[0.0; 4]; 2], 2.0, 4.0, 0.25, 2.4375);
+        assert_eq!(state.ray.max_depth, 1.75);
+        state.shorten(2.5);
+        assert_eq!((state.ray.max_depth, state.t(2.0)), (2.0, 2.5));
+        state.shorten(0.5);
+        assert_eq!(state.ray.max_depth, -6.0);
+        for far in [f64::INFINITY, f64::NAN, 1e300, 2.0 + MAX_DEPTH / 4.0] {
+            state.shorten(far);
+            assert_eq!(f64::from(state.ray.max_depth), MAX_DEPTH, "{far}");
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::caster::Caster;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use glam::DVec3;
@@ -56,9 +57,39 @@ fn every_primitive_is_once_in_a_leaf() {
     const COUNT: u32 = 4000;
     let world = corner_crowd(COUNT);
     let structure = AccelerationStructure::new(&world, Layout::Tree).unwrap();
-    let blocks = structure.blocks.iter();
-    let mut ids: Vec<u32> = blocks.flat_map(|block| structure.cells.primitives_of(block)).collect();
+    let blocks = structure.contents.blocks.iter();
+    let mut ids: Vec<u32> = blocks.flat_map(|block| structure.contents.primitives_of(block)).collect();
     assert_eq!(ids.len(), structure.size().references);
     ids.sort_unstable();
     assert_eq!(ids, (0..=COUNT).collect::<Vec<_>>());
+}
+
+/// Three crossed triangles near the origin and one triangle far away, with a small sphere beside it.
+fn crossed() -> World {
+    let triangle = |p: &str, q: &str, r: &str| format!("Triangle {{ vertex0 {p} vertex1 {q} vertex2 {r} }}");
+    let objects = [
+        triangle("0.1 0.1 0.1", "0.4 0.1 0.1", "0.1 0.4 0.1"),
+        triangle("0.1 0.1 0.1", "0.4 0.1 0.1", "0.1 0.1 0.4"),
+        triangle("0.1 0.1 0.1", "0.1 0.4 0.1", "0.1 0.1 0.4"),
+        triangle("3.6 3.6 3.6", "3.9 3.6 3.6", "3.6 3.9 3.9"),
+        "Sphere { center 3.8 3.8 3.8 radius 0.1 }".into(),
+    ];
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 5 }}
+         Materials {{ numMaterials 1 Material {{ }} }}
+         Group {{ numObjects 5 MaterialIndex 0 {} }}",
+        objects.join(" ")
+    );
+    World::new(&parse(&text).unwrap(), &[]).unwrap()
+}
+
+#[test]
+fn the_fullest_cells_come_first() {
+    let world = crossed();
+    let of = |caster: &Caster, most| caster.fullness(most).unwrap();
+    let uniform = Caster::new(&world, Some([4, 4, 4])).unwrap();
+    let expected = Fullness { fullest: vec![([0; 3], 3), ([3; 3], 2)], empty: 62, cells: 64 };
+    assert_eq!(of(&uniform, 5), expected);
+    assert_eq!(of(&uniform, 1), Fullness { fullest: vec![([0; 3], 3)], ..expected.clone() });
+    assert_eq!(Caster::new(&world, None).unwrap().fullness(5), None);
 }

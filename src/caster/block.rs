@@ -1,5 +1,5 @@
 //! Blocks of eight triangles in single precision, relative to a frame: the data of the conservative test in
-//! [`crate::caster::blocks::filter`], with the error bounds that `proofs/filter_portable.g` and `proofs/filter_fma.g` prove.
+//! [`crate::caster::filter`], with the error bounds that `proofs/filter_portable.g` and `proofs/filter_fma.g` prove.
 
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, max, max3};
@@ -110,7 +110,7 @@ impl Block {
 const MAX_CORNER_COORD: f64 = 4.0;
 
 /// Negated error bounds of the filter's quantities for the triangles of a block: a quantity whose exact value
-/// is not negative is computed as at least this. They are derived in [`crate::caster::blocks::filter`].
+/// is not negative is computed as at least this. They are derived in [`crate::caster::filter`].
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct FilterErrorBounds {
