@@ -5,11 +5,9 @@
 use crate::caster::block::Frame;
 use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
-use crate::math::f64x4::FourLanes;
-use crate::math::number::Number;
 use crate::math::ray::Ray;
-use crate::math::ray_lanes::RayLanes;
 use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::simd::{FourLanes, Number, RayLanes};
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 

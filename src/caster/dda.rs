@@ -17,11 +17,9 @@
 use crate::caster::bounds::{RayInterval, intersect_aabb};
 use crate::caster::lattice::{DdaTables, GridTooLarge, Lattice};
 use crate::math::extremes::max;
-use crate::math::f64x4::{FourLanes, ROUND_TO_INTEGER};
 use crate::math::instructions::Level;
-use crate::math::number::Number;
 use crate::math::ray::Ray;
-use crate::math::ray_lanes::RayLanes;
+use crate::math::simd::{FourLanes, Number, ROUND_TO_INTEGER, RayLanes};
 use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;

@@ -40,10 +40,8 @@
 
 use crate::caster::block::{Block, FilterErrorBounds, Frame, LANES};
 use crate::caster::bounds::RayInterval;
-use crate::math::f64x4::FourLanes;
 use crate::math::instructions::Level;
-use crate::math::number::Number;
-use crate::math::ray_lanes::RayLanes;
+use crate::math::simd::{FourLanes, Number, RayLanes};
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, f32x8, f64x4, u32x8};
 

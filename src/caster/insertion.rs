@@ -11,21 +11,12 @@ use crate::caster::lattice::{GridTooLarge, Lattice};
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::primitive::shape::{Form, InCells};
-use crate::primitive::sphere::Sphere;
+use crate::world::shape::{Form, InCells};
+use crate::world::sphere::Sphere;
 use crate::world::{Primitive, World};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Into which cells a primitive is inserted. The rule never changes a hit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CellRule {
-    /// The cells that it touches.
-    Exact,
-    /// The cells into which the course's program inserts it, so that counts compare with the course's.
-    Course,
-}
 
 /// The padded bounding box of all finite primitives.
 pub fn bounds_of(world: &World) -> Aabb {
@@ -38,12 +29,13 @@ pub type Reference = [u32; 2];
 /// The number of primitives that one task inserts.
 const PRIMS_PER_CHUNK: usize = 4096;
 
-/// Returns the references of all finite primitives, in ascending order of the primitives. The work is done on all
+/// Returns the references of all finite primitives, in ascending order of the primitives: to the cells that they touch or,
+/// `as_course`, to those into which the course's program inserts them, so that counts compare. The work is done on all
 /// threads, and the result does not depend on their number.
 pub fn references(
     world: &World,
     lattice: &Lattice,
-    rule: CellRule,
+    as_course: bool,
 ) -> Result<Vec<Vec<Reference>>, GridTooLarge> {
     lattice.ask_for_entries()?;
     let (count, padding) = (world.finite_count() as u32, padding(lattice));
@@ -51,7 +43,7 @@ pub fn references(
         let (mut cells, mut references) = (vec![], Vec::with_capacity(4 * PRIMS_PER_CHUNK));
         for id in first..count.min(first + PRIMS_PER_CHUNK as u32) {
             cells.clear();
-            insert(world, id, lattice, rule, padding, &mut cells);
+            insert(world, id, lattice, as_course, padding, &mut cells);
             references.extend(cells.iter().map(|&cell| [cell, id]));
         }
         references
@@ -82,24 +74,21 @@ fn padding(lattice: &Lattice) -> f64 {
 /// Error bound of the positions of a hit and a crossing because of f64 roundings, in cells: see `proofs/dda.g`.
 const POSITION_ERROR_BOUND: f64 = 7.8e-6;
 
-/// Appends the cells into which a primitive is inserted by a rule.
-fn insert(world: &World, id: u32, lattice: &Lattice, rule: CellRule, padding: f64, out: &mut Vec<u32>) {
-    match (world.primitive(id), rule) {
-        (Primitive::Triangle(i), CellRule::Course) => {
-            of_box(lattice, &Aabb::around(world.corners(i)), padding, out)
+/// Appends the cells of a primitive.
+fn insert(world: &World, id: u32, lattice: &Lattice, as_course: bool, padding: f64, out: &mut Vec<u32>) {
+    match world.primitive(id) {
+        Primitive::Triangle(_) if as_course => of_box(lattice, &world.box_of(id), padding, out),
+        Primitive::Triangle(i) if world.may_be_hit(id) => {
+            of_triangle(lattice, world.corners(i), padding, out)
         }
-        (Primitive::Triangle(_), _) if !world.may_be_hit(id) => {}
-        (Primitive::Triangle(i), _) => of_triangle(lattice, world.corners(i), padding, out),
-        (Primitive::Shape(i), _) => match (world.shapes[i].in_cells(), rule) {
-            (InCells::Sphere(Sphere { center, radius }), CellRule::Course) => {
+        Primitive::Shape(i) => match world.shapes[i].in_cells() {
+            InCells::Box(bounds) => of_box(lattice, &bounds, padding, out),
+            InCells::Sphere(Sphere { center, radius }) if as_course => {
                 of_ball_by_centers(lattice, center, radius, padding, out)
             }
-            (InCells::Sphere(Sphere { center, radius }), _) => {
-                of_sphere(lattice, center, radius, padding, out)
-            }
-            (InCells::Box(bounds), _) => of_box(lattice, &bounds, padding, out),
+            InCells::Sphere(Sphere { center, radius }) => of_sphere(lattice, center, radius, padding, out),
         },
-        (Primitive::Plane(_), _) => {}
+        Primitive::Triangle(_) | Primitive::Plane(_) => {}
     }
 }
 

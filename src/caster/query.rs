@@ -5,10 +5,10 @@
 use crate::caster::block::{Block, NONE};
 use crate::caster::contents::Contents;
 use crate::caster::filter::{self, FilterState, Verdict};
-use crate::math::lanes::lanes;
 use crate::math::ray::{Ray, Visible};
-use crate::primitive::triangle::Shear;
+use crate::math::simd::lanes;
 use crate::stats::Probe;
+use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 use fearless_simd::Simd;
 

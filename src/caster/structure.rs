@@ -5,7 +5,7 @@ use crate::caster::bounds::Region;
 use crate::caster::choose::Layout;
 use crate::caster::contents::{Contents, Ids};
 use crate::caster::dda::{CellTable, EMPTY};
-use crate::caster::insertion::{CellRule, bounds_of, references};
+use crate::caster::insertion::{bounds_of, references};
 use crate::caster::lattice::{GridTooLarge, Lattice};
 use crate::caster::tree::Tree;
 use crate::math::aabb::Aabb;
@@ -67,9 +67,9 @@ impl AccelerationStructure {
             // A tree needs something to divide.
             Layout::Tree if world.hittable_count() > 0 => Self::tree(world, &bounds),
             Layout::List | Layout::Tree => Self::list(world, &bounds, |id| world.may_be_hit(id)),
-            Layout::Grid(cells) => Self::grid(world, bounds, cells, CellRule::Exact),
+            Layout::Grid(cells) => Self::grid(world, bounds, cells, false),
             Layout::Course(None) => Self::list(world, &bounds, |_| true),
-            Layout::Course(Some(cells)) => Self::grid(world, bounds, cells, CellRule::Course),
+            Layout::Course(Some(cells)) => Self::grid(world, bounds, cells, true),
         }
     }
 
@@ -93,9 +93,9 @@ impl AccelerationStructure {
         Ok(Self { region, order: Order::Tree(tree), contents: ids.fill(&leaves.frames) })
     }
 
-    fn grid(world: &World, bounds: Aabb, cells: [usize; 3], rule: CellRule) -> Result<Self, GridTooLarge> {
+    fn grid(world: &World, bounds: Aabb, cells: [usize; 3], as_course: bool) -> Result<Self, GridTooLarge> {
         let lattice = Lattice::new(bounds, cells);
-        let references = references(world, &lattice, rule)?;
+        let references = references(world, &lattice, as_course)?;
         let (ids, entries) = Ids::of_cells(world, &lattice, references)?;
         let contents = ids.fill(&[(0, Frame::new(&bounds))]);
         let region = Region::new(&bounds, lattice.cell_size.min_element());

@@ -16,9 +16,9 @@ use raytracer::caster::filter::{self, FilterRay, MAX_DEPTH, Verdict};
 use raytracer::math::aabb::Aabb;
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
 use raytracer::world::World;
+use raytracer::world::triangle::Shear;
 
 const SEED: u64 = 3019;
 const RAYS_PER_BLOCK: u64 = 100;

@@ -14,7 +14,7 @@ use raytracer::caster::Caster;
 use raytracer::caster::insertion::of_sphere;
 use raytracer::caster::lattice::Lattice;
 use raytracer::math::aabb::Aabb;
-use raytracer::math::exact_product::exact_product;
+use raytracer::math::double_double::exact_product;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::{Counts, Quiet};

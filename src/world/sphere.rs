@@ -216,7 +216,7 @@ pub fn first_on_ray(roots: [f64; 2], ray: &Ray) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::exact_product::with_and_without_fused;
+    use crate::math::double_double::with_and_without_fused;
     use num_rational::BigRational;
     use num_traits::{Signed, ToPrimitive};
 

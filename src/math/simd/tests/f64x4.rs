@@ -1,8 +1,8 @@
 //! The lanes against scalar arithmetic.
 
-use super::{FourLanes, ROUND_TO_INTEGER};
+use super::super::{FourLanes, ROUND_TO_INTEGER};
 use crate::math::instructions;
-use crate::math::number::Number;
+use crate::math::simd::Number;
 use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 
 const HUGE: f64 = 1e300;

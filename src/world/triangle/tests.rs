@@ -1,7 +1,7 @@
 //! The exact test against rays through edges and vertices, and against triangles without an area.
 
 use super::*;
-use crate::primitive::edge_functions::edge_error_bound;
+use crate::world::edge_functions::edge_error_bound;
 
 fn test(origin: DVec3, direction: DVec3, triangle: [DVec3; 3]) -> Option<f64> {
     Shear::new(&Ray::new(origin, direction)).intersect(triangle.each_ref())

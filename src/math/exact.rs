@@ -1,13 +1,48 @@
-//! Sums of products of floats without rounding, overflow or underflow: a fixed-point accumulator that is wide
-//! enough for every bit of a product of three floats (Kulisch, "Computer Arithmetic and Validity", 2nd
-//! edition, de Gruyter, 2013).
+//! Exact arithmetic: sums of products of floats without rounding, overflow or underflow, and the geometric
+//! predicates that are computed with them.
 //!
-//! Every finite float is an integer below 2^53 times 2^(e - 1074), with e from 0 to 2045. Hence a product of
-//! three floats is an integer below 2^159 times 2^(e - 3222), with e from 0 to 6135. It fits into 6294 bits,
-//! and 6400 bits hold the sum of more products than a program can add.
+//! A sum is a fixed-point accumulator that is wide enough for every bit of a product of three floats (Kulisch, "Computer
+//! Arithmetic and Validity", 2nd edition, de Gruyter, 2013). Every finite float is an integer below 2^53 times
+//! 2^(e - 1074), with e from 0 to 2045. Hence a product of three floats is an integer below 2^159 times 2^(e - 3222),
+//! with e from 0 to 6135. It fits into 6294 bits, and 6400 bits hold the sum of more products than a program can add.
+//!
+//! The predicates are the determinants that decide whether and where a ray meets a triangle, computed from the given
+//! coordinates and rounded only once, at the end. They are correct for all finite floats. The triangle test calls them
+//! when its own error bound does not decide. Differences of points may be rounded, and may overflow. Where they are,
+//! products are expanded instead: (p - o) x (q - o) = p x q + q x o + o x p.
 
-use super::scaled::Scaled;
+use super::double_double::Dd;
 use glam::DVec3;
+
+/// The number `significand * 2^exponent`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scaled {
+    /// Zero, or with an absolute value from 0.5 to 1.
+    pub significand: f64,
+    /// The exponent of two.
+    pub exponent: i32,
+}
+
+impl Scaled {
+    /// Zero, with an exponent below that of all other numbers.
+    pub const ZERO: Self = Self { significand: 0.0, exponent: i32::MIN / 2 };
+
+    /// The sign: -1, 0 or 1.
+    pub fn sign(self) -> i32 {
+        (self.significand > 0.0) as i32 - (self.significand < 0.0) as i32
+    }
+
+    /// The quotient as an ordinary float: infinite when it overflows, NaN when both are zero.
+    pub fn over(self, divisor: Self) -> f64 {
+        libm::ldexp(self.significand / divisor.significand, self.exponent - divisor.exponent)
+    }
+}
+
+/// The numbers divided by a common power of two, such that the largest absolute value is from 0.5 to 1.
+pub fn on_one_scale(numbers: [Scaled; 3]) -> [f64; 3] {
+    let largest = numbers.iter().fold(i32::MIN / 2, |largest, number| largest.max(number.exponent));
+    numbers.map(|number| libm::ldexp(number.significand, number.exponent - largest))
+}
 
 /// An exact sum as digits in base 2^64, the least significant first. A digit may temporarily be negative or
 /// exceed 64 bits: carries are propagated only when the value is read.
@@ -125,50 +160,71 @@ fn product(a: u128, b: u128) -> [u64; 4] {
     [first, second, third, fourth].map(|digit| digit as u64)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// The edges of a triangle, each opposite to the vertex of the same index.
+fn edges<T: Copy>([a, b, c]: [T; 3]) -> [[T; 2]; 3] {
+    [[b, c], [c, a], [a, b]]
+}
 
-    fn sum(products: &[[f64; 3]]) -> Scaled {
-        let mut sum = ExactSum::default();
-        products.iter().for_each(|&factors| sum.add_product(factors));
-        sum.value()
+/// The edge functions `d . ((p - o) x (q - o))` of a ray from `o` along `d`, where the edge from p to q is
+/// opposite to each vertex in turn.
+pub fn edge_functions(o: DVec3, d: DVec3, triangle: [DVec3; 3]) -> [Scaled; 3] {
+    edges(triangle).map(|[p, q]| projected_area(d, [o, p, q]))
+}
+
+/// The difference of two points, if no coordinate of it is rounded. That of points close to each other is not, unless
+/// they are close to zero (Sterbenz, "Floating-Point Computation", Prentice-Hall 1974).
+fn exact_difference(a: DVec3, b: DVec3) -> Option<DVec3> {
+    let is_exact = (0..3).all(|axis| Dd::difference(a[axis], b[axis]).parts()[0] == 0.0);
+    is_exact.then_some(a - b)
+}
+
+/// `d . ((b - a) x (c - a))`: twice the signed area of a triangle projected along `d`, times the length of
+/// `d`.
+pub fn projected_area(d: DVec3, triangle: [DVec3; 3]) -> Scaled {
+    let [a, b, c] = triangle;
+    let mut sum = ExactSum::default();
+    match (exact_difference(b, a), exact_difference(c, a)) {
+        (Some(p), Some(q)) => sum.add_determinant([d, p, q]),
+        _ => edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([d, p, q])),
     }
+    sum.value()
+}
 
-    #[test]
-    fn a_product_has_its_value_and_sign() {
-        assert_eq!(sum(&[[3.0, -0.5, 7.0]]), Scaled { significand: -10.5 / 16.0, exponent: 4 });
-        assert_eq!(sum(&[]), Scaled::ZERO);
-        assert_eq!(sum(&[[0.0, 1.0, 1.0], [-0.0, 5.0, 2.0]]), Scaled::ZERO);
-    }
-
-    #[test]
-    fn the_smallest_and_the_largest_products_are_representable() {
-        let (tiny, huge) = (f64::from_bits(1), f64::MAX);
-        assert_eq!(sum(&[[tiny; 3]]), Scaled { significand: 0.5, exponent: -3221 });
-        assert_eq!(sum(&[[-huge; 3]]), Scaled { significand: -1.0 + 3.0 * 2f64.powi(-53), exponent: 3072 });
-        let all = [[huge; 3], [tiny; 3], [-huge, huge, huge], [tiny, -tiny, tiny], [tiny; 3]];
-        assert_eq!(sum(&all), Scaled { significand: 0.5, exponent: -3221 });
-    }
-
-    #[test]
-    fn many_large_products_carry_into_the_highest_digits() {
-        let all = vec![[-f64::MAX; 3]; 1 << 12];
-        assert_eq!(sum(&all).exponent, 3072 + 12);
-    }
-
-    #[test]
-    fn a_bit_far_below_breaks_a_tie() {
-        let (half_an_ulp, tiny) = (2f64.powi(-53), 2f64.powi(-1000));
-        let tie = [[1.0; 3], [half_an_ulp, 1.0, 1.0]];
-        assert_eq!(sum(&tie).significand, 0.5);
-        assert_eq!(sum(&[tie[0], tie[1], [tiny; 3]]).significand, 0.5 + half_an_ulp);
-        assert_eq!(sum(&[tie[0], tie[1], [-tiny, tiny, tiny]]).significand, 0.5);
-        // Two bits do so as well as one, whichever the higher is.
-        for place in 54..300 {
-            let two_bits = [[0.5f64.powi(place), 1.0, 1.0], [tiny; 3]];
-            let above = sum(&[tie[0], tie[1], two_bits[0], two_bits[1]]);
-            assert_eq!(above.significand, 0.5 + half_an_ulp, "{place}");
+/// `(a - o) . ((b - a) x (c - a))`: six times the signed volume of the tetrahedron of a point and a triangle.
+pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
+    let [a, b, c] = triangle;
+    let mut sum = ExactSum::default();
+    match (exact_difference(a, o), exact_difference(b, a), exact_difference(c, a)) {
+        (Some(r), Some(p), Some(q)) => sum.add_determinant([r, p, q]),
+        _ => {
+            sum.add_determinant(triangle);
+            edges(triangle).into_iter().for_each(|[p, q]| sum.add_determinant([-o, p, q]));
         }
     }
+    sum.value()
 }
+
+/// `(b - a) x (c - a)`: the normal of a triangle, whose length is twice the triangle's area.
+pub fn area_vector(triangle: [DVec3; 3]) -> [Scaled; 3] {
+    [[1, 2], [2, 0], [0, 1]].map(|[i, j]| {
+        let mut sum = ExactSum::default();
+        for [p, q] in edges(triangle) {
+            sum.add_product([p[i], q[j], 1.0]);
+            sum.add_product([-p[j], q[i], 1.0]);
+        }
+        sum.value()
+    })
+}
+
+/// One component of a cross product, `d[i] * (q - p)[j] - d[j] * (q - p)[i]`.
+pub fn cross_component(d: DVec3, [p, q]: [DVec3; 2], [i, j]: [usize; 2]) -> Scaled {
+    let mut sum = ExactSum::default();
+    for (point, sign) in [(q, 1.0), (p, -1.0)] {
+        sum.add_product([sign, d[i], point[j]]);
+        sum.add_product([-sign, d[j], point[i]]);
+    }
+    sum.value()
+}
+
+#[cfg(test)]
+mod tests;

@@ -6,7 +6,7 @@ use crate::math::double_double::{Dd, cross, difference, dot};
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::worst_case::{Input, Rng, search};
-use crate::primitive::edge_functions::{T_ROUNDINGS, edge_functions, is_interpolation_accurate};
+use crate::world::edge_functions::{T_ROUNDINGS, edge_functions, is_interpolation_accurate};
 use glam::DVec3;
 
 /// A ray's origin and direction, and a triangle. The ray passes close to a corner, so that the roundings of the other

@@ -6,15 +6,15 @@
 //! the normal has unit length. A triangle whose t would overflow counts as missed. The point of a hit is
 //! accurate as long as no coordinate exceeds 2^500.
 
-use crate::math::number::Number;
-use crate::math::predicate::{
-    area_vector, cross_component, edge_functions as exact_edge_functions, projected_area, volume,
+use crate::math::exact::{
+    area_vector, cross_component, edge_functions as exact_edge_functions, on_one_scale, projected_area,
+    volume,
 };
 use crate::math::ray::Ray;
 use crate::math::robust::unit;
-use crate::math::scaled::on_one_scale;
+use crate::math::simd::Number;
 use crate::math::vector::Vector;
-use crate::primitive::edge_functions::{
+use crate::world::edge_functions::{
     Sides, edge_functions, is_depth_certain, is_interpolation_accurate, sheared,
 };
 use glam::DVec3;

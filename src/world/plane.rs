@@ -1,17 +1,54 @@
-//! Planes in world space. Those in one place have the same numbers, so that rays hit them at the same t, and parallel ones
-//! under the same transforms the same normal, so that they never cross.
+//! Infinite planes. They have no bounds, so every ray is tested against each of them.
 //!
-//! Planes under the same transforms are compared in object space, where nothing is rounded but the numbers of the text: so
-//! they are told apart however strongly the transforms scale. Others are compared in world space, by their error bounds.
+//! Planes in one place have the same numbers, so that rays hit them at the same t, and parallel ones under the same
+//! transforms the same normal, so that they never cross. Planes under the same transforms are compared in object space,
+//! where nothing is rounded but the numbers of the text: so they are told apart however strongly the transforms scale.
+//! Others are compared in world space, by their error bounds.
 
 use super::coincidence::WRITTEN_ROUNDINGS;
 use super::placement::Placement;
 use super::point_error::PlaneError;
 use crate::diagnostic::Diagnostic;
 use crate::math::double_double::{Dd, dot};
+use crate::math::ray::Ray;
 use crate::math::robust::{self, UNIT_ROUNDOFF};
-use crate::primitive::plane::Plane;
 use glam::{DAffine3, DVec3};
+
+/// The points p with `normal . p = offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// A unit vector.
+    pub normal: DVec3,
+    /// The distance from the origin along the normal.
+    pub offset: f64,
+}
+
+impl Plane {
+    /// The t where the ray crosses the plane. None where the ray is parallel to it, or where the direction is
+    /// too long for its product with the normal to be finite.
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let rate = self.normal.dot(ray.direction);
+        let t = self.ahead_of(ray.origin) / rate;
+        (ray.covers(t) && rate.is_finite()).then_some(t)
+    }
+
+    /// The signed distance from a point to the plane, positive where the normal points from it to the plane.
+    #[inline]
+    pub fn ahead_of(&self, point: DVec3) -> f64 {
+        self.offset - self.normal.dot(point)
+    }
+
+    /// The same points, with the normal to the other side.
+    pub fn reversed(self) -> Self {
+        Self { normal: -self.normal, offset: -self.offset }
+    }
+
+    /// The point of the plane nearest to `point`. This removes the rounding error of `origin + t * direction`
+    /// across the plane, so that a solid texture with a boundary in the plane does not flicker.
+    pub fn project(&self, point: DVec3) -> DVec3 {
+        point - (self.normal.dot(point) - self.offset) * self.normal
+    }
+}
 
 /// The largest sine of the angle between unit normals that may have been written as parallel: of each one
 /// [`WRITTEN_ROUNDINGS`], and as many for the sine.
@@ -19,7 +56,7 @@ const PARALLEL_SINE: f64 = 3.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
 
 /// A plane in world space.
 #[derive(Clone, Copy)]
-pub struct PlacedPlane {
+pub(super) struct PlacedPlane {
     pub plane: Plane,
     /// A vector along the normal, before it is rounded to unit length.
     pub direction: DVec3,
@@ -34,7 +71,7 @@ struct WrittenPlane {
 
 /// The planes that are placed already.
 #[derive(Default)]
-pub struct PlacedPlanes(Vec<(WrittenPlane, PlacedPlane)>);
+pub(super) struct PlacedPlanes(Vec<(WrittenPlane, PlacedPlane)>);
 
 impl PlacedPlanes {
     /// Places the next plane. Transforms that flatten it are an error.
@@ -118,4 +155,32 @@ fn placed(placement: &Placement, normal: DVec3, plane: Plane) -> Result<PlacedPl
     let error = PlaneError::transformed(placement, (normal, plane.offset), (world_normal, foot));
     let plane = Plane { normal: world_normal, offset: world_offset };
     Ok(PlacedPlane { plane, direction: robust::rescaled(in_world(normal)), error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parallel_ray_misses_even_inside_the_plane() {
+        let floor = Plane { normal: DVec3::Y, offset: 0.0 };
+        for y in [-1.0, 0.0, 1.0] {
+            assert_eq!(floor.intersect(&Ray::new(DVec3::new(0.0, y, 0.0), DVec3::X)), None);
+        }
+    }
+
+    #[test]
+    fn both_sides_are_hit() {
+        let floor = Plane { normal: DVec3::Y, offset: -1.0 };
+        assert_eq!(floor.intersect(&Ray::new(DVec3::Y, DVec3::NEG_Y)), Some(2.0));
+        assert_eq!(floor.intersect(&Ray::new(DVec3::splat(-3.0), DVec3::Y)), Some(2.0));
+        assert_eq!(floor.intersect(&Ray::new(DVec3::Y, DVec3::Y)), None);
+    }
+
+    #[test]
+    fn a_point_is_projected_along_the_normal() {
+        let plane = Plane { normal: DVec3::new(0.0, 0.6, 0.8), offset: -1.0 };
+        let projected = plane.project(DVec3::new(7.0, 5.0, 2.5));
+        assert!((projected - DVec3::new(7.0, 1.4, -2.3)).length() < 1e-15, "{projected}");
+    }
 }

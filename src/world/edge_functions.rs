@@ -6,8 +6,8 @@
 //! 2013). `proofs/edge_functions.g` proves the error bound.
 
 use crate::math::extremes::{max3, min3};
-use crate::math::number::Number;
 use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::simd::Number;
 use crate::math::vector::Vector;
 
 /// On which side of a triangle's edges a ray passes.
