@@ -1,6 +1,6 @@
 # A ray that hits something in a padded box is found to meet the box, not later than the hit.
-#@ src/caster/tree/box8.rs PADDING_ROUNDINGS = 16.0
-#@ src/caster/blocks/filter.rs MAX_DEPTH = 2.03125
+#@ src/caster/box8.rs PADDING_ROUNDINGS = 16.0
+#@ src/caster/filter.rs MAX_DEPTH = 2.03125
 #
 # Along an axis let l be the stored lower face, o and d > 0 the stored origin and direction of the ray, and t the depth of
 # the exact hit; the other cases are mirror images. The depth of the face is computed as v = l i - o i, where e0 to e3 are

@@ -1,9 +1,9 @@
 # The points of surfaces and their coordinates in a checkerboard's space are within the error bounds that decide.
 #@ src/world/point_error.rs BETWEEN_VERTICES_ROUNDINGS = 7.0
-#@ src/primitive/sphere.rs AT_RADIUS_ROUNDINGS = 6.0
+#@ src/world/sphere.rs AT_RADIUS_ROUNDINGS = 6.0
 #@ src/world/point_error.rs ON_PLANE_ROUNDINGS = 6.0
-#@ src/math/rounded_affine.rs PRODUCT_ROUNDINGS = 5.0
-#@ src/math/rounded_affine.rs IMAGE_ROUNDINGS = 16.0
+#@ src/math/rounded.rs PRODUCT_ROUNDINGS = 5.0
+#@ src/math/rounded.rs IMAGE_ROUNDINGS = 16.0
 #@ src/shading/checkerboard.rs ALONG_AXIS_ROUNDINGS = 4.0
 #@ src/scene/transform.rs REST_ROUNDINGS = 11.0
 #@ src/scene/transform.rs SINE_ROUNDINGS = 5.0

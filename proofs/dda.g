@@ -1,7 +1,7 @@
 # The error of the DDA's crossing times is within its error bound, for rays from up to 2^31 cells away.
-#@ src/caster/grid/dda.rs SETUP_ROUNDINGS = 2.0
-#@ src/caster/reach.rs MAX_ORIGIN_CELLS = 2147483648.0
-#@ src/caster/grid/insertion.rs POSITION_ERROR_BOUND = 7.8e-6
+#@ src/caster/dda.rs SETUP_ROUNDINGS = 2.0
+#@ src/caster/bounds.rs MAX_ORIGIN_CELLS = 2147483648.0
+#@ src/caster/insertion.rs POSITION_ERROR_BOUND = 7.8e-6
 #
 # Fixed-point t. By definition t = entry + fixed_t / fixed_per_t with the floats entry and fixed_per_t, so these two
 # have no error. The exact fixed-point t of the faces of an axis is c for the first one, and c + k step for the

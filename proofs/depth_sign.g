@@ -1,6 +1,6 @@
 # The sign of a triangle's t is right where its depth times its area exceeds the bound that the source compares it with.
-#@ src/primitive/edge_functions.rs EDGE_ROUNDINGS = 7.001
-#@ src/primitive/edge_functions.rs DEPTH_BOUNDS = 5.0
+#@ src/world/edge_functions.rs EDGE_ROUNDINGS = 7.001
+#@ src/world/edge_functions.rs DEPTH_BOUNDS = 5.0
 #
 # Notation as in edge_functions.g: u = 2^-53; of the sheared vertices as computed, |x| <= X and |y| <= Y, M = X + Y, and
 # |z| <= Z. An exact x or y is off by r = u (A M + B Z) at most, an exact z by u Z. No product underflows here.

@@ -1,5 +1,5 @@
 # The sign of a triangle's edge function is right where its size exceeds the bound that the source compares it with.
-#@ src/primitive/edge_functions.rs EDGE_ROUNDINGS = 7.001
+#@ src/world/edge_functions.rs EDGE_ROUNDINGS = 7.001
 #
 # Notation: u = 2^-53; f1, f2, ... are numbers from -1 to 1, one for each rounding. No product underflows here.
 #

@@ -1,11 +1,11 @@
 # The errors of the filter in f32, with fused multiply-add, are within its error bounds.
-#@ src/caster/blocks/triangle8.rs EDGE_ROUNDINGS = 37.0
-#@ src/caster/blocks/triangle8.rs AREA_ROUNDINGS = 67.0
-#@ src/caster/blocks/triangle8.rs DEPTH_ROUNDINGS = 82.0
-#@ src/caster/blocks/triangle8.rs NORMAL_ROUNDINGS = 4.5
+#@ src/caster/block.rs EDGE_ROUNDINGS = 37.0
+#@ src/caster/block.rs AREA_ROUNDINGS = 67.0
+#@ src/caster/block.rs DEPTH_ROUNDINGS = 82.0
+#@ src/caster/block.rs NORMAL_ROUNDINGS = 4.5
 #@ tests/hard_cases/filter_worst.rs V_EDGE_ROUNDINGS = 18.5
 #@ tests/hard_cases/filter_worst.rs V_AREA_ROUNDINGS = 20.5
-#@ src/caster/blocks/filter.rs MAX_DEPTH = 2.03125
+#@ src/caster/filter.rs MAX_DEPTH = 2.03125
 #
 # The derivation is the same as in filter_portable.g, with two differences. In a sum of three products each of the first
 # two is rounded together with the sum, so that the first is rounded once, the second twice, and the third three times.

@@ -1,13 +1,13 @@
 # The errors of the filter in f32, with separate multiplications and additions, are within its error bounds.
-#@ src/caster/blocks/triangle8.rs EDGE_ROUNDINGS = 37.0
-#@ src/caster/blocks/triangle8.rs AREA_ROUNDINGS = 67.0
-#@ src/caster/blocks/triangle8.rs DEPTH_ROUNDINGS = 82.0
-#@ src/caster/blocks/triangle8.rs NORMAL_ROUNDINGS = 4.5
+#@ src/caster/block.rs EDGE_ROUNDINGS = 37.0
+#@ src/caster/block.rs AREA_ROUNDINGS = 67.0
+#@ src/caster/block.rs DEPTH_ROUNDINGS = 82.0
+#@ src/caster/block.rs NORMAL_ROUNDINGS = 4.5
 #@ tests/hard_cases/filter_worst.rs V_EDGE_ROUNDINGS = 18.5
 #@ tests/hard_cases/filter_worst.rs V_AREA_ROUNDINGS = 20.5
-#@ src/caster/blocks/filter.rs MAX_DEPTH = 2.03125
+#@ src/caster/filter.rs MAX_DEPTH = 2.03125
 #
-# The names are those of src/caster/blocks/filter.rs. A trailing f marks what is computed in f32, and r is 2^-24.
+# The names are those of src/caster/filter.rs. A trailing f marks what is computed in f32, and r is 2^-24.
 #
 # Sums of three products are computed from the third one on, so that the first is rounded twice, and the others three
 # times: as a product, and in the sums.

@@ -1,5 +1,5 @@
 # The errors of the numbers that the filter in f32 starts from are within what its two other proofs assume.
-#@ src/caster/blocks/filter.rs MAX_DEPTH = 2.03125
+#@ src/caster/filter.rs MAX_DEPTH = 2.03125
 #
 # The names are those of filter_portable.g. a, o and d are a coordinate of the corner, of the origin and of the
 # direction in f64; at, ot and dt are the exact ones. The origin, (o - center + entry direction) scale, has two

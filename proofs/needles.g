@@ -1,5 +1,5 @@
 # The computed plane of a triangle that is nearly degenerate passes its points within the error bound of insertion.
-#@ src/caster/grid/voxelize/triangle.rs PLANE_ROUNDINGS = 32.0
+#@ src/caster/insertion.rs PLANE_ROUNDINGS = 32.0
 #
 # In units of cells, a and b are the sides from a triangle's first corner, divided by its largest extent along an
 # axis, the length. p is the vector to any point of the triangle, divided likewise, so no coordinate exceeds 1. n = a

@@ -1,6 +1,6 @@
 # The offset of secondary rays exceeds the error of points on ellipsoids and of the next test.
 #@ src/math/robust.rs OFFSET_ROUNDINGS = 32.0
-#@ src/primitive/ellipsoid.rs ORTHOGONAL_ROUNDINGS = 4.0
+#@ src/world/ellipsoid.rs ORTHOGONAL_ROUNDINGS = 4.0
 #
 # Errors are measured along the normal, in units of u. Let v be the vector from the centre c to the point p, h the
 # lengths of the semi-axes, and e those of the half extents along the world's axes. In the frame of the semi-axes let

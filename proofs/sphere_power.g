@@ -1,6 +1,6 @@
 # The sign of a point's power with respect to a sphere, and whether a line passes beside it, are certain in f64.
-#@ src/primitive/sphere.rs POWER_ROUNDINGS = 8.0
-#@ src/primitive/sphere.rs BESIDE = 3.0
+#@ src/world/sphere.rs POWER_ROUNDINGS = 8.0
+#@ src/world/sphere.rs BESIDE = 3.0
 #
 # All errors are in units of u = 2^-53 and of s = f^2 + r^2, where f is the vector from the centre to the ray's origin
 # and r the radius; second-order terms are below a thousandth. Subnormal products lose less than the smallest normal

@@ -1,5 +1,5 @@
 # A sphere is inserted into every cell where a ray may find it, although roundings move its surface.
-#@ src/caster/grid/voxelize.rs SPHERE_ROUNDINGS = 128.0
+#@ src/caster/insertion.rs SPHERE_ROUNDINGS = 128.0
 #
 # All lengths are in units of the radius r, and errors in units of u; f is the vector from the centre to the ray's
 # origin. A point that the sphere's test finds is off the surface by some u r, plus an error that is proportional to the

@@ -1,6 +1,6 @@
 # The t of a triangle that is interpolated is off by less than T_ROUNDINGS roundings of its farthest corner's distance.
-#@ src/primitive/edge_functions.rs T_ROUNDINGS = 238.0
-#@ src/primitive/edge_functions.rs MAX_INTERPOLATED_STEEPNESS = 32.0
+#@ src/world/edge_functions.rs T_ROUNDINGS = 238.0
+#@ src/world/edge_functions.rs MAX_INTERPOLATED_STEEPNESS = 32.0
 #@ src/fast/raster/edge_functions.rs VOLUME_ROUNDINGS = 8.5
 #@ src/fast/raster/edge_functions.rs VOLUME_CLEARANCE = 1024.0
 # Let R = 1 be the distance of the farthest corner from the ray's origin, and u = 1 the unit roundoff; what is of second

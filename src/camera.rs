@@ -1,8 +1,8 @@
 //! The camera: generates the primary ray of each sample.
 
-use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::robust::{rescaled, unit};
+use crate::math::simd::Number;
 use crate::math::vector::Vector;
 use crate::scene;
 use crate::scene::model::Screen;

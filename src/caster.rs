@@ -4,32 +4,36 @@
 //! The planes are tested first, and then every primitive of the list, the cells of the grid or the boxes of the tree. A
 //! module imports only from the modules before it in this list.
 
-mod error;
-pub(crate) mod ray_aabb;
-mod reach;
 #[doc(hidden)]
-pub mod blocks;
-pub mod grid;
+pub mod block;
+#[doc(hidden)]
+pub mod bounds;
+#[doc(hidden)]
+pub mod filter;
+#[doc(hidden)]
+pub mod lattice;
+#[doc(hidden)]
+pub mod dda;
+#[doc(hidden)]
+pub mod insertion;
 pub mod choose;
+mod contents;
+mod division;
+mod box8;
 mod tree;
-mod cell_contents;
-mod build;
-mod fullness;
+mod structure;
 mod query;
-mod ray_entry;
-mod descent;
 mod traverse;
 #[doc(hidden)]
 pub use crate::math::instructions::Level;
-pub use build::StructureSize;
-pub use error::GridTooLarge;
-pub use fullness::Fullness;
+pub use lattice::GridTooLarge;
+pub use structure::{Fullness, StructureSize};
 
-use crate::caster::blocks::triangle8;
-use crate::caster::build::{AccelerationStructure, Order};
-use crate::caster::choose::{Layout, Rays};
-use crate::caster::query::{HitList, RayQuery};
-use crate::caster::ray_entry::Entry;
+use crate::caster::block::NONE;
+use crate::caster::bounds::Entry;
+use crate::caster::choose::Layout;
+use crate::caster::query::{AllHits, AnyHit, Goal, Nearest, Query, RayOrigin};
+use crate::caster::structure::{AccelerationStructure, Order};
 use crate::math::instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::stats::{Probe, Quiet};
@@ -37,27 +41,7 @@ use crate::world::World;
 use fearless_simd::{Simd, dispatch};
 use fearless_simd_macros::simd;
 use glam::DVec2;
-use std::sync::{Arc, OnceLock};
-
-/// The primitive that a ray leaves.
-#[derive(Clone, Copy)]
-struct Left {
-    /// Its id, or [`triangle8::NONE`].
-    primitive: u32,
-    /// Whether it is a sphere or an ellipsoid that the ray may hit again.
-    may_return: bool,
-}
-
-impl Left {
-    #[inline(always)]
-    fn of(caster: &Caster, primitive: Option<u32>) -> Self {
-        let primitive = primitive.unwrap_or(triangle8::NONE);
-        Self { primitive, may_return: caster.is_round(primitive) }
-    }
-}
-
-/// A structure once it has been built; none if it does not fit into memory.
-type OnDemand = OnceLock<Option<Arc<AccelerationStructure>>>;
+use std::sync::Arc;
 
 /// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
 #[derive(Clone, Debug)]
@@ -67,10 +51,7 @@ pub struct Caster<'w> {
     /// The instructions that the inner loops use.
     pub level: Level,
     /// Contains every finite primitive; none if the world has no finite primitives.
-    pub(super) structure: Option<Arc<AccelerationStructure>>,
-    /// A grid or a tree in place of the list, if it may be built where more rays are cast than were expected, and the camera
-    /// rays it is built for.
-    on_demand: Option<(usize, Arc<OnDemand>)>,
+    structure: Option<Arc<AccelerationStructure>>,
 }
 
 impl<'w> Caster<'w> {
@@ -84,36 +65,7 @@ impl<'w> Caster<'w> {
         let finite = world.finite_count() > 0;
         let structure =
             finite.then(|| AccelerationStructure::new(world, layout).map(Arc::new)).transpose()?;
-        Ok(Self { world, level, structure, on_demand: None })
-    }
-
-    /// Lets [`for_rays`](Self::for_rays) build the grid for so many camera rays.
-    pub(crate) fn allow_grid(&mut self, rays: usize) {
-        self.on_demand = Some((rays, Arc::default()));
-    }
-
-    /// The same caster with a grid, if it may build one and the number of rays to be cast, which is asked for only then,
-    /// pays for it. It is built once for all copies of the caster.
-    #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
-    pub(crate) fn for_rays(&self, count: impl FnOnce() -> usize) -> Self {
-        let grid = self.on_demand.as_ref().and_then(|(rays, grid)| {
-            let layout = Layout::chosen(self.world, Rays { camera: *rays, cast: count() });
-            let build = || AccelerationStructure::new(self.world, layout).ok().map(Arc::new);
-            if layout == Layout::List {
-                return None;
-            }
-            // Nobody has asked for the grid that does not fit into memory.
-            grid.get_or_init(build).clone()
-        });
-        if grid.is_some() { Self { structure: grid, on_demand: None, ..self.clone() } } else { self.clone() }
-    }
-
-    /// Whether a ray enters the bounds of the finite primitives, or may do so.
-    #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
-    pub(crate) fn enters(&self, ray: &Ray) -> bool {
-        self.structure.as_deref().is_some_and(|structure| {
-            dispatch!(self.level, simd => !matches!(structure.ray_entry(simd, ray, ray.t_max), Entry::Misses))
-        })
+        Ok(Self { world, level, structure })
     }
 
     /// Whether a ray is tested against only a few of the primitives: those in the cells of a grid, or in the boxes of a
@@ -143,14 +95,15 @@ impl<'w> Caster<'w> {
         self.nearest(ray, None, probe).map(|visible| self.world.hit(ray, visible))
     }
 
-    /// The primitive that the ray hits first, decided exactly.
-    ///
-    /// `leaves` is the primitive that the ray leaves. A triangle or a plane is not tested, because the ray cannot hit it
-    /// again.
-    /// A sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
+    /// The primitive that the ray hits first, decided exactly. `leaves` is the primitive that the ray leaves.
     #[inline(always)]
     pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
-        self.run::<P, false>(ray, Left::of(self, leaves), probe)
+        let origin = RayOrigin::new(self.world, leaves);
+        let best = dispatch!(self.level, simd => {
+            let [a, b, c, d] = ray.pairs();
+            self.nearest_at(simd, a, b, c, d, origin, probe)
+        });
+        (best.primitive != NONE).then_some(best)
     }
 
     /// Whether the ray hits anything.
@@ -159,10 +112,14 @@ impl<'w> Caster<'w> {
         self.any_from(ray, None, probe)
     }
 
-    /// The same for a ray that leaves the primitive `leaves`, as in [`nearest`](Self::nearest).
+    /// The same for a ray that leaves the primitive `leaves`.
     #[inline(always)]
     pub fn any_from<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
-        self.run::<P, true>(ray, Left::of(self, leaves), probe).is_some()
+        let origin = RayOrigin::new(self.world, leaves);
+        dispatch!(self.level, simd => {
+            let [a, b, c, d] = ray.pairs();
+            self.any_at(simd, a, b, c, d, origin, probe)
+        })
     }
 
     /// Whether the ray hits a triangle, which is not the one that it leaves.
@@ -194,76 +151,104 @@ impl<'w> Caster<'w> {
     /// Whether this is a sphere or an ellipsoid.
     #[inline(always)]
     pub fn is_round(&self, primitive: u32) -> bool {
-        !self.world.is_triangle(primitive) && primitive < self.world.first_plane()
+        self.world.is_shape(primitive)
     }
 
-    #[inline(always)]
-    fn run<P: Probe, const ANY: bool>(&self, ray: &Ray, leaves: Left, probe: &mut P) -> Option<Visible> {
-        let best = dispatch!(self.level, simd => {
-            let [a, b, c, d] = ray.pairs();
-            self.run_at::<_, P, ANY>(simd, a, b, c, d, leaves, None, probe)
-        });
-        (best.primitive != triangle8::NONE).then_some(best)
-    }
-
-    /// Looks for the nearest primitive or, if there is a list for them, collects all that the ray hits.
-    ///
-    /// The nearest primitive, or [`triangle8::NONE`], because this is returned in registers and an option is
-    /// not. So is the ray passed, by its pairs.
+    /// Finds the nearest primitive, or [`NONE`], because this is returned in registers and an option is not. So is the ray
+    /// passed, by its pairs.
     #[simd]
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
-    fn run_at<S: Simd, P: Probe, const ANY: bool>(
+    fn nearest_at<S: Simd, P: Probe>(
         &self,
         simd: S,
         a: DVec2,
         b: DVec2,
         c: DVec2,
         d: DVec2,
-        leaves: Left,
-        collected: Option<&HitList>,
+        origin: RayOrigin,
         probe: &mut P,
     ) -> Visible {
         let ray = Ray::of_pairs([a, b, c, d]);
-        let structure = self.structure.as_deref();
-        let ray_entry =
-            structure.map_or(Entry::Misses, |structure| structure.ray_entry(simd, &ray, ray.t_max));
-        // Most rays that hit nothing end here.
-        if !P::COUNTS && matches!(ray_entry, Entry::Misses) && self.world.planes.is_empty() {
-            return Visible { primitive: triangle8::NONE, t_bound: ray.t_max };
+        let entry = self.entry(simd, &ray);
+        if !P::COUNTS && self.misses(&entry) {
+            return Visible { primitive: NONE, t_bound: ray.t_max };
         }
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
-        let mut query = RayQuery::new(self.world, &stored, leaves.primitive);
-        query.collect_in(collected);
-        query.test_planes(&ray, probe);
-        if leaves.may_return {
-            query.leave_round::<P>(probe);
-        }
-        if ANY && query.visible().is_some() {
-            return query.best;
-        }
-        if let Some(structure) = structure {
-            structure.run::<S, P, ANY>(simd, &ray_entry, &mut query, probe);
-        }
-        if !ANY && query.is_undecided() {
-            return self.foremost(simd, &stored, leaves, query.best);
-        }
-        query.best
+        let mut query = Query::new(self.world, &stored, probe, Nearest::new(&ray));
+        self.search(simd, &ray, origin, &entry, &mut query);
+        let Nearest { best, is_undecided, .. } = query.goal;
+        if is_undecided { self.foremost(simd, &stored, origin, best) } else { best }
     }
 
-    /// What a ray sees of the primitives that it hits so close to each other that their t do not decide. They are collected
-    /// by another query, since it may have hit some of them before it found the nearest one.
+    /// Whether the ray hits anything.
+    #[simd]
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)]
+    fn any_at<S: Simd, P: Probe>(
+        &self,
+        simd: S,
+        a: DVec2,
+        b: DVec2,
+        c: DVec2,
+        d: DVec2,
+        origin: RayOrigin,
+        probe: &mut P,
+    ) -> bool {
+        let ray = Ray::of_pairs([a, b, c, d]);
+        let entry = self.entry(simd, &ray);
+        if !P::COUNTS && self.misses(&entry) {
+            return false;
+        }
+        let stored = ray;
+        let mut query = Query::new(self.world, &stored, probe, AnyHit::default());
+        self.search(simd, &ray, origin, &entry, &mut query);
+        query.goal.is_found
+    }
+
+    /// How the ray enters the structure.
+    #[inline(always)]
+    fn entry<S: Simd>(&self, simd: S, ray: &Ray) -> Entry<S> {
+        let structure = self.structure.as_deref();
+        structure.map_or(Entry::Misses, |structure| structure.region.entry(simd, ray, ray.t_max))
+    }
+
+    /// Whether a ray that enters the structure in this way hits nothing. Most rays that hit nothing end here.
+    #[inline(always)]
+    fn misses<S: Simd>(&self, entry: &Entry<S>) -> bool {
+        matches!(entry, Entry::Misses) && self.world.planes.is_empty()
+    }
+
+    #[inline(always)]
+    fn search<S: Simd, P: Probe, G: Goal>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        origin: RayOrigin,
+        entry: &Entry<S>,
+        query: &mut Query<P, G>,
+    ) {
+        if query.start(ray, origin) && G::ANY {
+            return;
+        }
+        if let Some(structure) = self.structure.as_deref() {
+            structure.traverse(simd, entry, query);
+        }
+    }
+
+    /// Returns what a ray sees of the primitives that it hits so close to each other that their t do not decide. They are
+    /// collected by another query, since it may have hit some of them before it found the nearest one.
     #[cold]
     #[inline(never)]
-    fn foremost<S: Simd>(&self, simd: S, ray: &Ray, leaves: Left, nearest: Visible) -> Visible {
+    fn foremost<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin, nearest: Visible) -> Visible {
         let t = self.world.hit(ray, nearest).t;
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
-        let [a, b, c, d] = ray_to_there.pairs();
-        let found = HitList::default();
-        self.run_at::<S, _, false>(simd, a, b, c, d, leaves, Some(&found), &mut Quiet);
-        let foremost = self.world.foremost(ray, found.into_inner());
+        let mut probe = Quiet;
+        let mut query = Query::new(self.world, &ray_to_there, &mut probe, AllHits::default());
+        self.search(simd, &ray_to_there, origin, &self.entry(simd, &ray_to_there), &mut query);
+        let foremost = self.world.foremost(ray, query.goal.0);
         foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })
     }
 }
@@ -272,7 +257,6 @@ impl<'w> Caster<'w> {
 mod tests {
     use super::*;
     use crate::scene::parser::parse;
-    use glam::DVec3;
 
     #[test]
     fn a_caster_tells_whether_it_has_a_grid_and_of_which_cells() {
@@ -291,29 +275,5 @@ mod tests {
             assert_eq!((caster.is_selective(), caster.cells()), (expected.is_some(), expected));
             assert_eq!(caster.size() == StructureSize::default(), world.finite_count() == 0);
         }
-    }
-
-    #[test]
-    fn a_grid_is_built_once_where_it_is_allowed_and_rays_pay_for_it() {
-        let triangle =
-            |i: u32| format!("Triangle {{ vertex0 {i} 0 0 vertex1 {i}.5 0 0 vertex2 {i} 1 {} }}", i % 7);
-        let text = format!(
-            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-             Group {{ numObjects 100 Material {{ }} {} }}",
-            (0..100).map(triangle).collect::<String>()
-        );
-        let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
-        let mut caster = Caster::new(&world, None).unwrap();
-        assert!(!caster.for_rays(|| panic!("nobody asks for the number of rays")).is_selective());
-        caster.allow_grid(10_000);
-        assert!(!caster.for_rays(|| 31).is_selective());
-        let grids = [32, 1000].map(|rays| caster.for_rays(|| rays));
-        let expected = Layout::automatic(&world, 10_000);
-        let expected = Caster::with(&world, expected, instructions::available()[0]).unwrap();
-        assert_eq!(grids[0].cells(), expected.cells());
-        let [one, other] = grids.each_ref().map(|grid| grid.structure.as_ref().unwrap());
-        assert!(Arc::ptr_eq(one, other));
-        let [into, beside] = [0.0, 1e3].map(|y| Ray::new(DVec3::new(0.1, y, 9.0), DVec3::NEG_Z));
-        assert_eq!([into, beside].map(|ray| caster.enters(&ray)), [true, false]);
     }
 }

@@ -46,8 +46,6 @@ pub mod image_io;
 pub mod scene;
 pub mod stats;
 #[doc(hidden)]
-pub mod primitive;
-#[doc(hidden)]
 pub mod world;
 pub mod caster;
 #[doc(hidden)]

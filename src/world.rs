@@ -3,12 +3,22 @@
 //! After this step only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one
 //! range of ids, in the order triangles, shapes, planes.
 
+#[doc(hidden)]
+pub mod edge_functions;
+#[doc(hidden)]
+pub mod ellipsoid;
+#[doc(hidden)]
+pub mod plane;
+#[doc(hidden)]
+pub mod shape;
+#[doc(hidden)]
+pub mod sphere;
+#[doc(hidden)]
+pub mod triangle;
 mod appearance;
 mod builder;
 mod coincidence;
-mod crossing;
 mod placement;
-mod planes;
 mod point_error;
 mod resting_lights;
 mod surface;
@@ -18,8 +28,6 @@ use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
 use crate::picture::Color;
-use crate::primitive::shape::{Form, Shape};
-use crate::primitive::{plane::Plane, triangle};
 use crate::scene::limits;
 use crate::scene::mesh::{Corners, Mesh};
 use crate::scene::model::Model;
@@ -27,8 +35,10 @@ use crate::scene::texels::{CubeFaces, Texels};
 use crate::scene::{Light, MaterialId, Scene, material::Material};
 use builder::Builder;
 use glam::DVec3;
+use plane::Plane;
 use point_error::{BoundaryWidth, FlatteningErrors};
 use resting_lights::RestingLights;
+use shape::{Form, Shape};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -245,6 +255,18 @@ impl World {
         place(one) < place(other)
     }
 
+    /// The nearest t on a ray at which it hits a primitive.
+    #[inline(always)]
+    pub fn crossing(&self, ray: &Ray, primitive: u32) -> Option<f64> {
+        match self.primitive(primitive) {
+            Primitive::Triangle(i) => {
+                triangle::Shear::new(ray).intersect(self.corners_in_place(i)).filter(|&t| ray.covers(t))
+            }
+            Primitive::Shape(i) => self.shapes[i].intersect(ray),
+            Primitive::Plane(i) => self.planes[i].intersect(ray),
+        }
+    }
+
     /// The hit of a ray, computed from the primitive that the ray hits first.
     pub fn hit(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> Hit {
         let crossing = match self.primitive(primitive) {
@@ -259,6 +281,12 @@ impl World {
     #[inline(always)]
     pub fn is_triangle(&self, primitive: u32) -> bool {
         primitive < self.triangles.len() as u32
+    }
+
+    /// Whether the primitive with this id is a shape.
+    #[inline(always)]
+    pub fn is_shape(&self, primitive: u32) -> bool {
+        !self.is_triangle(primitive) && primitive < self.first_plane()
     }
 
     #[inline(always)]

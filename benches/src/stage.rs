@@ -6,7 +6,7 @@ use raytracer::camera::Camera;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::unit;
-use raytracer::primitive::plane::Plane;
+use raytracer::world::plane::Plane;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{Light, Object, Scene};
 use raytracer::scene::load;

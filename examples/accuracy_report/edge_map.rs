@@ -4,7 +4,7 @@
 use crate::{Figure, panels};
 use glam::DVec3;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
+use raytracer::world::triangle::Shear;
 
 /// The number of neighbouring floats along each side of the map.
 const SIDE: usize = 256;

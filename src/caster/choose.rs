@@ -4,8 +4,9 @@
 //! primitive listed in a cell.) It has about as many cells as there are primitives, and fewer where their boxes touch more
 //! cells than that. A tree holds each primitive once, and has fewer nodes than leaves.
 
-use crate::caster::grid::insertion::{bounds_of, most_references};
-use crate::caster::grid::lattice::Lattice;
+use crate::caster::block::LANES;
+use crate::caster::insertion::{bounds_of, most_references};
+use crate::caster::lattice::Lattice;
 use crate::math::aabb::Aabb;
 use crate::world::World;
 use serde::Serialize;
@@ -71,7 +72,7 @@ impl Structure {
             Self::Any if !is_counted => return Layout::chosen(world, rays),
             Self::Any | Self::List => None,
             Self::Grid(Resolution::Cells(cells)) => Some(cells),
-            Self::Grid(Resolution::Auto) => Some(automatic_cells(world, rays.camera)),
+            Self::Grid(Resolution::Auto) => Some(affordable_cells(world, wanted_cells(world, rays.camera))),
         };
         match grid {
             _ if is_counted => Layout::Course(grid),
@@ -80,6 +81,21 @@ impl Structure {
         }
     }
 }
+
+/// Measured: a grid pays from this number of triangles on, of which a sphere counts as eight, and takes as long to build as
+/// this number of rays take to be tested against everything.
+const LEAST: usize = 32;
+
+/// Measured: from this number of rays per primitive on, the time per ray matters more than the time to build.
+const MANY_RAYS: usize = 8;
+
+/// Measured: from this number of primitives on, a tree is faster than a grid, which takes a third of the time to build.
+const LARGE: usize = 20_000;
+
+/// Measured: a tree is faster where a primitive shares its cell with more than this number on average, five times the mean
+/// of the occupied cells of an evenly tessellated mesh; and for one ray per primitive, it takes as long to build as it
+/// takes to test so many.
+const CROWDED: usize = 96;
 
 impl Layout {
     /// The cells along each axis, if it is a grid.
@@ -93,109 +109,59 @@ impl Layout {
 
     /// The uniform grid of `-grid auto` for about this number of rays from the camera.
     pub fn automatic(world: &World, rays: usize) -> Self {
-        Self::Grid(automatic_cells(world, rays))
+        Self::Grid(affordable_cells(world, wanted_cells(world, rays)))
     }
 
-    /// The layout with the least total time for building and for these rays.
-    ///
-    /// Measured, a grid pays from 36 triangles on, and a sphere takes as long as 9 triangles. A grid of many
-    /// primitives takes as long to build as 32 rays through their list. A tree takes three times as long to build as a
-    /// grid; it is faster for very many primitives, and for those that no uniform grid separates, because most of them are
-    /// close together or extend through many cells.
+    /// The layout with the least total time for building and for these rays. A tree is built for very many primitives, and
+    /// for those that no uniform grid separates, because most of them are close together or extend through many cells.
     pub fn chosen(world: &World, rays: Rays) -> Self {
-        const MIN_TRIANGLES: usize = 36;
-        const TRIANGLES_PER_OTHER: usize = 9;
-        const MIN_RAYS: usize = 32;
         let count = world.finite_count();
-        let others = count - world.triangles.len();
-        let triangles = world.hittable_count() - others;
-        let work = triangles.saturating_add(TRIANGLES_PER_OTHER * others);
-        if work < MIN_TRIANGLES || rays.cast < MIN_RAYS {
+        let tests = world.hittable_count() + (LANES - 1) * world.shapes.len();
+        if tests < LEAST || rays.cast < LEAST {
             return Self::List;
         }
-        let is_for_tree = |(primitives, per_primitive): (usize, usize), rays| {
-            count >= primitives && rays >= count.saturating_mul(per_primitive)
-        };
-        if is_for_tree(LARGE, rays.camera) || is_for_tree(OFTEN_CAST, rays.cast) {
-            return Self::Tree;
-        }
-        let wanted = wanted_cells(world, rays.camera);
-        if is_uneven(world, wanted, rays.camera) {
-            return Self::Tree;
-        }
-        let cells = affordable_cells(world, wanted);
-        let total = |cells: [usize; 3]| cells.iter().product::<usize>();
-        if MOST_COARSER * total(cells) < total(wanted) { Self::Tree } else { Self::Grid(cells) }
+        let is_large = count >= LARGE && rays.cast >= count.saturating_mul(MANY_RAYS);
+        let cells = wanted_cells(world, rays.camera);
+        let fits =
+            most_references(world, &Lattice::new(bounds_of(world), cells)) <= affordable_references(world);
+        if is_large || !fits || is_crowded(world, cells, rays.cast) { Self::Tree } else { Self::Grid(cells) }
     }
-}
-
-/// From this number of camera rays per primitive on, the time per ray matters more than the time to build.
-const MANY_RAYS: usize = 8;
-
-/// From this number of primitives on, a tree is faster than a grid, which takes less time to build; and how many camera
-/// rays there must be for each of them.
-const LARGE: (usize, usize) = (100_000, MANY_RAYS);
-
-/// The same for fewer primitives, where the tree saves less and so must be searched by more rays of all kinds.
-const OFTEN_CAST: (usize, usize) = (20_000, 16);
-
-/// No tree pays if a primitive shares its cell with fewer than this on average: five times the mean of the occupied cells
-/// of an evenly tessellated mesh.
-const FEW_IN_CELL: usize = 96;
-
-/// For each ray, a tree takes as long to build per primitive as it takes to test so many primitives.
-const TESTS_PER_PRIMITIVE: usize = 64;
-
-/// A grid that must be this many times coarser than wanted is none.
-const MOST_COARSER: usize = 16;
-
-/// The cells of the automatic grid.
-fn automatic_cells(world: &World, rays: usize) -> [usize; 3] {
-    affordable_cells(world, wanted_cells(world, rays))
 }
 
 /// Cubic cells, one per primitive. Measured, half or twice as many cells cost a few percent of time, and eight times as
 /// many a quarter. If there are so few rays that building dominates, there are 0.4 cells per primitive.
 fn wanted_cells(world: &World, rays: usize) -> [usize; 3] {
     let count = world.finite_count();
-    let per_primitive = if rays < MANY_RAYS * count { 0.4 } else { 1.0 };
+    let per_primitive = if rays < count.saturating_mul(MANY_RAYS) { 0.4 } else { 1.0 };
     cubic(&world.bounds, per_primitive * count as f64)
 }
 
-/// The wanted cells, or so many fewer that the primitives' boxes touch no more of them than the memory is for.
+/// The wanted cells, or fewer of them such that the primitives' boxes touch no more cells than there is memory for.
 fn affordable_cells(world: &World, wanted: [usize; 3]) -> [usize; 3] {
-    const REFERENCES_PER_PRIMITIVE: u64 = 16;
-    const REFERENCES_IN_ANY_CASE: u64 = 65536;
-    let most = REFERENCES_IN_ANY_CASE.max(REFERENCES_PER_PRIMITIVE * world.finite_count() as u64);
-    let bounds = bounds_of(world);
-    let mut cells = wanted;
-    while most_references(world, &Lattice::new(bounds, cells)) > most {
-        let fewer = cells.map(|n| (3 * n / 4).max(1));
-        if fewer == cells {
-            break;
-        }
-        cells = fewer;
-    }
-    cells
+    let (most, bounds) = (affordable_references(world), bounds_of(world));
+    let fewer = |cells: &[usize; 3]| Some(cells.map(|n| (3 * n / 4).max(1))).filter(|fewer| fewer != cells);
+    let mut tried = std::iter::successors(Some(wanted), fewer);
+    tried.find(|&cells| most_references(world, &Lattice::new(bounds, cells)) <= most).unwrap_or([1; 3])
+}
+
+/// The number of references that a grid of chosen resolution may hold.
+fn affordable_references(world: &World) -> u64 {
+    (16 * world.finite_count() as u64).max(65_536)
 }
 
 /// Whether a primitive shares its cell with so many others, by their middles, that a tree pays for these rays.
-fn is_uneven(world: &World, cells: [usize; 3], rays: usize) -> bool {
+fn is_crowded(world: &World, cells: [usize; 3], rays: usize) -> bool {
     let count = world.finite_count();
-    let [nx, ny, nz] = cells;
-    let mut counts = vec![0u32; nx * ny * nz];
     let lattice = Lattice::new(bounds_of(world), cells);
+    let mut counts = vec![0u32; lattice.index_count()];
     for id in 0..count as u32 {
         let Aabb { min, max } = world.box_of(id);
-        let at = lattice.to_cells(0.5 * (min + max)).to_array();
-        // The conversion saturates, and maps NaN to 0.
-        let [x, y, z] = [0, 1, 2].map(|axis| (at[axis] as usize).min(cells[axis] - 1));
-        counts[(z * ny + y) * nx + x] += 1;
+        let middle = lattice.to_cells(0.5 * (min + max));
+        counts[lattice.index([0, 1, 2].map(|axis| lattice.cell_at(axis, middle[axis])))] += 1;
     }
     let squares: u64 = counts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
     let mean = squares / count.max(1) as u64;
-    let few = FEW_IN_CELL.max(TESTS_PER_PRIMITIVE.saturating_mul(count) / rays.max(1));
-    mean > few as u64
+    mean > CROWDED.saturating_mul(1 + count / rays.max(1)) as u64
 }
 
 /// The number of cells along each axis for about `total` cubic cells in a box. A side counts as at least a

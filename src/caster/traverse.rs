@@ -1,69 +1,81 @@
-//! The search along a ray: through the whole list, the cells of the grid in order, or the boxes of the tree, until no
-//! nearer hit can follow.
+//! The traversal of a structure along a ray: the whole list, the cells of the grid in order, or the boxes of the tree, the
+//! nearest first, until no nearer hit can follow. What is done with the primitives there is up to a [`Query`] and its goal.
 
-use crate::caster::build::{AccelerationStructure, Order};
-use crate::caster::cell_contents::{CellContents, NO_BLOCKS};
-use crate::caster::grid::cell_table::{CellCursor, EMPTY};
-use crate::caster::query::{FilterState, RayQuery};
-use crate::caster::ray_entry::{Entry, ray_entry};
-use crate::math::ray::Ray;
+use crate::caster::block::LANES;
+use crate::caster::bounds::Entry;
+use crate::caster::box8::{BoxRay, Meeting, meet};
+use crate::caster::contents::NO_BLOCKS;
+use crate::caster::dda::{CellTable, Dda, EMPTY};
+use crate::caster::filter::FilterState;
+use crate::caster::query::{Goal, Query};
+use crate::caster::structure::{AccelerationStructure, Order};
+use crate::caster::tree::{Branch, LEAF, MAX_LEVELS, SMALL, Small, Tree};
+use crate::math::instructions::prefetch;
+use crate::math::simd::lanes;
 use crate::stats::Probe;
+use arrayvec::ArrayVec;
 use fearless_simd::Simd;
+use fearless_simd_macros::simd;
+
+/// The largest number of children that wait: seven of the eight on each level.
+const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
+
+/// A child of a node that the ray meets, with the depth at which it enters its box.
+#[derive(Clone, Copy)]
+struct Waiting {
+    entry: f32,
+    child: Branch,
+}
+
+/// The children that wait, and of those of one node the nearest last.
+type Stack = ArrayVec<Waiting, MAX_WAITING>;
 
 impl AccelerationStructure {
-    /// How the ray, up to t = `last`, enters the structure.
+    /// Searches the structure, which the ray enters in this way.
     #[inline(always)]
-    pub fn ray_entry<S: Simd>(&self, simd: S, ray: &Ray, last: f64) -> Entry<S> {
-        ray_entry(simd, &self.simd_bounds, &self.cells.frame, self.max_origin_distance, ray, last)
-    }
-
-    /// Looks for a nearer hit in the structure, which the ray enters in this way.
-    #[inline(always)]
-    pub fn run<S: Simd, P: Probe, const ANY: bool>(
+    pub fn traverse<S: Simd, P: Probe, G: Goal>(
         &self,
         simd: S,
         ray_entry: &Entry<S>,
-        query: &mut RayQuery,
-        probe: &mut P,
+        query: &mut Query<P, G>,
     ) {
         let interval = match ray_entry {
-            Entry::TooFar => return self.run_all::<P, ANY>(query, probe),
-            Entry::Passes(interval) if interval.entry <= query.end::<ANY>() => *interval,
+            Entry::TooFar => return self.test_all(query),
+            Entry::Passes(interval) if interval.entry <= query.end() => *interval,
             _ => {
                 // The course's program tests every primitive. A ray that misses their bounds misses them all.
                 let is_list = matches!(self.order, Order::List);
                 let untested = if P::COUNTS && is_list { query.world.finite_count() } else { 0 };
-                return probe.intersections(untested);
+                return query.probe.intersections(untested);
             }
         };
-        let mut filter_state = FilterState::on_interval(&interval, &self.cells.frame, query.end::<ANY>());
+        let mut filter_state = FilterState::on_interval(&interval, &self.region.frame, query.end());
         match &self.order {
             Order::List => {
-                query.test_cell::<S, P, ANY>(simd, &self.cells, &self.blocks, &mut filter_state, probe);
+                query.test_blocks(simd, &self.contents, &self.contents.blocks, &mut filter_state);
             }
             Order::Grid(table) => {
-                let cursor = table.cursor(&interval);
-                self.traverse_cells::<S, P, ANY>(simd, cursor, filter_state, query, probe);
+                let dda = Dda::new(table.lattice(), &interval);
+                self.test_cells(simd, table, dda, filter_state, query);
             }
             Order::Tree(tree) => {
-                self.descend::<S, P, ANY>(simd, tree, tree.root, &mut filter_state, query, probe);
+                self.descend(simd, tree, tree.root, &mut filter_state, query);
             }
         }
     }
 
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
-    pub fn traverse_cells<S: Simd, P: Probe, const ANY: bool>(
+    fn test_cells<'t, S: Simd, P: Probe, G: Goal>(
         &self,
         simd: S,
-        mut cursor: CellCursor,
+        table: &'t CellTable,
+        dda: Dda<'t>,
         mut filter_state: FilterState,
-        query: &mut RayQuery,
-        probe: &mut P,
+        query: &mut Query<P, G>,
     ) {
-        let filter_state = &mut filter_state;
-        let blocks = self.blocks.as_slice();
-        let mut last_t = cursor.fixed_t(query.best.t_bound);
+        let mut cursor = table.start(dda);
+        let mut last_t = cursor.dda().fixed_t(query.nearest_t());
         loop {
             if !P::COUNTS {
                 cursor.skip();
@@ -75,42 +87,173 @@ impl AccelerationStructure {
                 if entry >= NO_BLOCKS {
                     return;
                 }
-                let own = CellContents::blocks_of(blocks, entry);
-                if query.test_cell::<S, P, ANY>(simd, &self.cells, own, filter_state, probe) {
-                    if ANY {
+                let own = self.contents.blocks_of(entry);
+                if query.test_blocks(simd, &self.contents, own, &mut filter_state) {
+                    if G::ANY {
                         return;
                     }
-                    last_t = cursor.fixed_t(query.best.t_bound);
+                    last_t = cursor.dda().fixed_t(query.nearest_t());
                 }
             }
-            if last_t <= cursor.exit() {
+            if last_t <= cursor.dda().exit() {
                 // Another primitive in the same place may be in the next cell. Seldom enough, another query looks for it.
-                if !ANY && cursor.fixed_t(query.end::<ANY>()) > cursor.exit() {
-                    query.leave_undecided();
+                if !G::ANY && cursor.dda().fixed_t(query.end()) > cursor.dda().exit() {
+                    query.goal.leave_undecided();
                 }
                 return;
             }
             let unstepped = cursor.step();
             if P::COUNTS {
-                (unstepped.count_ones()..3).for_each(|_| probe.cell());
+                (unstepped.count_ones()..3).for_each(|_| query.probe.cell());
             }
         }
+    }
+
+    /// Searches a branch of a tree in the frame of the filter's ray, and returns whether that changed the query. Not
+    /// inlined, so that the loop over the cells stays small.
+    #[simd]
+    #[inline(never)]
+    fn descend<S: Simd, P: Probe, G: Goal>(
+        &self,
+        simd: S,
+        tree: &Tree,
+        branch: Branch,
+        filter_state: &mut FilterState,
+        query: &mut Query<P, G>,
+    ) -> bool {
+        if (SMALL..LEAF).contains(&branch) {
+            return self.test_small(simd, tree, &tree.small[(branch - SMALL) as usize], filter_state, query);
+        }
+        let mut has_changed = false;
+        let box_ray = BoxRay::new(&filter_state.ray);
+        let mut stack = Stack::new();
+        let mut child = branch;
+        loop {
+            let next = if child >= SMALL {
+                let changed = if child >= LEAF {
+                    let block = std::slice::from_ref(&self.contents.blocks[(child - LEAF) as usize]);
+                    query.test_blocks(simd, &self.contents, block, filter_state)
+                } else {
+                    self.descend(simd, tree, child, filter_state, query)
+                };
+                if G::ANY && changed {
+                    return true;
+                }
+                has_changed |= changed;
+                None
+            } else {
+                query.probe.cell();
+                let node = &tree.nodes[child as usize];
+                let meeting = meet(simd, node, &box_ray, filter_state.ray.max_depth);
+                self.first_child::<G>(tree, &node.children, &meeting, &mut stack)
+            };
+            child = match next {
+                Some(next) => next,
+                None => loop {
+                    let Some(Waiting { entry, child }) = stack.pop() else { return has_changed };
+                    if G::ANY || entry <= filter_state.ray.max_depth {
+                        break child;
+                    }
+                },
+            };
+        }
+    }
+
+    /// Searches a branch with a frame of its own. The ray in the frame around it ends there.
+    #[inline(always)]
+    fn test_small<S: Simd, P: Probe, G: Goal>(
+        &self,
+        simd: S,
+        tree: &Tree,
+        Small { branch, region }: &Small,
+        outer: &mut FilterState,
+        query: &mut Query<P, G>,
+    ) -> bool {
+        let last = query.end();
+        let changed = match region.entry(simd, query.ray, last) {
+            Entry::Misses => return false,
+            Entry::Passes(interval) => {
+                let mut filter_state = FilterState::on_interval(&interval, &region.frame, last);
+                self.descend(simd, tree, *branch, &mut filter_state, query)
+            }
+            Entry::TooFar => {
+                !region.simd_bounds.is_surely_missed(query.ray) && {
+                    let mut changed = false;
+                    tree.any_leaf(*branch, &mut |leaf| {
+                        let mut ids = self.contents.primitives_of(&self.contents.blocks[leaf as usize]);
+                        ids.any(|id| {
+                            changed |= query.test(id);
+                            G::ANY && changed
+                        })
+                    });
+                    changed
+                }
+            }
+        };
+        outer.shorten(query.end());
+        changed
     }
 
     /// Tests every primitive exactly, without the filter and the DDA, unless the ray certainly misses their
     /// bounds.
     #[cold]
-    fn run_all<P: Probe, const ANY: bool>(&self, query: &mut RayQuery, probe: &mut P) {
+    fn test_all<P: Probe, G: Goal>(&self, query: &mut Query<P, G>) {
         let count = query.world.finite_count();
-        if self.simd_bounds.is_surely_missed(query.ray) {
-            return probe.intersections(count);
+        if self.region.simd_bounds.is_surely_missed(query.ray) {
+            return query.probe.intersections(count);
         }
-        for i in 0..count {
-            probe.intersections(1);
-            if query.test(i as u32) && ANY {
+        for id in 0..count as u32 {
+            if query.test(id) && G::ANY {
                 return;
             }
         }
+    }
+
+    /// Returns the child to visit next of those that a ray meets, which is the nearest one unless any hit will do. The
+    /// others wait.
+    #[inline(always)]
+    fn first_child<G: Goal>(
+        &self,
+        tree: &Tree,
+        children: &[Branch; LANES],
+        meeting: &Meeting,
+        stack: &mut Stack,
+    ) -> Option<Branch> {
+        let at = |lane: usize| Waiting { entry: meeting.entries[lane], child: children[lane] };
+        let mut met = lanes(meeting.set).map(at);
+        let mut first = met.next()?;
+        self.prefetch_child(tree, first.child);
+        let waiting = stack.len();
+        for mut other in met {
+            self.prefetch_child(tree, other.child);
+            if !G::ANY && other.entry < first.entry {
+                std::mem::swap(&mut first, &mut other);
+            }
+            stack.push(other);
+            if !G::ANY {
+                sink_last(&mut stack[waiting..]);
+            }
+        }
+        Some(first.child)
+    }
+
+    #[inline(always)]
+    fn prefetch_child(&self, tree: &Tree, child: Branch) {
+        if child >= SMALL {
+            self.contents.blocks.get((child & !LEAF) as usize).into_iter().for_each(prefetch);
+        } else if let Some(node) = tree.nodes.get(child as usize) {
+            prefetch(node);
+        }
+    }
+}
+
+/// Moves the last child to its place, where the others are sorted with the nearest last.
+#[inline(always)]
+fn sink_last(waiting: &mut [Waiting]) {
+    let mut place = waiting.len() - 1;
+    while place > 0 && waiting[place - 1].entry < waiting[place].entry {
+        waiting.swap(place - 1, place);
+        place -= 1;
     }
 }
 

@@ -3,13 +3,13 @@
 use super::compare::ComparisonResult;
 use super::render::Rendered;
 use raytracer::cli::Options;
-use raytracer::primitive::shape::Shape;
 use raytracer::render::Tracing;
 use raytracer::render::renderer::Renderer;
 use raytracer::scene::material::{Material, Pattern, Texture};
 use raytracer::scene::{Light, Object, Scene};
 use raytracer::tools::compare::Tolerance;
 use raytracer::tools::explain::{CostReport, PixelTree};
+use raytracer::world::shape::Shape;
 use serde::Serialize;
 use serde_json::{Value, json};
 

@@ -19,7 +19,6 @@ use crate::caster::Caster;
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::trace::{ByModel, Effects, Patience, Shadows};
 use crate::world::World;
-use glam::DVec2;
 use raster::ShadowMaps;
 use shading::Memory;
 use std::ops::Range;
@@ -59,8 +58,7 @@ pub struct FastTracer<'a> {
 #[derive(Debug)]
 pub struct FastRows<'a> {
     picture: &'a FastTracer<'a>,
-    /// It may have a grid that the picture's has not.
-    caster: Caster<'a>,
+    caster: &'a Caster<'a>,
     /// The first hits of the rays through these rows, as far as they are known.
     visibility: Option<VisibilityBuffer>,
 }
@@ -95,27 +93,7 @@ impl<'a> FastTracer<'a> {
         let Self { camera, caster, demand, .. } = self;
         let buffer = |footprint| VisibilityBuffer::new(camera, caster, demand.size, rows.clone(), footprint);
         let visibility = demand.footprint.and_then(buffer);
-        let caster = caster.for_rays(|| self.rays_to_cast(visibility.as_ref(), rows.clone()));
         FastRows { picture: self, caster, visibility }
-    }
-
-    /// About the number of rays through pixels' centres that have to be cast into the bounds of the finite primitives.
-    fn rays_to_cast(&self, visibility: Option<&VisibilityBuffer>, rows: Range<usize>) -> usize {
-        /// The number of pixels along an axis at which rays are tried.
-        const TRIED: usize = 64;
-        let Self { camera, caster, demand: Demand { columns, footprint, .. }, .. } = self;
-        if let Some(visibility) = visibility {
-            return visibility.unsure(columns.clone());
-        }
-        if footprint.is_none() {
-            return 0;
-        }
-        let [across, along] = [columns.len(), rows.len()].map(|pixels| pixels.div_ceil(TRIED).max(1));
-        let pixels = rows.step_by(along).flat_map(|j| columns.clone().step_by(across).map(move |i| [i, j]));
-        let enter = pixels.filter(|pixel| {
-            caster.enters(&camera.ray(DVec2::from_array(pixel.map(|k| k as f64)), DVec2::ZERO))
-        });
-        enter.count() * across * along
     }
 }
 
@@ -143,7 +121,7 @@ impl<'a> FastRow<'a> {
     ) -> u64 {
         let caster = &self.rows.caster;
         if self.rows.picture.is_of_course {
-            row::trace(self, caster, j, wanted, packet, colors);
+            row::trace(self, *caster, j, wanted, packet, colors);
         } else {
             row::trace(self, &ByModel(caster), j, wanted, packet, colors);
         }

@@ -8,7 +8,7 @@ use super::shading::Shading;
 use super::surfaces::find_surfaces;
 use crate::camera::Camera;
 use crate::caster::Caster;
-use crate::math::f64x4::LANES;
+use crate::math::simd::LANES;
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
 use crate::scene::model::MeshNormals;
 use crate::stats::Quiet;
@@ -100,8 +100,8 @@ mod tests {
     use super::*;
     use crate::math::instructions;
     use crate::math::ray::Visible;
-    use crate::primitive::shape::Form;
     use crate::scene::parser::parse;
+    use crate::world::shape::Form;
     use crate::world::{SurfacePoint, World};
     use glam::{DVec2, DVec3};
 
@@ -141,8 +141,7 @@ mod tests {
             for sample in packet.samples_mut() {
                 let t = |id: u32| match world.primitive(id) {
                     crate::world::Primitive::Triangle(i) => {
-                        crate::primitive::triangle::Shear::new(&sample.ray)
-                            .intersect(world.corners_in_place(i))
+                        crate::world::triangle::Shear::new(&sample.ray).intersect(world.corners_in_place(i))
                     }
                     crate::world::Primitive::Shape(i) => world.shapes[i].intersect(&sample.ray),
                     _ => Some(100.0),

@@ -5,39 +5,12 @@ use crate::scene::Scene;
 use crate::scene::edition::Edition;
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Model;
-use crate::scene::parser::{parse, read_in};
+use crate::scene::parser::read_in;
 use crate::scene::texels::Texels;
 use crate::stats::Counts;
 use crate::trace::Tracer;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::sync::Arc;
-
-/// One vertex far away makes every pixel that its triangle may cover unsure.
-#[test]
-fn rays_that_rasterization_leaves_are_counted() {
-    let size = [100, 80];
-    let to_cast = |far: &str, footprint| {
-        let text = format!(
-            "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
-             Group {{ numObjects 1 Material {{ }}
-             Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 {far} 0 }} }}"
-        );
-        let scene = parse(&text).unwrap();
-        let world = World::new(&scene, &[]).unwrap();
-        let caster = Caster::new(&world, None).unwrap();
-        let camera = Camera::new(&scene.camera, size);
-        let effects = Effects::default();
-        let demand = Demand { size, columns: 0..size[0], footprint, colors: 0, effects };
-        let tracer = FastTracer::new(&camera, &caster, demand, Patience::endless());
-        let rows = tracer.rows(0..size[1]);
-        [rows.visibility.as_ref(), None].map(|visibility| tracer.rays_to_cast(visibility, 0..size[1]))
-    };
-    let [near, all] = to_cast("1", Some(Footprint::Center));
-    assert!(near < 100 && (500..4000).contains(&all), "{near} {all}");
-    let [far, _] = to_cast("1e12", Some(Footprint::Center));
-    assert!(far > 1000, "{far}");
-    assert_eq!(to_cast("1", None), [0, 0]);
-}
 
 /// What the later editions have: glass, mirrors, highlights, a noise and a picture as colours, meshes, one of which is
 /// mirrored, a cube map, and a camera that looks down. All of it is moved up so far.

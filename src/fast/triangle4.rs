@@ -1,15 +1,14 @@
 //! The surfaces of triangles where four rays hit them, one ray in each SIMD lane.
 //!
-//! Only how the axes are turned differs from [`Shear`](crate::primitive::triangle::Shear), which chooses a ray's longest axis by
+//! Only how the axes are turned differs from [`Shear`](crate::world::triangle::Shear), which chooses a ray's longest axis by
 //! its index. Lanes that need exact arithmetic are left to single rays.
 
-use crate::math::f64x4::FourLanes;
-use crate::math::number::Number;
 use crate::math::ray::Ray;
+use crate::math::simd::{FourLanes, Number};
 use crate::math::vector::Vector;
-use crate::primitive::edge_functions::{EdgeRange, edge_functions, sheared};
-use crate::primitive::triangle::{interpolated, largest_coordinate, rounded_normal};
 use crate::world::LEAST_PART;
+use crate::world::edge_functions::{EdgeRange, edge_functions, sheared};
+use crate::world::triangle::{interpolated, largest_coordinate, rounded_normal};
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 
@@ -129,9 +128,9 @@ fn sheared_weights<S: Simd>(
 mod tests {
     use super::{DVec3, Hits4, Ray, Simd, Triangles4, Vector};
     use crate::math::instructions::{self, Level};
-    use crate::primitive::edge_functions::{Sides, edge_error_bound};
-    use crate::primitive::triangle::{Shear, normal, point};
     use crate::sampling::drand48::Drand48;
+    use crate::world::edge_functions::{Sides, edge_error_bound};
+    use crate::world::triangle::{Shear, normal, point};
     use fearless_simd::dispatch;
     use rand::RngExt;
 

@@ -1,7 +1,7 @@
 //! The rays behind a pixel as lines in space, each tied to its lines in the text of `-pixel`.
 
-use crate::caster::grid::Lattice;
-use crate::caster::grid::dda::Dda;
+use crate::caster::dda::Dda;
+use crate::caster::lattice::Lattice;
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::tools::explain::{PixelTree, RayNode};

@@ -2,11 +2,49 @@
 //! computations that f64 is not precise enough for (Dekker, "A Floating-Point Technique for Extending the
 //! Available Precision", Numer. Math. 18, 1971).
 //!
-//! The relative error of every operation is below 2^-100.
+//! The relative error of every operation is below 2^-100. Products are exact by a fused multiply-add, which gives the
+//! error of the rounded product.
 
-use super::exact_product::exact_product;
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};
+
+/// Whether `f64::mul_add` is certain to round only once. Where the processor may have no instruction for it, it is a
+/// function of the C library. That of MinGW rounds the product and then the sum, and Microsoft's promises nothing.
+const HAS_FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64", not(windows)));
+
+/// The product a b as the rounded product and its error, whose sum is exact unless one of them overflows or the error
+/// underflows.
+#[inline(always)]
+pub fn exact_product(a: f64, b: f64) -> [f64; 2] {
+    let product = a * b;
+    [product, if uses_fused() { a.mul_add(b, -product) } else { libm::fma(a, b, -product) }]
+}
+
+#[cfg(not(test))]
+const fn uses_fused() -> bool {
+    HAS_FUSED
+}
+
+#[cfg(test)]
+thread_local! {
+    /// Whether the test of this thread runs as on a system where `f64::mul_add` is not fused.
+    static IS_WITHOUT_FUSED: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
+}
+
+#[cfg(test)]
+fn uses_fused() -> bool {
+    HAS_FUSED && !IS_WITHOUT_FUSED.get()
+}
+
+/// Runs a test on this system, and then as on one where `f64::mul_add` is not fused.
+#[cfg(test)]
+pub fn with_and_without_fused(mut test: impl FnMut()) {
+    for is_without in [false, true] {
+        IS_WITHOUT_FUSED.set(is_without);
+        test();
+    }
+    IS_WITHOUT_FUSED.set(false);
+}
 
 /// A double-double number: the unevaluated sum of a float and a correction of at most half an ulp.
 #[derive(Clone, Copy, Debug)]
@@ -123,88 +161,4 @@ impl SquaredSine {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::exact_product::with_and_without_fused;
-    use num_rational::BigRational;
-    use num_traits::Signed;
-
-    fn exact(x: f64) -> BigRational {
-        BigRational::from_float(x).unwrap()
-    }
-
-    fn exact_sum(x: Dd) -> BigRational {
-        exact(x.high) + exact(x.low)
-    }
-
-    /// Evenly distributed in [-0.5, 0.5), with all bits of the significand in use.
-    fn sample(i: u32, step: f64) -> f64 {
-        (i as f64 * step).fract() - 0.5
-    }
-
-    /// Numbers of both signs and of magnitudes from 2^-20 to 2^20, with all bits of both parts in use.
-    fn sums() -> impl Iterator<Item = Dd> {
-        (1..400).map(|i| {
-            let high = sample(i, 2f64.sqrt()) * 2f64.powi((i % 41) as i32 - 20);
-            renormalized(high, sample(i, 3f64.sqrt()) * 2f64.powi(-52) * high)
-        })
-    }
-
-    fn assert_accurate(found: Dd, true_value: BigRational, operation: &str) {
-        let error = (exact_sum(found) - &true_value).abs();
-        assert!(error <= true_value.abs() * exact(2f64.powi(-100)), "inaccurate {operation}: {found:?}");
-        assert_eq!(found.high, found.high + found.low, "the {operation} is not renormalized");
-    }
-
-    #[test]
-    fn the_relative_error_of_operations_is_below_two_to_the_minus_100() {
-        with_and_without_fused(|| {
-            for (x, y) in sums().zip(sums().skip(7)) {
-                let (exact_x, exact_y) = (exact_sum(x), exact_sum(y));
-                assert_accurate(x + y, &exact_x + &exact_y, "sum");
-                assert_accurate(x - y, &exact_x - &exact_y, "difference");
-                assert_accurate(x * y, &exact_x * &exact_y, "product");
-                assert_accurate(x / y, &exact_x / &exact_y, "quotient");
-            }
-        });
-    }
-
-    #[test]
-    fn cancellation_loses_no_digits() {
-        for (x, y) in sums().zip(sums().skip(7)) {
-            let near = Dd { high: x.high, low: 0.3 * x.low };
-            assert_accurate(x - near, exact_sum(x) - exact_sum(near), "difference of neighbours");
-            assert_accurate(x + y - x, exact_sum(x + y) - exact_sum(x), "sum that cancels");
-        }
-    }
-
-    #[test]
-    fn the_difference_of_two_floats_is_exact_whichever_is_larger() {
-        for i in 1..400 {
-            let (a, b) = (sample(i, 2f64.sqrt()), sample(i, 3f64.sqrt()) * 2f64.powi((i % 81) as i32 - 40));
-            let found = Dd::difference(a, b);
-            assert_eq!(exact_sum(found), exact(a) - exact(b));
-            assert_eq!(found.parts(), [found.low, found.high]);
-            assert_eq!(found.value(), a - b);
-        }
-        // A tie between two floats rounds to the even one.
-        assert_eq!(Dd::difference(1.0, -2f64.powi(-53)).value(), 1.0);
-    }
-
-    #[test]
-    fn dot_products_and_differences_of_vectors() {
-        let vector = |x: f64, y: f64, z: f64| [x, y, z].map(Dd::from);
-        let (a, b) = (vector(2.0, 3.0, 7.0), vector(11.0, 17.0, 29.0));
-        assert_eq!(dot(a, b).value(), 276.0);
-        let between = difference(DVec3::new(5.0, 7.0, 9.0), DVec3::new(1.0, 2.0, 3.0));
-        assert_eq!(between.map(Dd::value), [4.0, 5.0, 6.0]);
-    }
-
-    #[test]
-    fn bits_that_a_single_float_would_lose_are_kept() {
-        let tiny = 2f64.powi(-90);
-        assert_eq!((Dd::difference(1.0, tiny) - Dd::from(1.0)).value(), -tiny);
-        let x = Dd::difference(1.0, -2f64.powi(-50));
-        assert_eq!((x * x - Dd::from(1.0 + 2f64.powi(-49))).value(), 2f64.powi(-100));
-    }
-}
+mod tests;

@@ -2,7 +2,7 @@
 //! normals at any scale, and whether a matrix is singular (`proofs/determinant.g`).
 
 use super::double_double::{Dd, dot};
-use super::exact_sum::ExactSum;
+use super::exact::ExactSum;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The largest relative error of one f64 operation, 2^-53. Error bounds are counted in multiples of it,

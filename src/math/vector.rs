@@ -1,7 +1,6 @@
 //! Vectors of numbers in one or in four lanes.
 
-use super::f64x4::FourLanes;
-use super::number::Number;
+use super::simd::{FourLanes, Number};
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};

@@ -5,9 +5,9 @@
 //! here.
 
 use crate::caster::GridTooLarge;
-use crate::caster::grid::dda::Dda;
-use crate::caster::grid::touched_cells::TouchedCells;
-use crate::caster::grid::{Lattice, voxelize};
+use crate::caster::dda::Dda;
+use crate::caster::insertion;
+use crate::caster::lattice::Lattice;
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::picture::Color;
@@ -66,9 +66,9 @@ impl Occupancy {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
-                let mut touched = TouchedCells::default();
-                voxelize::of_ball_by_centers(&self.lattice, center, radius, 0.0, &mut touched);
-                touched.indices.iter().for_each(|&index| self.counts[index as usize] += 1);
+                let mut touched = vec![];
+                insertion::of_ball_by_centers(&self.lattice, center, radius, 0.0, &mut touched);
+                touched.iter().for_each(|&index| self.counts[index as usize] += 1);
             }
             Object::Triangle { vertices, .. } => self.insert_box(Aabb::around(vertices.map(map))),
             Object::Box { min, max, .. } => {
@@ -90,7 +90,7 @@ impl Occupancy {
     }
 
     fn insert_box(&mut self, bounds: Aabb) {
-        for run in voxelize::runs_of_box(&self.lattice, &bounds, TOUCH) {
+        for run in insertion::runs_of_box(&self.lattice, &bounds, TOUCH) {
             self.counts[run].iter_mut().for_each(|count| *count += 1);
         }
     }

@@ -102,13 +102,7 @@ impl Renderer {
         tracing: Tracing,
     ) -> Result<Prepared<'_>, GridTooLarge> {
         let cast = request.cast_rays(&self.camera(request), &self.world);
-        let mut prepared =
-            self.prepare_as(structure, Rays { camera: request.camera_rays(), cast }, tracing)?;
-        if structure == Structure::Any && !prepared.caster.is_selective() {
-            // Rasterization may find out that it leaves more rays to be cast.
-            prepared.caster.allow_grid(request.camera_rays());
-        }
-        Ok(prepared)
+        self.prepare_as(structure, Rays { camera: request.camera_rays(), cast }, tracing)
     }
 
     /// The same for about this number of rays.

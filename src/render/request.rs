@@ -18,6 +18,10 @@ use std::ops::Range;
 #[cfg(feature = "fast")]
 use crate::fast::finds_first_hits;
 
+/// Where rasterization finds first hits, about one ray for this number of pixels is cast all the same: those at the edges of
+/// triangles.
+const PIXELS_PER_CAST_RAY: usize = 32;
+
 /// Without the fast twin all rays are cast.
 #[cfg(not(feature = "fast"))]
 fn finds_first_hits(_: &Camera, _: &World, _: [usize; 2]) -> bool {
@@ -160,16 +164,21 @@ impl Request {
         self.size[0] * self.size[1] * self.samples()
     }
 
-    /// About the number of rays that are cast, beside those whose hits are found by rasterizing triangles.
+    /// Returns about the number of rays that are cast. Where rasterizing triangles finds the hits, a few are left.
     pub(crate) fn cast_rays(&self, camera: &Camera, world: &World) -> usize {
         let Effects { shadows, bounces, .. } = self.effects;
         let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
             || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let casts_centers = !finds_first_hits(camera, world, self.size);
         let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
-        let casts = self.measures() && casts_centers || self.traces_colors(Tracing::Fast) && casts_for_colors;
+        let traces = [self.measures(), self.traces_colors(Tracing::Fast)];
         let pixels: usize = self.window_size().iter().product();
-        if casts { pixels * self.samples() } else { 0 }
+        match traces {
+            [false, false] => 0,
+            [true, _] if casts_centers => pixels * self.samples(),
+            [_, true] if casts_for_colors => pixels * self.samples(),
+            _ => pixels / PIXELS_PER_CAST_RAY,
+        }
     }
 }
 
@@ -219,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn only_rays_that_no_rasterization_replaces_count_as_cast() {
+    fn few_rays_count_as_cast_that_rasterization_replaces() {
         let rays_of = |text: &str, request: &Request| {
             let text = format!(
                 "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
@@ -243,16 +252,16 @@ mod tests {
         let shadows = with(Effects { shadows: Shadows::Transparent, ..Effects::default() });
         let bounces = with(Effects { bounces: 1, ..Effects::default() });
         for (text, request, rays) in [
-            (triangle, &colors, 0),
+            (triangle, &colors, 1),
             (sphere, &colors, 48),
             (triangle, &shadows, 48),
-            (triangle, &bounces, 0),
+            (triangle, &bounces, 1),
             (&mirror, &bounces, 48),
             (&glass, &bounces, 48),
-            (&mirror, &colors, 0),
+            (&mirror, &colors, 1),
             (triangle, &sampled(Layer::Color), 144),
             (triangle, &sampled(Layer::Samples { zoom: 1 }), 144),
-            (triangle, &sampled(DEPTH), 0),
+            (triangle, &sampled(DEPTH), 1),
             (sphere, &sampled(DEPTH), 144),
             (sphere, &request_of(&[DEPTH]), 48),
             (sphere, &request_of(&[Layer::Filter { zoom: 1 }]), 0),

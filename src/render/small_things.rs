@@ -4,8 +4,8 @@
 //! leaves a place, at which a probe tells whether it can be seen, and how much it differs from what is around it.
 
 use crate::camera::{Camera, Eye, Projection};
-use crate::primitive::shape::Form;
 use crate::world::World;
+use crate::world::shape::Form;
 use glam::{DVec2, DVec3, Vec2};
 use std::ops::Range;
 

@@ -1,7 +1,6 @@
 //! Reconstruction filters: the weight of a sample as a function of its position relative to a pixel's centre.
 
-use crate::math::exp::exp_of_negative;
-use crate::math::number::Number;
+use crate::math::simd::{Number, exp_of_negative};
 use fearless_simd::{Simd, f64x4};
 use glam::DVec2;
 use serde::Serialize;
@@ -113,8 +112,8 @@ fn mitchell<N: Number>(x: N) -> N {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::f64x4::FourLanes;
     use crate::math::instructions;
+    use crate::math::simd::FourLanes;
     use fearless_simd::{SimdFrom, dispatch};
 
     #[test]

@@ -5,9 +5,8 @@
 
 use super::filter::Filter;
 use super::sum::Sum;
-use crate::math::f64x4::{FourLanes, LANES};
 use crate::math::instructions::Level;
-use crate::math::number::Number;
+use crate::math::simd::{FourLanes, LANES, Number};
 use crate::picture::Color;
 use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use glam::DVec2;

@@ -1,7 +1,6 @@
 //! The weighted sum of the samples of one pixel.
 
-use crate::math::f64x4::FourLanes;
-use crate::math::number::Number;
+use crate::math::simd::{FourLanes, Number};
 use crate::picture::Color;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 

@@ -81,7 +81,7 @@ fn is_phong(phong: &Phong) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::rounded_affine::RoundedAffine;
+    use crate::math::rounded::RoundedAffine;
     use crate::scene::material::Pattern;
     use crate::scene::parser::parse;
 

@@ -1,7 +1,7 @@
 //! Materials as written in the scene: Phong materials, and solid textures that mix two earlier materials.
 
 use super::MaterialId;
-use crate::math::rounded_affine::RoundedAffine;
+use crate::math::rounded::RoundedAffine;
 use crate::picture::Color;
 use serde::Serialize;
 

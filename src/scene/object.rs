@@ -3,7 +3,7 @@
 use super::mesh::Mesh;
 use super::{MaterialId, ObjectId, Position};
 use crate::math::aabb::Aabb;
-use crate::math::rounded_affine::RoundedAffine;
+use crate::math::rounded::RoundedAffine;
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@ use super::parse_primitive::OBJECTS;
 use super::reader::{Parsed, Reader};
 use super::transform::{parse_transformations, transformations};
 use super::{ObjectId, Position};
-use crate::math::rounded_affine::RoundedAffine;
+use crate::math::rounded::RoundedAffine;
 
 /// A group or transform whose closing brace has not been read yet.
 pub enum Open {

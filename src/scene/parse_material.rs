@@ -8,7 +8,7 @@ use super::transform::{TRANSFORMATIONS, parse_transformations};
 use super::{MaterialId, Position};
 use crate::diagnostic::Diagnostic;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::math::rounded_affine::RoundedAffine;
+use crate::math::rounded::RoundedAffine;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The keywords that start a Phong material. They have the same meaning.

@@ -4,7 +4,7 @@ use super::edition::Edition;
 use super::reader::{Parsed, Reader};
 use crate::diagnostic::Diagnostic;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::math::rounded_affine::RoundedAffine;
+use crate::math::rounded::RoundedAffine;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The keywords that start a transformation.

@@ -1,12 +1,10 @@
 //! The cells of a checkerboard: unit cubes in the texture's space that alternate between two materials.
 
 use super::perlin::wrapped;
-use crate::math::f64x4::FourLanes;
 use crate::math::instructions::Level;
-use crate::math::number::Number;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::math::rounded_affine::{IMAGE_ROUNDINGS, RoundedAffine, absolute};
-use crate::math::rounded_point::RoundedPoint;
+use crate::math::rounded::{IMAGE_ROUNDINGS, RoundedAffine, RoundedPoint, absolute};
+use crate::math::simd::{FourLanes, Number};
 use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use glam::{DAffine3, DMat3, DVec3};
 

@@ -1,8 +1,7 @@
 //! Perlin's improved noise (Perlin, "Improving Noise", SIGGRAPH 2002), in f64.
 
-use crate::math::f64x4::FourLanes;
 use crate::math::instructions::Level;
-use crate::math::number::Number;
+use crate::math::simd::{FourLanes, Number};
 use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use fearless_simd_macros::simd;
 use glam::DVec3;

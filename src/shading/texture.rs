@@ -3,10 +3,9 @@
 use super::checkerboard::{self, is_in_odd_cell};
 use super::perlin::turbulence;
 use super::phong::{Mixture, PointMaterial};
-use crate::math::f64x4::ROUND_TO_INTEGER;
 use crate::math::instructions::Level;
-use crate::math::rounded_affine::RoundedAffine;
-use crate::math::rounded_point::RoundedPoint;
+use crate::math::rounded::{RoundedAffine, RoundedPoint};
+use crate::math::simd::ROUND_TO_INTEGER;
 use crate::picture::Color;
 use crate::scene::MaterialId;
 use crate::scene::limits::LARGEST;

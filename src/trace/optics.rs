@@ -19,7 +19,7 @@ pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
 
 /// The square of a refracted ray's normal component is decided exactly where it is below this times the ratio of the
 /// indices. It is off by twice the error of the normal times that ratio, since the ratio times the sine of the angle is
-/// about 1 there, and [`triangle::normal`](crate::primitive::triangle::normal) is off by 2^-20 at most. Directions and
+/// about 1 there, and [`triangle::normal`](crate::world::triangle::normal) is off by 2^-20 at most. Directions and
 /// ratios are off by no more than a few roundings.
 const CRITICAL: f64 = 1.0 / (1u64 << 18) as f64;
 

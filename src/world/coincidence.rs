@@ -7,13 +7,12 @@
 use super::point_error::{Finite, weights};
 use super::{Primitive, World};
 use crate::math::double_double::{Dd, dot, minus};
-use crate::math::predicate::{area_vector, volume};
+use crate::math::exact::{Scaled, area_vector, volume};
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::math::scaled::Scaled;
-use crate::primitive::plane::Plane;
-use crate::primitive::shape::{Form, Shape};
-use crate::primitive::sphere::Sphere;
+use crate::world::plane::Plane;
+use crate::world::shape::{Form, Shape};
+use crate::world::sphere::Sphere;
 use glam::{DMat3, DVec3};
 
 /// How far the numbers of a scene may be from what its author meant, in roundings: those that a program computed have more

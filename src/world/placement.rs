@@ -3,7 +3,7 @@
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::robust::{self, UNIT_ROUNDOFF};
-use crate::math::rounded_affine::{RoundedAffine, absolute};
+use crate::math::rounded::{RoundedAffine, absolute};
 use crate::scene::{Object, ObjectId, Position, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 

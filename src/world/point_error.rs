@@ -6,10 +6,9 @@
 use super::placement::Placement;
 use super::{Primitive, SurfacePoint, World};
 use crate::math::robust::{UNIT_ROUNDOFF, transformed_normal_error, unit};
-use crate::math::rounded_affine::absolute;
-use crate::math::rounded_point::RoundedPoint;
-use crate::primitive::shape::Form;
+use crate::math::rounded::{RoundedPoint, absolute};
 use crate::scene::material::{Material, Pattern, Texture};
+use crate::world::shape::Form;
 use glam::{DAffine3, DVec3};
 
 /// The error bound of a point between three vertices, in roundings of their largest coordinate: of each product one, of

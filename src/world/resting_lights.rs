@@ -6,11 +6,11 @@
 
 use super::World;
 use super::point_error::weights;
-use crate::math::predicate::area_vector;
+use crate::math::exact::area_vector;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
-use crate::primitive::plane::Plane;
-use crate::primitive::shape::{Form, Shape};
 use crate::scene::Light;
+use crate::world::plane::Plane;
+use crate::world::shape::{Form, Shape};
 use glam::DVec3;
 
 /// How far from a surface a light may be that lies on it, in roundings of the largest of their coordinates, beside what

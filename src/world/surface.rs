@@ -3,9 +3,9 @@
 use super::{Primitive, World};
 use crate::math::double_double::{Dd, SquaredSine, cross, difference};
 use crate::math::ray::{Hit, Ray, Visible};
-use crate::primitive::shape::{Form, Shape};
-use crate::primitive::triangle;
 use crate::scene::MaterialId;
+use crate::world::shape::{Form, Shape};
+use crate::world::triangle;
 use glam::DVec3;
 use serde::Serialize;
 

@@ -8,12 +8,12 @@ use crate::support::rng::Rng;
 use crate::support::scenes::world_of_mesh;
 use glam::DVec3;
 use rayon::prelude::*;
-use raytracer::caster::blocks::filter::{FilterRay, MAX_DEPTH, Verdict};
-use raytracer::caster::blocks::triangle8::{Block, BlockIndex, FilterErrorBounds, Frame, LANES, NONE};
+use raytracer::caster::block::{Block, BlockIndex, FilterErrorBounds, Frame, LANES, NONE};
+use raytracer::caster::filter::{FilterRay, MAX_DEPTH, Verdict};
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
 use raytracer::world::World;
+use raytracer::world::triangle::Shear;
 
 /// A frame in which coordinates are those of world space.
 const FRAME: Frame = Frame { center: [0.0; 4], scale: 1.0, unit: 1.0 };

@@ -12,7 +12,7 @@ use crate::support::textbook_grid::TextbookGrid;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::caster::Caster;
-use raytracer::caster::grid::Lattice;
+use raytracer::caster::lattice::Lattice;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;

@@ -11,7 +11,7 @@ use crate::support::{failed_ray, rays};
 use crate::{grid::frame, grid::push};
 use glam::DVec3;
 use raytracer::caster::Caster;
-use raytracer::caster::grid::Lattice;
+use raytracer::caster::lattice::Lattice;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;

@@ -11,11 +11,10 @@ use crate::support::scenes::world_of_mesh;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::caster::Caster;
-use raytracer::caster::grid::Lattice;
-use raytracer::caster::grid::touched_cells::TouchedCells;
-use raytracer::caster::grid::voxelize::of_sphere;
+use raytracer::caster::insertion::of_sphere;
+use raytracer::caster::lattice::Lattice;
 use raytracer::math::aabb::Aabb;
-use raytracer::math::exact_product::exact_product;
+use raytracer::math::double_double::exact_product;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::{Counts, Quiet};
@@ -244,8 +243,8 @@ fn a_sphere_that_is_huge_in_cells_stands_where_its_top_is() {
         // This difference is exact, since the two numbers are almost equal.
         let top = center.y + radius;
         let cell = lattice.cell_at(1, lattice.to_cells(DVec3::splat(top)).y);
-        let mut cells = TouchedCells::default();
+        let mut cells = vec![];
         of_sphere(&lattice, center, radius, 1e-5, &mut cells);
-        assert!(cells.indices.contains(&(lattice.index([0, cell, 0]) as u32)), "{radius}");
+        assert!(cells.contains(&(lattice.index([0, cell, 0]) as u32)), "{radius}");
     }
 }

@@ -131,7 +131,7 @@ fn is_lit_exactly(world: &World, from: DVec3, light: DVec3) -> Option<bool> {
         let (n, offset) = (exact3(plane.normal), exact(plane.offset));
         return Some((dot(&n, &p) - &offset).is_positive() == (dot(&n, &l) - &offset).is_positive());
     }
-    let raytracer::primitive::shape::Shape::Sphere(sphere) = &world.shapes[0] else { return None };
+    let raytracer::world::shape::Shape::Sphere(sphere) = &world.shapes[0] else { return None };
     let (c, r) = (exact3(sphere.center), exact(sphere.radius));
     let (f, d) = (sub(&p, &c), sub(&l, &p));
     let (a, b, power) = (dot(&d, &d), -dot(&f, &d), dot(&f, &f) - &r * &r);

@@ -8,7 +8,7 @@ use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
-use raytracer::primitive::plane::Plane;
+use raytracer::world::plane::Plane;
 
 /// A plane and a ray at an elevation of 1e-1 to 1e-12 above it. In half of the cases the plane is y = 0, in
 /// half it has any orientation.

@@ -10,10 +10,10 @@ use glam::DVec2;
 use raytracer::caster::Caster;
 use raytracer::fast::{Footprint, Seen, VisibilityBuffer};
 use raytracer::math::ray::{Hit, Ray};
-use raytracer::primitive::plane::Plane;
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
+use raytracer::world::plane::Plane;
 
 const SEED: u64 = 3020;
 

@@ -7,8 +7,8 @@ use crate::support::rng::Rng;
 use crate::support::views::{View, triangles};
 use glam::DVec2;
 use raytracer::fast::Footprint;
-use raytracer::primitive::plane::Plane;
 use raytracer::world::World;
+use raytracer::world::plane::Plane;
 
 /// Runs pictures for both footprints, and asserts that none is wrong and that more than this part of the rays is sure.
 fn demand(seed: u64, pictures: u64, least_sure: f64, picture: impl Fn(&mut Rng) -> (View, World) + Sync) {

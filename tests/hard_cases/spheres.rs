@@ -12,10 +12,10 @@ use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
-use raytracer::primitive::shape::Form;
-use raytracer::primitive::sphere::Sphere;
 use raytracer::scene::Object;
 use raytracer::stats::Quiet;
+use raytracer::world::shape::Form;
+use raytracer::world::sphere::Sphere;
 
 /// The counts of a sphere case: wrong decisions of three methods, then their largest errors in t.
 #[derive(Default)]

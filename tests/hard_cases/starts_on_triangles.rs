@@ -13,9 +13,9 @@ use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
 use raytracer::math::instructions::available;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
 use raytracer::scene::Object;
 use raytracer::stats::{Counts, Quiet};
+use raytracer::world::triangle::Shear;
 
 /// The exact sign of t where the line of a ray crosses a triangle in its inside; none where it does not, or meets its edge.
 fn sign(ray: &Ray, corners: [DVec3; 3]) -> Option<i32> {

@@ -12,12 +12,12 @@ use crate::support::textbook::{Edges, lower_triangle, woop};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::math::ray::{Ray, Visible};
-use raytracer::primitive::shape::Form;
-use raytracer::primitive::triangle;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
 use raytracer::scene::{Object, Position, Scene};
 use raytracer::world::World;
+use raytracer::world::shape::Form;
+use raytracer::world::triangle;
 
 /// The relative rounding error of a double, in which the targets are stated.
 pub const ROUNDING: f64 = f64::EPSILON / 2.0;

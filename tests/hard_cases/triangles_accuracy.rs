@@ -11,7 +11,7 @@ use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use num_traits::ToPrimitive;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
+use raytracer::world::triangle::Shear;
 
 /// The errors of the methods: ours, Moeller-Trumbore, Woop and Baldwin-Weber, the last three in f32.
 #[derive(Debug)]

@@ -11,9 +11,9 @@ use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
+use raytracer::world::triangle::Shear;
 
 fn integer_vector(rng: &mut Rng, n: usize) -> DVec3 {
     DVec3::new(rng.integer(n), rng.integer(n), rng.integer(n))

@@ -16,12 +16,12 @@ use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
 use raytracer::math::instructions;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::{Shear, normal, point};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::Scene;
 use raytracer::scene::parser::parse;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
+use raytracer::world::triangle::{Shear, normal, point};
 
 /// A sphere whose coordinates, and a ray whose direction, are scaled by powers of two.
 #[test]

@@ -14,10 +14,10 @@ use glam::DVec3;
 use num_traits::Signed;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
+use raytracer::world::triangle::Shear;
 
 /// The hit that the rule selects, computed exactly: the nearest one; of equally near ones the lower triangle.
 fn canonical(world: &World, near: impl Iterator<Item = u32>, ray: &Ray) -> Option<u32> {

@@ -13,7 +13,7 @@ use crate::support::textbook::{Edges, lower, lower_triangle, moller_trumbore, wo
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
+use raytracer::world::triangle::Shear;
 
 fn leak_case(case: u32, name: &str, inside: &Inside) {
     let n = rays(300_000, 100_000_000);

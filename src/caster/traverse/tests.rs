@@ -2,6 +2,7 @@ use super::*;
 use crate::caster::Caster;
 use crate::caster::choose::Layout;
 use crate::math::instructions::{self, Level};
+use crate::math::ray::Ray;
 use crate::scene::parser::parse;
 use crate::stats::Quiet;
 use crate::world::World;
@@ -17,7 +18,7 @@ fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
     let is_in_proven_range = |x: f64| {
         let ray = Ray::new(DVec3::X * x, DVec3::Y);
         let last = f64::INFINITY;
-        dispatch!(Level::baseline(), simd => !matches!(structure.ray_entry(simd, &ray, last), Entry::TooFar))
+        dispatch!(Level::baseline(), simd => !matches!(structure.region.entry(simd, &ray, last), Entry::TooFar))
     };
     assert!([1000.0, 600.0, 1400.0].into_iter().all(is_in_proven_range));
     assert!(![-1000.0, 0.0, 400.0, 1600.0, f64::NAN].into_iter().any(is_in_proven_range));

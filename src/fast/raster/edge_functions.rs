@@ -29,8 +29,8 @@
 use super::{Affine, Viewport};
 use crate::math::extremes::max3;
 use crate::math::robust::UNIT_ROUNDOFF as U;
-use crate::primitive::edge_functions::T_ROUNDINGS;
-use crate::primitive::plane::Plane;
+use crate::world::edge_functions::T_ROUNDINGS;
+use crate::world::plane::Plane;
 use glam::DVec3;
 use std::ops::Range;
 

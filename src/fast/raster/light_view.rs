@@ -8,8 +8,8 @@ use super::edge_functions::ErrorBound;
 use super::flat_triangle::Projected;
 use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
-use crate::math::f64x4::ROUND_TO_INTEGER;
 use crate::math::robust::UNIT_ROUNDOFF;
+use crate::math::simd::ROUND_TO_INTEGER;
 use crate::scene::Light;
 use glam::{DVec2, DVec3};
 

@@ -28,7 +28,7 @@ use crate::base::memory;
 use crate::base::shortcut::Shortcut;
 use crate::camera::{Camera, Eye, Projection, TURN_ROUNDINGS};
 use crate::caster::Caster;
-use crate::caster::grid::cell_lists::widened;
+use crate::caster::bounds::widened;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
 use crate::world::{Primitive, World};
@@ -146,6 +146,7 @@ impl VisibilityBuffer {
     }
 
     /// The number of rays to be cast for these columns of all rows, one for each pixel.
+    #[cfg(test)]
     pub fn unsure(&self, columns: Range<usize>) -> usize {
         let rows = self.visible_ids.chunks_exact(self.stride);
         rows.map(|row| row[columns.clone()].iter().filter(|&&id| id == UNSURE).count()).sum()

@@ -11,8 +11,8 @@ use super::{Affine, Footprint, Screen};
 use crate::camera::Eye;
 use crate::math::aabb::Aabb;
 use crate::math::robust::UNIT_ROUNDOFF as U;
-use crate::primitive::edge_functions::T_ROUNDINGS;
-use crate::primitive::plane::Plane;
+use crate::world::edge_functions::T_ROUNDINGS;
+use crate::world::plane::Plane;
 use glam::{DVec2, DVec3};
 
 /// The largest error of a coordinate, in pixels.

@@ -10,10 +10,10 @@ use crate::math::aabb::Aabb;
 use crate::math::double_double::{Dd, cross, difference, dot};
 use crate::math::ray::Ray;
 use crate::math::worst_case::{Input, Rng, search};
-use crate::primitive::plane::Plane;
-use crate::primitive::triangle::normal;
 use crate::scene;
 use crate::scene::model::Screen;
+use crate::world::plane::Plane;
+use crate::world::triangle::normal;
 use glam::{DVec2, DVec3};
 
 const SIZE: [usize; 2] = [9, 7];

@@ -1,7 +1,7 @@
 //! Triangles around the first corner of a polygon.
 
 use super::projection::DroppedAxis;
-use crate::math::predicate::area_vector;
+use crate::math::exact::area_vector;
 use glam::DVec3;
 
 /// The triangles around the first corner, without those that have no area, by places among the corners. None if the

@@ -14,7 +14,7 @@ mod seams;
 #[cfg(test)]
 mod tests;
 
-use crate::math::exact_sum::ExactSum;
+use crate::math::exact::ExactSum;
 use crate::math::robust::UNIT_ROUNDOFF;
 use earcut::Earcut;
 use glam::DVec3;

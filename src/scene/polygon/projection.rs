@@ -1,9 +1,7 @@
 //! The projection of a polygon along a coordinate axis, in which what it covers is decided. It rounds nothing.
 
-use crate::math::exact_sum::ExactSum;
-use crate::math::predicate::{area_vector, projected_area};
+use crate::math::exact::{ExactSum, Scaled, area_vector, projected_area};
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::math::scaled::Scaled;
 use glam::{DVec3, Vec3Swizzles};
 
 /// The projection along one of the coordinate axes.

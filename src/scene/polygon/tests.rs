@@ -366,7 +366,7 @@ fn a_polygon_without_area_is_a_fan_without_area() {
 }
 
 fn predicate_is_zero(corners: [DVec3; 3]) -> bool {
-    crate::math::predicate::area_vector(corners).iter().all(|area| area.sign() == 0)
+    crate::math::exact::area_vector(corners).iter().all(|area| area.sign() == 0)
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::rules::Rule;
 use crate::math::instructions::Level;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust::{offset_origin, unit};
-use crate::math::rounded_point::RoundedPoint;
+use crate::math::rounded::RoundedPoint;
 use crate::picture::Color;
 use crate::scene::material::{Material, Pattern, Phong, Texture};
 use crate::scene::model::{Highlight, Model};

@@ -1,6 +1,6 @@
 //! Transformations multiplied in the other order.
 
-use crate::math::rounded_affine::RoundedAffine;
+use crate::math::rounded::RoundedAffine;
 use crate::scene::edition::Edition;
 use crate::scene::lexer::Lexer;
 use crate::scene::parser::read_in;

@@ -3,9 +3,9 @@
 use super::objects::ObjectPart;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::primitive::edge_functions::Sides;
-use crate::primitive::shape::{Form, Shape};
-use crate::primitive::triangle::Shear;
+use crate::world::edge_functions::Sides;
+use crate::world::shape::{Form, Shape};
+use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 use serde::Serialize;
 use std::fmt;

@@ -3,7 +3,7 @@
 use crate::base::escape::escape;
 use crate::diagnostic::Diagnostic;
 use crate::math::instructions::Level;
-use crate::math::rounded_point::RoundedPoint;
+use crate::math::rounded::RoundedPoint;
 use crate::render::renderer::Renderer;
 use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::{MaterialId, Object, Position, Scene};

@@ -2,7 +2,7 @@
 
 use super::have;
 use crate::diagnostic::{Diagnostic, limited};
-use crate::math::exact_product::exact_product;
+use crate::math::double_double::exact_product;
 use crate::scene::mesh::Mesh;
 use crate::scene::{Object, Position, Scene};
 use glam::DVec3;
@@ -76,7 +76,7 @@ fn are_equal_products(a: f64, b: f64, c: f64, d: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::exact_product::with_and_without_fused;
+    use crate::math::double_double::with_and_without_fused;
 
     fn flat(corners: [[f64; 3]; 3]) -> bool {
         let mut found = vec![];

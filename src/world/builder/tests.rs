@@ -1,7 +1,7 @@
 use super::*;
-use crate::primitive::plane::Plane;
 use crate::scene::Position;
 use crate::scene::parser::parse;
+use crate::world::plane::Plane;
 
 #[test]
 fn a_mesh_taken_over_is_the_mesh_copied() {

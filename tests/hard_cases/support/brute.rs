@@ -9,8 +9,8 @@ use glam::DVec3;
 use num_rational::BigRational;
 use num_traits::Zero;
 use raytracer::math::ray::{Hit, Ray};
-use raytracer::primitive::triangle::Shear;
 use raytracer::world::World;
+use raytracer::world::triangle::Shear;
 
 pub struct Brute<'w> {
     world: &'w World,

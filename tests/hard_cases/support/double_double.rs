@@ -4,7 +4,7 @@
 //! Arithmetic", ACM TOMS 44(2), 2017). Each operation is off by less than 2^-100 of its result.
 
 use glam::DVec3;
-use raytracer::math::exact_product::exact_product;
+use raytracer::math::double_double::exact_product;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 #[derive(Clone, Copy, Debug, PartialEq)]

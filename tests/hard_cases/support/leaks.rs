@@ -9,8 +9,8 @@ use super::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbo
 use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
 use raytracer::stats::Quiet;
+use raytracer::world::triangle::Shear;
 
 /// What rays are aimed at.
 #[derive(Clone, Copy)]

@@ -1,8 +1,8 @@
 //! Access to the internals of the program's grid, for all cases.
 
-use raytracer::caster::grid::Lattice;
-use raytracer::caster::grid::cell_lists::widened;
-use raytracer::caster::grid::dda::{Dda, face_error_bound};
+use raytracer::caster::bounds::widened;
+use raytracer::caster::dda::{Dda, face_error_bound};
+use raytracer::caster::lattice::Lattice;
 use raytracer::math::ray::Ray;
 use raytracer::world::World;
 

@@ -5,7 +5,7 @@ use super::double_double::{self as dd, Dd};
 use super::exact::{dot, exact, exact3, sub};
 use glam::{DVec3, Vec3};
 use raytracer::math::ray::Ray;
-use raytracer::primitive::sphere::Sphere;
+use raytracer::world::sphere::Sphere;
 
 /// The quadratic a t^2 - 2 b t + c = 0 of the crossings, and its discriminant b^2 - a c.
 struct Quadratic {

@@ -4,11 +4,11 @@
 use super::textbook::{V, lower};
 use glam::DVec3;
 use num_traits::Float;
-use raytracer::caster::grid::Lattice;
+use raytracer::caster::lattice::Lattice;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
-use raytracer::primitive::triangle::Shear;
 use raytracer::world::World;
+use raytracer::world::triangle::Shear;
 use std::collections::HashMap;
 
 fn float<T: Float>(x: f64) -> T {

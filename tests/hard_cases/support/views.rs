@@ -4,13 +4,13 @@ use super::rng::Rng;
 use super::scenes::world_of_mesh;
 use glam::{DMat3, DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::primitive::ellipsoid::Ellipsoid;
-use raytracer::primitive::plane::Plane;
-use raytracer::primitive::shape::Shape;
-use raytracer::primitive::sphere::Sphere;
 use raytracer::scene;
 use raytracer::scene::mesh::Mesh;
 use raytracer::world::World;
+use raytracer::world::ellipsoid::Ellipsoid;
+use raytracer::world::plane::Plane;
+use raytracer::world::shape::Shape;
+use raytracer::world::sphere::Sphere;
 
 /// A view from an eye, or the middle of an orthographic camera, at any position.
 pub struct View {

@@ -1,11 +1,11 @@
 //! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
 
 use crate::math::ray::{Ray, Visible};
-use crate::primitive::shape::Form;
-use crate::primitive::triangle::Shear;
 use crate::scene::model::Model;
 use crate::stats::Probe;
 use crate::trace::Rules;
+use crate::world::shape::Form;
+use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 
 /// Tests every primitive, one by one.

@@ -2,11 +2,11 @@
 //! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
 
 use crate::math::ray::{Hit, Ray, Visible};
-use crate::primitive::shape::{Form, Shape};
-use crate::primitive::sphere::Sphere;
 use crate::scene::model::Model;
 use crate::stats::Probe;
 use crate::trace::Rules;
+use crate::world::shape::{Form, Shape};
+use crate::world::sphere::Sphere;
 use crate::world::{Primitive, SurfacePoint, World};
 use glam::{Mat3, Vec3};
 

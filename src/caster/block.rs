@@ -1,0 +1,259 @@
+//! Blocks of eight triangles in single precision, relative to a frame: the data of the conservative test in
+//! [`crate::caster::filter`], with the error bounds that `proofs/filter_portable.g` and `proofs/filter_fma.g` prove.
+
+use crate::math::aabb::Aabb;
+use crate::math::extremes::{box_corners, max, max3};
+use crate::world::World;
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+
+/// The number of triangles in a block.
+pub const LANES: usize = 8;
+
+/// The id that stands for no primitive, for example in an empty lane.
+pub const NONE: u32 = u32::MAX;
+
+/// Eight triangles as a structure of arrays, in the coordinates of a [`Frame`]. A block takes seven cache
+/// lines, and the data that the filter reads comes first. It is plain old data, so that zeroed memory is a
+/// valid block.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct Block {
+    /// The first corner's x, y and z. They are NaN in an empty lane, so that the lane fails every comparison.
+    pub corner: [[f32; LANES]; 3],
+    /// The edges from the second corner to the first, and from the first to the third.
+    pub edges: [[[f32; LANES]; 3]; 2],
+    /// The cross product of the edges.
+    pub normal: [[f32; LANES]; 3],
+    /// The error bounds of the filter for these triangles.
+    pub error_bounds: FilterErrorBounds,
+    /// Which triangles these are.
+    pub index: BlockIndex,
+    /// Fills the last cache line.
+    _padding: [u32; 3],
+}
+
+/// What a block holds, without the coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BlockIndex {
+    /// The ids of the triangles in the world; [`NONE`] in an empty lane.
+    pub ids: [u32; LANES],
+    /// In the last block of a cell: the start and the end of the cell's range in
+    /// `CellContents::non_triangles`.
+    pub non_triangles: [u32; 2],
+    /// In the first block of a cell: the number of the cell's blocks.
+    pub count: u32,
+}
+
+impl BlockIndex {
+    /// Of a block without triangles.
+    pub const EMPTY: Self = Self::new([NONE; LANES]);
+
+    /// Of a block of these triangles.
+    pub const fn new(ids: [u32; LANES]) -> Self {
+        Self { ids, non_triangles: [0; 2], count: 0 }
+    }
+
+    /// The number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.ids.iter().filter(|&&id| id != NONE).count()
+    }
+}
+
+impl Block {
+    /// Fills a zeroed block with the triangles of an index, whose ids end at the first [`NONE`]. `all_in_frame`
+    /// says that all triangles of the world lie in the frame's box, which saves testing them.
+    pub fn fill(&mut self, world: &World, frame: &Frame, all_in_frame: bool, index: &BlockIndex) {
+        self.index = *index;
+        self.corner = [[f32::NAN; LANES]; 3];
+        let mut block_max_abs_coord = 1.0;
+        let used = index.ids.iter().take_while(|&&id| id != NONE);
+        for (lane, &id) in used.enumerate() {
+            let corners = world.corners(id as usize);
+            let max_abs_coord = if all_in_frame { 1.0 } else { frame.max_abs_coord(corners) };
+            if max_abs_coord <= MAX_CORNER_COORD {
+                self.set(lane, frame, corners);
+                block_max_abs_coord = f64::max(block_max_abs_coord, max_abs_coord);
+            } else {
+                // With zeros throughout, the filter never rejects the triangle and is never certain of a hit.
+                self.corner.iter_mut().for_each(|row| row[lane] = 0.0);
+            }
+        }
+        // Empty lanes need no special case, since their edges are 0.
+        let mut longest = [0.0f32; LANES];
+        for row in self.edges.as_flattened() {
+            longest = std::array::from_fn(|lane| max(longest[lane], row[lane].abs()));
+        }
+        let longest = longest.into_iter().fold(0.0, max);
+        self.error_bounds = FilterErrorBounds::of(longest, block_max_abs_coord);
+    }
+
+    /// Stores a triangle in a lane.
+    #[inline(always)]
+    fn set(&mut self, lane: usize, frame: &Frame, [a, b, c]: [DVec3; 3]) {
+        let corner = frame.point(a);
+        let edges = [frame.vector(a - b), frame.vector(c - a)];
+        let normal = edges[0].cross(edges[1]);
+        for axis in 0..3 {
+            self.corner[axis][lane] = corner[axis] as f32;
+            self.edges[0][axis][lane] = edges[0][axis] as f32;
+            self.edges[1][axis][lane] = edges[1][axis] as f32;
+            self.normal[axis][lane] = normal[axis] as f32;
+        }
+    }
+}
+
+/// The largest absolute coordinate of a corner in a block. A frame in a tree contains only the parts of triangles in
+/// the tree's cell, and a triangle may extend far beyond it. One that exceeds this limit is left for double precision
+/// to decide, since it would enlarge the error bounds of the other triangles in its block, or overflow.
+const MAX_CORNER_COORD: f64 = 4.0;
+
+/// Negated error bounds of the filter's quantities for the triangles of a block: a quantity whose exact value
+/// is not negative is computed as at least this. They are derived in [`crate::caster::filter`].
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct FilterErrorBounds {
+    /// The bound of the edge functions u, v and w.
+    pub edge: f32,
+    /// The bound of n.s - t det.
+    pub depth: f32,
+}
+
+/// Error bound of w, the least accurate of u, v and w: the part in roundings of an edge times a corner. Half of
+/// it would do for u and v, but one bound for the least of the three takes one comparison less.
+const EDGE_ROUNDINGS: f32 = 37.0;
+
+/// Error bound of w: the part in roundings of an edge squared.
+const AREA_ROUNDINGS: f32 = 67.0;
+
+/// Error bound of n.s - t det: the part in roundings of an edge squared times a corner.
+const DEPTH_ROUNDINGS: f32 = 82.0;
+
+/// Error bound of n.s - t det: the part in roundings of an edge cubed, for the error of n.
+const NORMAL_ROUNDINGS: f32 = 4.5;
+
+/// Upper bound on the error due to underflow, which is less than 2^-144.
+const UNDERFLOW: f32 = f32::MIN_POSITIVE;
+
+impl FilterErrorBounds {
+    /// The error bounds of a block. `longest` is b, the largest absolute coordinate of its edges.
+    /// `max_abs_coord` is that of its corners, and c is the next power of two, so that the division by c in
+    /// the proof is exact.
+    pub fn of(longest: f32, max_abs_coord: f64) -> Self {
+        const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
+        let mut corner = 1.0;
+        while f64::from(corner) < max_abs_coord {
+            corner *= 2.0;
+        }
+        let edge = EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest;
+        let depth = (DEPTH_ROUNDINGS * corner + NORMAL_ROUNDINGS * longest) * longest;
+        let scale = ROUNDING * longest;
+        Self { edge: -(edge * scale) - UNDERFLOW, depth: -(depth * scale) - UNDERFLOW }
+    }
+}
+
+/// A coordinate system in which the coordinates of a box are from -1 to 1. In it single precision represents
+/// the contents of the box equally well wherever the box is and however large it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// The centre of the box, with an unused fourth lane.
+    pub center: [f64; 4],
+    /// Frame units per unit of the world: a power of two, so that scaling is exact.
+    pub scale: f64,
+    /// The reciprocal of `scale`.
+    pub unit: f64,
+}
+
+impl Frame {
+    /// The frame of a box that is not empty.
+    pub fn new(bounds: &Aabb) -> Self {
+        let center = 0.5 * (bounds.min + bounds.max);
+        let max_abs_coord = (bounds.max - center).max(center - bounds.min).max_element();
+        let exponent = libm::frexp(max_abs_coord).1;
+        Self {
+            center: [center.x, center.y, center.z, 0.0],
+            scale: libm::ldexp(1.0, -exponent),
+            unit: libm::ldexp(1.0, exponent),
+        }
+    }
+
+    /// Whether the coordinates of a box in this frame are from -1 to 1.
+    pub fn holds(&self, bounds: &Aabb) -> bool {
+        let [min, max] = [bounds.min, bounds.max].map(|corner| self.point(corner));
+        min.min_element() >= -1.0 && max.max_element() <= 1.0
+    }
+
+    /// The largest absolute coordinate of three corners in this frame.
+    fn max_abs_coord(&self, [a, b, c]: [DVec3; 3]) -> f64 {
+        let points = [self.point(a).abs(), self.point(b).abs(), self.point(c).abs()];
+        max3(box_corners(points)[1].to_array())
+    }
+
+    /// A point in the coordinates of this frame.
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        let [x, y, z, _] = self.center;
+        (point - DVec3::new(x, y, z)) * self.scale
+    }
+
+    /// A vector in the coordinates of this frame.
+    pub fn vector(&self, vector: DVec3) -> DVec3 {
+        vector * self.scale
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four units are one of the frame's.
+    fn frame() -> Frame {
+        Frame::new(&Aabb { min: DVec3::splat(2.0), max: DVec3::splat(6.0) })
+    }
+
+    #[test]
+    fn the_error_bounds_are_so_many_roundings_of_edges_and_corners() {
+        let rounding = 2f32.powi(-24);
+        for (max_abs_coord, corner) in [(0.5, 1.0), (1.0, 1.0), (1.5, 2.0), (3.0, 4.0), (4.0, 4.0)] {
+            for longest in [0.25, 0.5, 2.0] {
+                let error_bounds = FilterErrorBounds::of(longest, max_abs_coord);
+                let edge = (EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest) * longest * rounding;
+                let depth =
+                    (DEPTH_ROUNDINGS * corner + NORMAL_ROUNDINGS * longest) * longest * longest * rounding;
+                assert_eq!(
+                    (error_bounds.edge, error_bounds.depth),
+                    (-edge, -depth),
+                    "{max_abs_coord} {longest}"
+                );
+            }
+        }
+        let least = FilterErrorBounds::of(0.0, 1.0);
+        assert_eq!((least.edge, least.depth), (-UNDERFLOW, -UNDERFLOW));
+    }
+
+    #[test]
+    fn a_frame_counts_from_its_middle_in_its_unit() {
+        let point = |x: f64, y: f64, z: f64| frame().point(DVec3::new(x, y, z));
+        assert_eq!(point(6.0, 2.0, 3.0), DVec3::new(0.5, -0.5, -0.25));
+        assert_eq!(frame().vector(DVec3::new(6.0, 2.0, -4.0)), DVec3::new(1.5, 0.5, -1.0));
+        assert_eq!((frame().scale, frame().unit), (0.25, 4.0));
+        let corners = [(4.0, 4.0, 5.0), (4.0, -8.0, 4.0), (6.0, 4.0, 4.0)].map(DVec3::from);
+        assert_eq!(frame().max_abs_coord(corners), 3.0);
+    }
+
+    #[test]
+    fn a_frame_holds_what_is_within_one_unit_of_its_middle() {
+        let holds = |low: f64, high: f64| {
+            [0, 1, 2].map(|axis| {
+                let (mut min, mut max) = (DVec3::splat(3.0), DVec3::splat(5.0));
+                (min[axis], max[axis]) = (low, high);
+                frame().holds(&Aabb { min, max })
+            })
+        };
+        assert_eq!((holds(0.0, 8.0), holds(5.0, 5.0)), ([true; 3], [true; 3]));
+        assert_eq!(
+            (holds(-0.1, 5.0), holds(5.0, 8.1), holds(-0.1, 8.1)),
+            ([false; 3], [false; 3], [false; 3])
+        );
+    }
+}

@@ -1,0 +1,192 @@
+//! Nodes of eight boxes in single precision, relative to a [`Frame`](crate::caster::block::Frame), and the conservative
+//! test which of the boxes a ray may meet.
+//!
+//! The test is the slab method (Kay and Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986) for eight boxes at once,
+//! as in Wald, Benthin and Boulos ("Getting Rid of Packets", IEEE Symposium on Interactive Ray Tracing 2008).
+//!
+//! *Error bound.* Boxes are padded by [`PADDING`], so that a ray that hits something in a box is certainly found to
+//! meet the box, not later than the hit. Let r = 2^-24 be the unit roundoff of single precision. Along an axis let o
+//! and d be the stored origin and direction of the ray, whose exact values are at most 1. The point of the stored ray
+//! at the depth t of an exact hit is off by r for the origin and 2.03 r for the direction, and the stored face is off
+//! by r, and by 2 r more where it is that of a cell, whose corners are rounded. The depth of a face at l is computed
+//! from the inverse i of d as l i - o i, where each of i, o i, l i and the difference is rounded once, which moves the
+//! face by at most (2 |l - o| + |o| + |l|) r, which is 6 r. Together these are 12.1 r. That the padding is 16 r leaves
+//! enough for the maximum depth, which is rounded as well, and for hits at the ray's entry into the frame's box.
+//! `proofs/box8.g` proves these sums. A direction of less than 2^-60 counts as 2^-60, which moves the ray by less than
+//! 2^-58.
+
+use crate::caster::block::LANES;
+use crate::caster::filter::FilterRay;
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
+/// The distance by which boxes are padded on each side, in roundings of single precision.
+const PADDING_ROUNDINGS: f64 = 16.0;
+
+/// The same in units of the frame.
+pub const PADDING: f64 = PADDING_ROUNDINGS / (1u32 << 24) as f64;
+
+/// The smallest absolute value of a direction, so that its inverse is finite.
+const MIN_DIRECTION: f32 = 1.0 / (1u64 << 60) as f32;
+
+/// Eight boxes and what is in them. A node takes four cache lines.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Box8 {
+    /// By axis: the lower and the upper faces. Those of an empty lane are infinite, the lower above the upper.
+    faces: [[[f32; LANES]; 2]; 3],
+    /// What is in each box, which this module does not interpret.
+    pub children: [u32; LANES],
+}
+
+impl Box8 {
+    /// A node without boxes.
+    pub const EMPTY: Self =
+        Self { faces: [[[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]]; 3], children: [0; LANES] };
+
+    /// What is in the boxes.
+    pub fn branches(&self) -> impl Iterator<Item = u32> {
+        let is_used = |lane: &usize| self.faces[0][0][*lane] < f32::INFINITY;
+        (0..LANES).filter(is_used).map(|lane| self.children[lane])
+    }
+
+    /// Stores a padded box and what is in it in a lane.
+    pub fn set(&mut self, lane: usize, corners: [impl Into<[f32; 3]>; 2], child: u32) {
+        let [min, max] = corners.map(Into::into);
+        for axis in 0..3 {
+            self.faces[axis][0][lane] = min[axis];
+            self.faces[axis][1][lane] = max[axis];
+        }
+        self.children[lane] = child;
+    }
+}
+
+/// A ray for the test, in the coordinates of the frame.
+#[derive(Clone, Copy, Debug)]
+pub struct BoxRay {
+    /// The inverse of the direction, and the origin times it.
+    inverse: [f32; 3],
+    origin: [f32; 3],
+    /// Which of the faces is met first along each axis: 0 for the lower one.
+    near: [usize; 3],
+}
+
+impl BoxRay {
+    /// The same ray as the filter's.
+    #[inline(always)]
+    pub fn new(ray: &FilterRay) -> Self {
+        let [x, y, z, _] = ray.direction;
+        let inverse = [x, y, z].map(|d| 1.0 / if d.abs() < MIN_DIRECTION { MIN_DIRECTION } else { d });
+        Self {
+            inverse,
+            origin: [0, 1, 2].map(|axis| ray.origin[axis] * inverse[axis]),
+            near: inverse.map(|inverse| usize::from(inverse < 0.0)),
+        }
+    }
+}
+
+/// The boxes that a ray may meet.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// The set of lanes, bit 0 for the first.
+    pub set: u32,
+    /// The depth at which the ray enters the box of each lane in the set. It is not more than that of any hit there.
+    pub entries: [f32; LANES],
+}
+
+/// The boxes that a ray may meet up to a maximum depth.
+#[inline(always)]
+pub(crate) fn meet<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
+    let [x, y, z] = ray.near;
+    let depths = |axis, face| depths(simd, node, ray, axis, face);
+    let entry = depths(0, x).max(depths(1, y)).max(depths(2, z).max(0.0));
+    let exit = depths(0, x ^ 1).min(depths(1, y ^ 1)).min(depths(2, z ^ 1).min(max_depth));
+    Meeting { set: exit.simd_ge(entry).to_bitmask() as u32, entries: entry.into() }
+}
+
+/// The depths at which the ray meets one face of each box along an axis.
+#[inline(always)]
+fn depths<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, axis: usize, face: usize) -> f32x8<S> {
+    f32x8::simd_from(simd, node.faces[axis][face & 1]).mul_sub(ray.inverse[axis], ray.origin[axis])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::instructions::{self, Level};
+    use crate::math::worst_case::Rng;
+    use fearless_simd::dispatch;
+    use glam::DVec3;
+
+    fn meet(level: Level, node: &Box8, ray: &FilterRay) -> Meeting {
+        let box_ray = &BoxRay::new(ray);
+        dispatch!(level, simd => super::meet(simd, node, box_ray, ray.max_depth))
+    }
+
+    /// A node with a single box, padded by so much, in the last lane.
+    fn node([min, max]: [DVec3; 2], padding: f64) -> Box8 {
+        let mut node = Box8::EMPTY;
+        node.set(LANES - 1, [(min - padding).as_vec3(), (max + padding).as_vec3()], 5);
+        node
+    }
+
+    fn ray(origin: DVec3, direction: DVec3, max_depth: f64) -> FilterRay {
+        let four = |v: DVec3| v.extend(0.0).as_vec4().to_array();
+        FilterRay { origin: four(origin), direction: four(direction), max_depth: max_depth as f32 }
+    }
+
+    #[test]
+    fn a_ray_meets_the_boxes_that_it_passes_up_to_its_depth() {
+        let mut node = Box8::EMPTY;
+        for (lane, x) in [(0, -0.5f32), (3, 0.25), (6, 0.5)] {
+            node.set(lane, [[x, -0.125, -0.125], [x + 0.125, 0.125, 0.125]], lane as u32);
+        }
+        for level in instructions::available() {
+            let meets = |direction: DVec3, max_depth: f64| {
+                meet(level, &node, &ray(DVec3::ZERO, direction, max_depth)).set
+            };
+            assert_eq!(meets(DVec3::X, 2.0), 0b100_1000, "{level:?}");
+            assert_eq!(meets(DVec3::X, 0.375), 0b1000);
+            assert_eq!(meets(-DVec3::X, 2.0), 0b1);
+            assert_eq!(meets(DVec3::new(1.0, 0.375, 0.0), 2.0), 0b1000);
+            assert_eq!(meets(DVec3::new(1.0, 0.0, -1.0), 2.0), 0);
+            let meeting = meet(level, &node, &ray(DVec3::X * 0.3, DVec3::X, 1.0));
+            assert_eq!((meeting.set, meeting.entries[3]), (0b100_1000, 0.0));
+            assert!((meeting.entries[6] - 0.2).abs() < 1e-6);
+        }
+    }
+
+    /// How many of many rays to points in flat and in tiny boxes miss them, or meet them only after the point.
+    fn missed(level: Level, padding: f64) -> usize {
+        let rng = &mut Rng(1);
+        let mut count = 0;
+        for _ in 0..20_000 {
+            let (corner, size) = (0.999 * rng.vector(), libm::exp2(-30.0 * rng.unit()));
+            let mut extent = DVec3::new(rng.unit(), rng.unit(), rng.unit()) * size;
+            extent[rng.below(3)] = 0.0;
+            let max = (corner + extent).min(DVec3::ONE);
+            let hit = corner + (max - corner) * DVec3::new(rng.unit(), rng.unit(), rng.unit()).round();
+            let mut origin = rng.vector();
+            // Some rays are parallel to an axis or almost so.
+            let axis = rng.below(6);
+            if axis < 3 {
+                origin[axis] = hit[axis] + [0.0, 1e-30, -1e-12][rng.below(3)];
+            }
+            let depth = (hit - origin).abs().max_element();
+            let ray = ray(origin, (hit - origin) / depth, depth);
+            let meeting = meet(level, &node([corner, max], padding), &ray);
+            let is_met = meeting.set == 1 << (LANES - 1) && meeting.entries[LANES - 1] <= ray.max_depth;
+            count += usize::from(!is_met);
+        }
+        count
+    }
+
+    #[test]
+    fn a_hit_in_a_box_is_never_missed_and_would_be_without_the_padding() {
+        for level in instructions::available() {
+            assert_eq!(missed(level, PADDING), 0, "{level:?}");
+            assert!(missed(level, PADDING / 16.0) > 0, "{level:?}");
+            assert!(missed(level, 0.0) > 1000, "{level:?}");
+        }
+    }
+}

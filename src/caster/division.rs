@@ -1,0 +1,270 @@
+//! How the primitives of a branch are halved: by the surface area heuristic, evaluated at the borders of a few bins
+//! (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
+//! 2007), or between large and small primitives.
+
+use crate::caster::block::{Frame, LANES};
+use crate::caster::box8::PADDING;
+use crate::math::aabb::Aabb;
+use glam::Vec3A;
+
+/// A branch may be small if it is at most this large along each axis, in units of the frame.
+const MAX_SMALL: f32 = 1.0 / 64.0;
+
+/// A primitive of this size is small, in units of the frame: errors of single precision, which are up to 2^-20 of the
+/// frame, begin to matter.
+const SMALL_PRIMITIVE: f32 = 1.0 / 8192.0;
+
+/// The number of bins for the heuristic.
+const BINS: usize = 16;
+
+/// A box in single precision.
+#[derive(Clone, Copy)]
+pub struct Bounds {
+    pub min: Vec3A,
+    pub max: Vec3A,
+}
+
+impl Bounds {
+    pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    fn extent(&self) -> Vec3A {
+        self.max - self.min
+    }
+
+    /// The largest extent.
+    fn size(&self) -> f32 {
+        self.extent().max_element()
+    }
+
+    /// Half of the surface area.
+    pub fn half_area(&self) -> f32 {
+        let extent = self.extent().max(Vec3A::ZERO);
+        extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
+    }
+}
+
+/// A primitive and its padded box.
+#[derive(Clone, Copy)]
+pub struct Item {
+    pub bounds: Bounds,
+    pub id: u32,
+}
+
+impl Item {
+    /// A primitive with this box, in the coordinates of a frame.
+    pub fn new(frame: &Frame, bounds: &Aabb, id: u32) -> Self {
+        let [min, max] = [bounds.min, bounds.max].map(|corner| frame.point(corner));
+        Self { bounds: Bounds { min: (min - PADDING).as_vec3a(), max: (max + PADDING).as_vec3a() }, id }
+    }
+
+    /// Twice the centre of the box.
+    fn center(&self) -> Vec3A {
+        self.bounds.min + self.bounds.max
+    }
+}
+
+/// Consecutive items.
+pub struct ItemRun<'i> {
+    pub items: &'i mut [Item],
+    pub bounds: Bounds,
+    /// The bounds of twice the centres.
+    centers: Bounds,
+    /// Whether the group is small, and so are more than an eighth of its items.
+    pub is_small: bool,
+    /// Whether items are large compared with the group.
+    has_large: bool,
+}
+
+impl<'i> ItemRun<'i> {
+    pub fn new(items: &'i mut [Item]) -> Self {
+        let (mut bounds, mut centers, mut largest) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
+        for item in items.iter() {
+            bounds = bounds.union(item.bounds);
+            centers = centers.union(Bounds { min: item.center(), max: item.center() });
+            largest = largest.max(item.bounds.extent());
+        }
+        let size = bounds.size();
+        let are_small = |item: &&Item| item.bounds.size() < SMALL_PRIMITIVE;
+        let is_small = size <= MAX_SMALL && 8 * items.iter().filter(are_small).count() > items.len();
+        Self { items, bounds, centers, is_small, has_large: is_large(largest.max_element(), size) }
+    }
+
+    /// Two groups of its items.
+    pub fn halves(self, by_number: bool) -> [Self; 2] {
+        let plane = if by_number { None } else { self.best_plane() };
+        let size = self.bounds.size();
+        let is_large = |item: &Item| is_large(item.bounds.size(), size);
+        let middle = match plane {
+            Some((cost, _)) if self.has_large && cost_apart(self.items, is_large) < cost => {
+                partition(self.items, is_large)
+            }
+            Some((_, plane)) => partition(self.items, |item| plane.is_before(item)),
+            None => median(self.items, self.bounds),
+        };
+        let (left, right) = self.items.split_at_mut(middle);
+        [left, right].map(ItemRun::new)
+    }
+}
+
+/// Whether an item of this size is large in a group of this size.
+fn is_large(item: f32, group: f32) -> bool {
+    item > 0.5 * group
+}
+
+/// The bins of centres along each axis.
+#[derive(Clone, Copy)]
+struct Bins {
+    start: Vec3A,
+    /// Not finite along an axis on which all centres are the same.
+    per_unit: Vec3A,
+}
+
+impl Bins {
+    /// The bins of centres with these bounds.
+    fn new(centers: &Bounds) -> Self {
+        // Slightly fewer bins per unit, so that the last centre is in the last bin.
+        Self { start: centers.min, per_unit: 0.999 * BINS as f32 / centers.extent() }
+    }
+
+    /// The bins of an item, by axis.
+    fn of(&self, item: &Item) -> [usize; 3] {
+        let bins = (item.center() - self.start) * self.per_unit;
+        // No number is negative, and a NaN becomes 0. The conversion to `usize` at once takes more instructions.
+        bins.to_array().map(|bin| (bin as i32 as usize).min(BINS - 1))
+    }
+}
+
+/// A plane in front of a bin along an axis.
+#[derive(Clone, Copy)]
+struct Plane {
+    bins: Bins,
+    axis: usize,
+    bin: usize,
+}
+
+impl Plane {
+    fn is_before(&self, item: &Item) -> bool {
+        self.bins.of(item)[self.axis] < self.bin
+    }
+}
+
+impl ItemRun<'_> {
+    /// The least cost and its plane: the sum of both sides' areas, each times the number of blocks for its items. There
+    /// is none if all centres are the same.
+    fn best_plane(&self) -> Option<(f32, Plane)> {
+        let bins = Bins::new(&self.centers);
+        let mut contents = [[(0, Bounds::EMPTY); BINS]; 3];
+        for item in self.items.iter() {
+            for (contents, bin) in contents.iter_mut().zip(bins.of(item)) {
+                let (count, bounds) = &mut contents[bin];
+                *count += 1;
+                *bounds = bounds.union(item.bounds);
+            }
+        }
+        let mut best: Option<(f32, Plane)> = None;
+        for (axis, contents) in contents.iter().enumerate() {
+            let mut costs_behind = [0.0; BINS];
+            sweep(contents.iter().enumerate().rev(), |bin, cost| costs_behind[bin] = cost);
+            sweep(contents.iter().enumerate(), |bin, cost| {
+                let cost = cost + costs_behind.get(bin + 1).unwrap_or(&f32::INFINITY);
+                if cost < best.map_or(f32::INFINITY, |(least, _)| least) {
+                    best = Some((cost, Plane { bins, axis, bin: bin + 1 }));
+                }
+            });
+        }
+        best
+    }
+}
+
+/// The cost of large items apart from the others. No plane divides a large item from small ones at its centre, which
+/// would share its box on every level.
+fn cost_apart(items: &[Item], is_large: impl Fn(&Item) -> bool) -> f32 {
+    let cost = |large: bool| {
+        let side = items.iter().filter(|item| is_large(item) == large);
+        let (count, bounds) =
+            side.fold((0, Bounds::EMPTY), |(count, all), item| (count + 1, all.union(item.bounds)));
+        cost_of(count, bounds)
+    };
+    cost(true) + cost(false)
+}
+
+/// The cost of items with these bounds. It is infinite for no items, because then nothing is divided.
+fn cost_of(count: usize, bounds: Bounds) -> f32 {
+    if count == 0 { f32::INFINITY } else { bounds.half_area() * count.div_ceil(LANES) as f32 }
+}
+
+/// Reports the cost of all bins up to each one.
+fn sweep<'b>(bins: impl Iterator<Item = (usize, &'b (usize, Bounds))>, mut report: impl FnMut(usize, f32)) {
+    let (mut count, mut bounds) = (0, Bounds::EMPTY);
+    for (bin, (more, box_of_more)) in bins {
+        count += more;
+        bounds = bounds.union(*box_of_more);
+        report(bin, cost_of(count, bounds));
+    }
+}
+
+/// Moves the items that come first to the start, and returns their number.
+fn partition(items: &mut [Item], comes_first: impl Fn(&Item) -> bool) -> usize {
+    let mut count = 0;
+    for i in 0..items.len() {
+        if comes_first(&items[i]) {
+            items.swap(i, count);
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Sorts the items into two halves along the axis in which they are spread most, and returns where the second one starts.
+/// The first one fills its leaves.
+fn median(items: &mut [Item], bounds: Bounds) -> usize {
+    let extent = bounds.extent().to_array();
+    let axis = if extent[0] >= extent[1].max(extent[2]) { 0 } else { 1 + usize::from(extent[2] > extent[1]) };
+    let middle = (items.len() / 2).next_multiple_of(LANES).min(items.len() - 1);
+    items.select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]));
+    middle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// Items of this side, whose lower corners are these points.
+    fn items(corners: impl Iterator<Item = DVec3>, side: f64) -> Vec<Item> {
+        corners.zip(0..).map(|(min, id)| Item::new(&frame(), &Aabb { min, max: min + side }, id)).collect()
+    }
+
+    fn frame() -> Frame {
+        Frame::new(&Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) })
+    }
+
+    /// The heuristic divides off the items that are far from the others.
+    #[test]
+    fn items_are_halved_by_the_heuristic_or_by_their_number() {
+        let point = |k: u32| match k {
+            0..4 => DVec3::splat(0.9),
+            _ => DVec3::new(0.0, 0.0, 1e-3 * f64::from(k)),
+        };
+        for (by_number, first) in [(false, 4), (true, 256)] {
+            let mut items = items((0..500).map(point), 0.01);
+            let lengths = ItemRun::new(&mut items).halves(by_number).map(|half| half.items.len());
+            assert_eq!(lengths.into_iter().min(), Some(first.min(500 - first)), "{lengths:?}");
+        }
+    }
+
+    /// The centre of the large items' boxes is in the middle of the small ones.
+    #[test]
+    fn large_items_are_apart_from_small_ones_in_their_middle() {
+        let point = |k: u32| (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * f64::from(k)).fract();
+        let mut items = items((0..500).map(|k| 1e-3 * point(k)), 1e-5);
+        let large = Aabb { min: DVec3::new(-0.9, 0.0, -0.9), max: DVec3::new(0.9, 0.0, 0.9) };
+        items.extend([500, 501].map(|id| Item::new(&frame(), &large, id)));
+        let lengths = ItemRun::new(&mut items).halves(false).map(|half| half.items.len());
+        assert_eq!(lengths, [2, 500]);
+    }
+}

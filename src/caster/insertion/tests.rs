@@ -1,0 +1,346 @@
+use super::*;
+use crate::caster::block::Frame;
+use crate::caster::bounds::MAX_ORIGIN_CELLS;
+use crate::caster::dda::{Dda, T_ONE};
+use crate::math::double_double::{Dd, difference, dot};
+use crate::math::ray::Ray;
+use crate::math::worst_case::{Input, Rng, search};
+
+fn lattice() -> Lattice {
+    Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(2.0, 4.0, 1.0) }, [8, 8, 8])
+}
+
+/// The cells that `insert` appends to an empty list.
+fn cells_of(insert: impl Fn(&mut Vec<u32>)) -> Vec<u32> {
+    let mut out = vec![];
+    insert(&mut out);
+    out
+}
+
+/// The cells of the lattice, each with its box.
+fn cell_boxes(l: &Lattice) -> impl Iterator<Item = (u32, Aabb)> + '_ {
+    (0..512).map(|i| [i % 8, i / 8 % 8, i / 64]).map(|c| {
+        let min = l.bounds.min + l.cell_size * DVec3::from_array(c.map(|x| x as f64));
+        (l.index(c) as u32, Aabb { min, max: min + l.cell_size })
+    })
+}
+
+#[test]
+fn a_sphere_is_inserted_exactly_where_its_surface_is() {
+    let l = lattice();
+    let (center, radius) = (DVec3::new(0.9, 1.7, 0.4), 0.55);
+    let cells = cells_of(|out| of_sphere(&l, center, radius, 1e-6, out));
+    let by_centers = cells_of(|out| of_ball_by_centers(&l, center, radius, 0.0, out));
+    for (index, b) in cell_boxes(&l) {
+        let nearest = center.distance(center.clamp(b.min, b.max));
+        let farthest = b.corners().map(|p| center.distance(p)).into_iter().fold(0.0, f64::max);
+        assert_eq!(cells.contains(&index), nearest <= radius && farthest >= radius, "{index}");
+        assert!(by_centers.contains(&index) || nearest > radius);
+    }
+}
+
+/// The sphere's surface is all but a plane, close to the faces of cells.
+#[test]
+fn a_sphere_of_very_many_cells_is_listed_where_a_ray_finds_it() {
+    let l = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(1.1, 1.3, 0.7) }, [11, 13, 7]);
+    for radius in [1e9, 1e11, 1e13, 1e15].map(|cells| cells * l.cell_size.x) {
+        for k in 1..200 {
+            let (y, z) = ((0.618 * k as f64) % 1.0, (0.414 * k as f64) % 1.0);
+            let aside = DVec3::new(0.3 * y, 0.9 * z, 0.5);
+            let direction = DVec3::new(1.0, y - 0.5, z - 0.5) * if k % 2 == 0 { 1.0 } else { -1.0 };
+            // The surface passes the point at a corner of cells.
+            let corner = DVec3::new(5.0, (k % 13) as f64, (k % 7) as f64) * l.cell_size;
+            let outward = (DVec3::X + 1e-3 * aside).normalize();
+            let sphere = Sphere { center: corner - radius * outward, radius };
+            let target = corner + 1e-9 * aside;
+            let ray = Ray::new(target - 2.0 * direction, direction);
+            let Some(t) = sphere.intersect(&ray) else { continue };
+            let found = l.to_cells(ray.at(t));
+            let cell = [0, 1, 2].map(|axis| l.cell_at(axis, found[axis]));
+            if found.clamp(DVec3::ZERO, DVec3::from_array(l.cells().map(|n| n as f64))) == found {
+                let cells = cells_of(|out| of_sphere(&l, sphere.center, radius, 1e-5, out));
+                assert!(cells.contains(&(l.index(cell) as u32)), "{radius:e} {k}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shapes_outside_are_inserted_into_the_nearest_cells() {
+    let l = lattice();
+    let far = DVec3::splat(100.0);
+    let cells = cells_of(|out| {
+        of_box(&l, &Aabb { min: far, max: far }, 0.0, out);
+        of_triangle(&l, [-far; 3], 0.0, out);
+    });
+    assert_eq!(cells, [l.index([7, 7, 7]) as u32, l.index([0, 0, 0]) as u32]);
+}
+
+#[test]
+fn padded_cells_are_touched_from_farther_away() {
+    let (l, padding) = (lattice(), 0.25);
+    let (center, radius) = (DVec3::new(0.9, 1.7, 0.4), 0.55);
+    let cells = cells_of(|out| of_sphere(&l, center, radius, padding, out));
+    let by_centers = cells_of(|out| of_ball_by_centers(&l, center, radius, padding, out));
+    for (index, b) in cell_boxes(&l) {
+        let b = Aabb { min: b.min - padding * l.cell_size, max: b.max + padding * l.cell_size };
+        let nearest = center.distance(center.clamp(b.min, b.max));
+        let farthest = b.corners().map(|p| center.distance(p)).into_iter().fold(0.0, f64::max);
+        assert_eq!(cells.contains(&index), nearest <= radius && farthest >= radius, "{index}");
+        assert!(by_centers.contains(&index) || nearest > radius, "{index}");
+    }
+}
+
+/// The error bound must count the rounding of the radius, which is more than the padding here.
+#[test]
+fn the_surface_of_a_huge_sphere_is_inserted_where_it_passes_through_cells() {
+    let l = lattice();
+    for (far, wall) in [(1e13, 3), (-1e13, 4)] {
+        // Its surface is as good as the plane x = 1, which is where cells 3 and 4 meet.
+        let cells = cells_of(|out| of_sphere(&l, DVec3::new(1.0 + far, 2.0, 0.5), 1e13, 1e-6, out));
+        for (y, z) in (0..8).flat_map(|y| (0..8).map(move |z| (y, z))) {
+            assert!([wall, 7 - wall].iter().all(|&x| cells.contains(&(l.index([x, y, z]) as u32))));
+        }
+    }
+}
+
+#[test]
+fn the_cells_of_a_box_are_counted() {
+    let l = lattice();
+    let corner = |cells: [f64; 3]| l.cell_size * DVec3::from_array(cells);
+    for (high, tested) in [
+        ([7.5, 4.5, 3.5], 3),
+        ([5.5, 6.5, 3.5], 3),
+        ([5.5, 4.5, 6.5], 4),
+        ([7.5, 5.5, 3.5], 6),
+        ([5.5, 6.5, 4.5], 6),
+        ([7.5, 4.5, 4.5], 6),
+        ([7.5, 5.5, 4.5], 12),
+    ] {
+        let (low, high) = (corner([5.5, 4.5, 3.5]), corner(high));
+        let [mut triangle, mut all] = [0; 2].map(|_| vec![]);
+        of_triangle(&l, [low, high, low.midpoint(high)], 1e-6, &mut triangle);
+        of_box(&l, &Aabb { min: low, max: high }, 1e-6, &mut all);
+        let counted = count_of_box(&l, &Aabb { min: low, max: high }, 1e-6);
+        assert_eq!((all.len(), counted), (tested, tested as u64), "{high}");
+        let bounds = Aabb { min: low, max: high };
+        let in_runs = runs_of_box(&l, &bounds, 1e-6).flatten();
+        assert!(in_runs.eq(all.iter().map(|&index| index as usize)), "{high}");
+        if tested < 6 {
+            assert_eq!(triangle, all, "{high}");
+        }
+    }
+}
+
+/// Points of a triangle, including points of its corners and edges.
+fn points([a, b, c]: [DVec3; 3]) -> impl Iterator<Item = DVec3> {
+    (0..=40)
+        .flat_map(move |i| (0..=40 - i).map(move |j| (i as f64 / 40.0, j as f64 / 40.0)))
+        .map(move |(u, v)| a + u * (b - a) + v * (c - a))
+}
+
+#[test]
+fn a_triangle_is_inserted_where_it_has_a_point_and_rarely_elsewhere() {
+    let l = lattice();
+    let mut state = 1u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (mut by_triangle, mut by_bounds) = (0, 0);
+    for _ in 0..200 {
+        let corners = [0; 3].map(|_| l.bounds.max * DVec3::new(random(), random(), random()));
+        let cells = cells_of(|out| of_triangle(&l, corners, 1e-6, out));
+        let by_box = cells_of(|out| of_box(&l, &Aabb::around(corners), 1e-6, out));
+        for p in points(corners) {
+            let in_cells = l.to_cells(p);
+            let cell = [0, 1, 2].map(|axis| l.cell_at(axis, in_cells[axis]));
+            assert!(cells.contains(&(l.index(cell) as u32)));
+        }
+        assert!(cells.iter().all(|c| by_box.contains(c)));
+        by_triangle += cells.len();
+        by_bounds += by_box.len();
+    }
+    assert!(2 * by_triangle < by_bounds, "{by_triangle} of {by_bounds}");
+}
+
+#[test]
+fn a_needle_is_inserted_along_its_whole_length() {
+    let l = lattice();
+    for k in 1..200 {
+        let (a, b) = (DVec3::new(0.1, 0.3, 0.05), DVec3::new(1.9, 3.0, 0.2 + k as f64 * 0.004));
+        // The third corner is on the line between the others, except for rounding.
+        let c = a + (k as f64 / 200.0) * (b - a);
+        let cells = cells_of(|out| of_triangle(&l, [a, b, c], 1e-6, out));
+        for p in (0..=1000).map(|i| a + i as f64 / 1000.0 * (b - a)) {
+            let in_cells = l.to_cells(p);
+            let cell = [0, 1, 2].map(|axis| l.cell_at(axis, in_cells[axis]));
+            assert!(cells.contains(&(l.index(cell) as u32)), "{k}");
+        }
+    }
+}
+
+#[test]
+fn a_needle_whose_short_side_is_a_few_roundings_is_inserted_along_its_whole_length() {
+    let l = lattice();
+    for k in 0..343 {
+        let (a, b) = (DVec3::new(0.1, 0.3, 0.05), DVec3::new(1.9, 3.0 + 0.002 * f64::from(k), 0.8));
+        let ulps = [k % 7, k / 7 % 7, k / 49].map(|i| f64::from(i - 3) * f64::EPSILON);
+        let c = b * (1.0 + DVec3::from_array(ulps));
+        for corners in [[a, b, c], [b, c, a], [c, a, b], [b, a, c]] {
+            let cells = cells_of(|out| of_triangle(&l, corners, 1e-6, out));
+            for p in (0..=1000).map(|i| a + f64::from(i) / 1000.0 * (b - a)) {
+                let in_cells = l.to_cells(p);
+                let cell = [0, 1, 2].map(|axis| l.cell_at(axis, in_cells[axis]));
+                assert!(cells.contains(&(l.index(cell) as u32)), "{k} {corners:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_triangle_is_inserted_into_padded_cells_that_it_only_comes_near() {
+    let (l, padding) = (lattice(), 0.25);
+    let corners = [[1.1, 0.3, 0.2], [7.3, 6.9, 2.2], [2.7, 4.4, 7.7]].map(DVec3::from);
+    let cells = cells_of(|out| of_triangle(&l, corners.map(|cell| cell * l.cell_size), padding, out));
+    for at in points(corners) {
+        for near in
+            (0..8).map(|i| at + 0.24 * DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * b as f64 - 1.0)))
+        {
+            let cell = [0, 1, 2].map(|axis| l.cell_at(axis, near[axis]));
+            assert!(cells.contains(&(l.index(cell) as u32)), "{near}");
+        }
+    }
+}
+
+#[test]
+fn a_triangle_in_a_layer_is_not_inserted_beside_its_outline() {
+    let l = lattice();
+    let corner = |cells: [f64; 3]| l.cell_size * DVec3::from_array(cells);
+    for axis in 0..3 {
+        let turned = |mut cells: [f64; 3]| {
+            cells.rotate_right(axis);
+            corner(cells)
+        };
+        let corners = [[0.5, 0.5, 2.5], [7.5, 7.5, 2.5], [7.4, 7.5, 2.5]].map(turned);
+        let cells = cells_of(|out| of_triangle(&l, corners, 1e-6, out));
+        assert!((8..=22).contains(&cells.len()), "{axis} {}", cells.len());
+    }
+}
+
+#[test]
+fn cells_are_padded_by_the_face_error_bound_and_that_of_positions() {
+    let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [4096, 2, 3]);
+    let more = padding(&lattice) - face_error_bound(&lattice);
+    assert!((0.9 * POSITION_ERROR_BOUND..1.1 * POSITION_ERROR_BOUND).contains(&more), "{more}");
+}
+
+/// `proofs/box8.g` assumes it for the boxes of trees, which end at the corners of padded cells. Cells far from the
+/// origin are not smaller than `widened` makes them.
+#[test]
+fn the_corners_of_cells_are_off_by_at_most_two_roundings_of_single_precision() {
+    let (rng, mut largest) = (&mut Rng(1), 0.0f64);
+    for _ in 0..20_000 {
+        let (min, extent) = (rng.vector(), libm::exp2(-60.0 * rng.unit()) * rng.vector().abs());
+        let bounds = widened(Aabb { min, max: min + extent });
+        let counts = [0, 1, 2].map(|_| 1 + rng.below(50));
+        let lattice = Lattice::new(bounds, counts);
+        let (scale, padding) = (Frame::new(&bounds).scale, padding(&lattice));
+        let cell = counts.map(|count| rng.below(count as u64));
+        let padded = lattice.box_of(lattice.index(cell), padding);
+        for axis in 0..3 {
+            let (first, count) = (bounds.min[axis], Dd::from(counts[axis] as f64));
+            let whole = Dd::difference(bounds.max[axis], first);
+            let off = |corner: f64, cells: Dd| {
+                (Dd::difference(corner, first) * count - cells * whole).value() / count.value() * scale
+            };
+            let cells = [cell[axis], cell[axis] + 1].map(|cells| Dd::from(cells as f64));
+            let below = off(padded.min[axis], cells[0] - padding.into());
+            let above = off(padded.max[axis], cells[1] + padding.into());
+            largest = largest.max(below.abs()).max(above.abs());
+        }
+    }
+    let roundings = largest * libm::exp2(24.0);
+    assert!((0.5..=2.0).contains(&roundings), "{roundings}");
+}
+
+/// In a flat lattice, how far the faces along y lie, in cells, from where an exact ray is at the t at which the
+/// DDA crosses them.
+fn largest_position_error(lattice: &Lattice, ray: &Ray) -> Option<f64> {
+    let (mut dda, [entry, exit]) = Dda::of_ray(lattice, ray)?;
+    let t_per_unit = Dd::from(1.0 / (T_ONE / (exit - entry)));
+    let y = |unit: i32| {
+        let t = Dd::from(entry) + Dd::from(f64::from(unit)) * t_per_unit;
+        let from_min = Dd::from(ray.origin.y) + t * ray.direction.y.into() - lattice.bounds.min.y.into();
+        (from_min * (lattice.cells()[1] as f64).into()).value() / lattice.bounds.extent().y
+    };
+    let mut largest = 0.0f64;
+    loop {
+        let [cell, unit] = [lattice.cell_of(dda.index()), DVec3::splat(f64::from(dda.exit()))];
+        dda.step();
+        let next = lattice.cell_of(dda.index());
+        if next.x != cell.x || next.z != cell.z {
+            return Some(largest);
+        }
+        largest = largest.max((y(unit.x as i32) - next.y.max(cell.y)).abs());
+        if !(0.0..lattice.cells()[1] as f64).contains(&next.y) {
+            return Some(largest);
+        }
+    }
+}
+
+/// A ray from as far away as it may come, where rounding errors are those just above a power of two: a corner and
+/// the extent of a lattice, the ray's origin, where in the lattice it is aimed, and the length of its direction.
+fn from_far_away(rng: &mut Rng) -> Input<5> {
+    let extent = DVec3::new(1e5, CELLS as f64 * (1.0 + rng.unit()), 1e5);
+    let min = DVec3::new(0.0, rng.signed(), 0.0);
+    let far = MAX_ORIGIN_CELLS * extent.y / CELLS as f64;
+    let origin = min + far * DVec3::new(0.3, 1.0 - 1e-9 * rng.unit(), 0.2);
+    [min, extent, origin, DVec3::splat(0.5), DVec3::splat(1.0 + rng.unit())]
+}
+
+const CELLS: usize = 7;
+
+/// The largest error of a crossing, in roundings of the largest distance in cells.
+fn crossing(&[min, extent, origin, part, length]: &Input<5>) -> Option<f64> {
+    let lattice = Lattice::new(Aabb { min, max: min + extent }, [1, CELLS, 1]);
+    let farthest = MAX_ORIGIN_CELLS * lattice.cell_size.min_element();
+    let is_within = (origin - (min + 0.5 * extent)).abs().max_element() <= farthest;
+    let is_aimed = part.min_element() > 0.0 && part.max_element() < 1.0 && length.x > 1e-3 && extent.y > 1e-3;
+    if !(is_within && is_aimed) {
+        return None;
+    }
+    let ray = Ray::new(origin, length.x * (min + part * extent - origin));
+    Some(largest_position_error(&lattice, &ray)? / (MAX_ORIGIN_CELLS * UNIT_ROUNDOFF))
+}
+
+/// A ray along a diagonal from the origin, and a sphere ahead at a distance of about one.
+fn sphere_far_away(rng: &mut Rng) -> Input<3> {
+    let diagonal = DVec3::ONE + 1e-2 * rng.vector();
+    [1e-3 * rng.vector(), diagonal, diagonal + DVec3::splat(1e-3).with_x(0.1 * rng.unit())]
+}
+
+/// The distance of a sphere's hit from its surface, in roundings of the origin's largest distance
+/// from its centre along an axis.
+fn off_sphere(&[origin, direction, place]: &Input<3>) -> Option<f64> {
+    let sphere = Sphere { center: place, radius: 1e-2 };
+    let t = sphere.intersect(&Ray::new(origin, direction))?;
+    let from_center = difference(origin, sphere.center);
+    let at = [0, 1, 2].map(|k| from_center[k] + Dd::from(t) * direction[k].into());
+    let radius = Dd::from(sphere.radius);
+    let off = (dot(at, at) - radius * radius).value() / (2.0 * sphere.radius);
+    Some(off.abs() / ((origin - sphere.center).abs().max_element() * UNIT_ROUNDOFF))
+}
+
+/// The errors of crossings and of hits are of different roundings, so that a ray can have both. Other than spheres,
+/// what is hit is less far from where it seems to be.
+#[test]
+fn crossings_and_hits_of_rays_from_far_away_need_half_of_the_padding() {
+    let (crossing, _) = search(16, 60_000, from_far_away, crossing);
+    let (hit, _) = search(16, 200_000, sphere_far_away, off_sphere);
+    let padding = POSITION_ERROR_BOUND / (MAX_ORIGIN_CELLS * UNIT_ROUNDOFF);
+    println!(
+        "crossings are off by {crossing:.2} roundings and hits by {hit:.2}, of a padding of {padding:.2}"
+    );
+    assert!((0.5..1.0).contains(&((crossing + hit) / padding)), "{crossing} {hit} {padding}");
+}

@@ -1,0 +1,187 @@
+//! The lattice of a uniform grid: how a box is divided into cells, and how the cells are indexed. Insertion
+//! and traversal are built on it; it knows nothing of primitives.
+
+use crate::base::memory;
+use crate::caster::bounds::SimdAabb;
+use crate::math::aabb::Aabb;
+use glam::DVec3;
+use std::fmt;
+use std::ops::Range;
+
+/// The error of building a grid: its cells or their contents do not fit into memory or into their indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridTooLarge;
+
+impl fmt::Display for GridTooLarge {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "the grid does not fit into memory: use fewer cells")
+    }
+}
+
+impl std::error::Error for GridTooLarge {}
+
+/// The division of a box into cells.
+///
+/// The cells are surrounded by a border one cell thick, so that the traversal ends when it reads a border
+/// cell and needs no bounds test. Indices include the border: cell (i, j, k), counted from 0, has the index
+/// `(i + 1) + (nx + 2) ((j + 1) + (ny + 2) (k + 1))`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lattice {
+    /// The box that is divided.
+    pub bounds: Aabb,
+    cells: [usize; 3],
+    /// The edge lengths of a cell.
+    pub cell_size: DVec3,
+    /// For the traversal.
+    pub(super) tables: DdaTables,
+}
+
+/// What every traversal of a lattice needs, computed once. The fourth lanes are not used.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DdaTables {
+    pub simd_bounds: SimdAabb,
+    pub cell_size: [f64; 4],
+    pub cells_per_unit: [f64; 4],
+    /// The coordinate of the last cell along each axis.
+    pub last_cell: [f64; 4],
+    /// The difference of the indices of neighbouring cells along each axis.
+    pub strides: [u32; 3],
+    /// What a step adds to the index, by the set of axes along which the ray's direction is negative and by
+    /// the set of axes that do not step (bit 0 for x). Bit 3 of the latter belongs to the unused lane and has
+    /// no effect.
+    pub step_offsets: [[isize; 16]; 8],
+}
+
+impl Lattice {
+    /// Divides a box of positive extent into this number of cells along each axis, which must be at least
+    /// one.
+    pub fn new(bounds: Aabb, cells: [usize; 3]) -> Self {
+        let count = DVec3::from_array(cells.map(|n| n as f64));
+        let extent = bounds.extent();
+        let (cell_size, cells_per_unit) = (extent / count, count / extent);
+        let [nx, ny, _] = cells;
+        let strides = [1, nx + 2, (nx + 2) * (ny + 2)];
+        let step_offset = |negative_axes: usize, unstepped: usize| -> isize {
+            let steps = (0..3).filter(|axis| unstepped >> axis & 1 == 0);
+            steps.map(|axis| strides[axis] as isize * (1 - 2 * (negative_axes >> axis & 1) as isize)).sum()
+        };
+        let tables = DdaTables {
+            simd_bounds: SimdAabb::new(&bounds),
+            cell_size: cell_size.extend(1.0).to_array(),
+            cells_per_unit: cells_per_unit.extend(1.0).to_array(),
+            last_cell: (count - 1.0).extend(0.0).to_array(),
+            strides: strides.map(|stride| stride as u32),
+            step_offsets: std::array::from_fn(|negative_axes| {
+                std::array::from_fn(|unstepped| step_offset(negative_axes, unstepped))
+            }),
+        };
+        Self { bounds, cells, cell_size, tables }
+    }
+
+    /// The number of cells along each axis without the border, at least one. It never changes, since a
+    /// traversal relies on it for memory safety.
+    pub fn cells(&self) -> [usize; 3] {
+        self.cells
+    }
+
+    /// The number of indices, including those of the border.
+    pub fn index_count(&self) -> usize {
+        self.cells.iter().map(|n| n + 2).product()
+    }
+
+    /// An error when the indices, including those of the border, do not fit into 32 bits.
+    pub fn fits(&self) -> Result<(), GridTooLarge> {
+        let sides = self.cells.map(|n| n as u128 + 2);
+        if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
+    }
+
+    /// Asks for the memory of an entry for each index, where they fit.
+    pub fn ask_for_entries(&self) -> Result<(), GridTooLarge> {
+        self.fits()?;
+        memory::ask((self.index_count() * size_of::<u32>()) as u64).map_err(|_| GridTooLarge)
+    }
+
+    /// The difference of the indices of neighbouring cells along each axis.
+    pub fn strides(&self) -> [usize; 3] {
+        let [nx, ny, _] = self.cells;
+        [1, nx + 2, (nx + 2) * (ny + 2)]
+    }
+
+    /// The index of the cell with these coordinates.
+    pub fn index(&self, cell: [usize; 3]) -> usize {
+        let [sx, sy, sz] = self.strides();
+        (cell[0] + 1) * sx + (cell[1] + 1) * sy + (cell[2] + 1) * sz
+    }
+
+    /// The contiguous index ranges of the cells along x, in ascending order. The border is left out.
+    pub fn x_runs(&self) -> impl DoubleEndedIterator<Item = Range<usize>> {
+        let [nx, ny, nz] = self.cells;
+        let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| self.index([0, y, z])));
+        starts.map(move |start| start..start + nx)
+    }
+
+    /// The coordinates of the cell with this index, that is, its lower corner in units of cells. A coordinate
+    /// is -1 or the number of cells on the border.
+    pub fn cell_of(&self, index: usize) -> DVec3 {
+        let [_, sy, sz] = self.strides();
+        DVec3::from_array([index % sy, index % sz / sy, index / sz].map(|i| i as f64 - 1.0))
+    }
+
+    /// The cell with this index, padded by so many cells on each side.
+    pub fn box_of(&self, index: usize, padding: f64) -> Aabb {
+        let cell = self.cell_of(index);
+        let point = |cells: DVec3| self.bounds.min + cells * self.cell_size;
+        Aabb { min: point(cell - padding), max: point(cell + (1.0 + padding)) }
+    }
+
+    /// A point in units of cells, relative to the lower corner of the lattice.
+    pub fn to_cells(&self, point: DVec3) -> DVec3 {
+        let [x, y, z, _] = self.tables.cells_per_unit;
+        (point - self.bounds.min) * DVec3::new(x, y, z)
+    }
+
+    /// The cell along `axis` that contains a coordinate given in units of cells: the nearest one for a
+    /// coordinate outside, and the first for a NaN.
+    pub fn cell_at(&self, axis: usize, coordinate: f64) -> usize {
+        // The conversion saturates at 0, and maps NaN to 0.
+        (coordinate as usize).min(self.cells[axis] - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lattice(cells: [usize; 3]) -> Lattice {
+        Lattice::new(Aabb { min: DVec3::new(1.0, 2.0, 3.0), max: DVec3::new(2.0, 4.0, 6.0) }, cells)
+    }
+
+    #[test]
+    fn the_last_index_is_that_of_the_last_corner_of_the_border() {
+        let lattice = lattice([5, 3, 4]);
+        let [sx, sy, sz] = lattice.strides();
+        assert_eq!(lattice.index([4, 2, 3]) + sx + sy + sz + 1, lattice.index_count());
+    }
+
+    #[test]
+    fn indices_must_be_less_than_the_largest_number_of_32_bits() {
+        // 255 * 257 * 65537 = 2^32 - 1.
+        assert_eq!(lattice([253, 255, 65535]).fits(), Err(GridTooLarge));
+        assert_eq!(lattice([253, 255, 65534]).fits(), Ok(()));
+    }
+
+    #[test]
+    fn the_box_of_a_cell_is_padded_in_units_of_cells() {
+        let lattice = lattice([4, 2, 6]);
+        let bounds = lattice.box_of(lattice.index([3, 0, 2]), 0.25);
+        assert_eq!(bounds.min, DVec3::new(1.6875, 1.75, 3.875));
+        assert_eq!(bounds.max, DVec3::new(2.0625, 3.25, 4.625));
+    }
+
+    #[test]
+    fn points_have_coordinates_in_cells_and_those_outside_have_the_nearest_cells() {
+        let lattice = lattice([4, 2, 6]);
+        assert_eq!(lattice.to_cells(DVec3::new(1.25, 2.5, 5.0)), DVec3::new(1.0, 0.5, 4.0));
+        assert_eq!([-3.0, 0.5, 3.75, 4.0, 1e9].map(|x| lattice.cell_at(0, x)), [0, 0, 3, 3, 3]);
+    }
+}

@@ -1,0 +1,2 @@
+mod exact_product;
+mod double_double;

@@ -1,0 +1,3 @@
+mod scaled;
+mod exact_sum;
+mod predicate;

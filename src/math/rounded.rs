@@ -1,0 +1,119 @@
+//! Affine maps and points of surfaces with bounds on their rounding errors.
+
+use super::robust::{UNIT_ROUNDOFF, determinant_sign};
+use glam::{DAffine3, DMat3, DVec3};
+use std::ops::Mul;
+
+/// An affine map as it is computed, and how far the exact one may be from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoundedAffine {
+    /// The map as it is computed.
+    pub map: DAffine3,
+    /// The largest error of each of its numbers.
+    pub error: DAffine3,
+    /// The sign of its determinant, -1, 0 or 1. It is exact: the product of the signs of its factors' determinants.
+    pub orientation: i32,
+}
+
+/// The error bound of each number of a product, in roundings of the same number of the product of absolute values: four
+/// roundings for three products, two sums and the translation, and one for the bound's own arithmetic.
+const PRODUCT_ROUNDINGS: f64 = 5.0;
+
+/// The error bound of a computed coordinate of an image, in roundings of the sum of absolute values that it is computed
+/// from: four for three products and three sums, and the rest for the numbers that an author writes, which are rounded,
+/// too.
+pub const IMAGE_ROUNDINGS: f64 = 16.0;
+
+impl RoundedAffine {
+    /// The identity.
+    pub const IDENTITY: Self = Self { map: DAffine3::IDENTITY, error: DAffine3::ZERO, orientation: 1 };
+
+    /// A map without errors.
+    pub fn exact(map: DAffine3) -> Self {
+        Self { map, error: DAffine3::ZERO, orientation: determinant_sign(map.matrix3) }
+    }
+
+    /// The error bound of the images of points whose errors along any axis are at most the first number, and the second
+    /// one more for each unit of the sum of their coordinates' absolute values: along any axis, in the same form.
+    pub fn image_error(&self, [at_origin, per_distance]: [f64; 2]) -> [f64; 2] {
+        let (sizes, error) = (absolute(self.map), self.error);
+        let rows = sizes.matrix3 * DVec3::ONE;
+        let widest = rows.max_element();
+        let rounding = IMAGE_ROUNDINGS * UNIT_ROUNDOFF;
+        let of_translation = (error.translation + sizes.translation * rounding).max_element();
+        let of_matrix =
+            (error.matrix3 + sizes.matrix3 * rounding).to_cols_array().into_iter().fold(0.0, f64::max);
+        [widest * at_origin + of_translation, widest * per_distance + of_matrix]
+    }
+
+    /// Whether all numbers of the map are finite.
+    pub fn is_finite(&self) -> bool {
+        self.map.is_finite()
+    }
+}
+
+impl From<DAffine3> for RoundedAffine {
+    fn from(map: DAffine3) -> Self {
+        Self::exact(map)
+    }
+}
+
+/// The composition: the right one acts first.
+impl Mul for RoundedAffine {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        match (self == Self::IDENTITY, other == Self::IDENTITY) {
+            (true, _) => other,
+            (_, true) => self,
+            _ => Self {
+                map: self.map * other.map,
+                error: product_error(self, other),
+                orientation: self.orientation * other.orientation,
+            },
+        }
+    }
+}
+
+/// The error bound of a product: |A| E + D |B| + D E for factors with the errors D and E, and the roundings.
+fn product_error(one: RoundedAffine, other: RoundedAffine) -> DAffine3 {
+    let (a, b, d, e) = (absolute(one.map), absolute(other.map), one.error, other.error);
+    let linear = a.matrix3 * e.matrix3 + d.matrix3 * (b.matrix3 + e.matrix3);
+    let translation = a.matrix3 * e.translation + d.matrix3 * (b.translation + e.translation) + d.translation;
+    let (sizes, rounding) = (a * b, PRODUCT_ROUNDINGS * UNIT_ROUNDOFF);
+    DAffine3 {
+        matrix3: linear + sizes.matrix3 * rounding,
+        translation: translation + sizes.translation * rounding,
+    }
+}
+
+/// The map with the absolute value of each number.
+pub fn absolute(map: DAffine3) -> DAffine3 {
+    let DMat3 { x_axis, y_axis, z_axis } = map.matrix3;
+    DAffine3 {
+        matrix3: DMat3::from_cols(x_axis.abs(), y_axis.abs(), z_axis.abs()),
+        translation: map.translation.abs(),
+    }
+}
+
+/// A point of a surface as it is computed.
+#[derive(Clone, Copy)]
+pub struct RoundedPoint<'a> {
+    /// The point as it is computed.
+    pub position: DVec3,
+    /// How far along each axis it may be from the surface as the scene describes it. It is computed where it is needed.
+    pub error: &'a dyn Fn() -> DVec3,
+    /// A point that is farther from a boundary in the space of a checkerboard is certainly on its side of it, whatever
+    /// its error is.
+    pub boundary_width: f64,
+}
+
+/// A point that lies on its surface exactly.
+impl From<DVec3> for RoundedPoint<'_> {
+    fn from(position: DVec3) -> Self {
+        Self { position, error: &|| DVec3::ZERO, boundary_width: f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,3 @@
+mod f64x4;
+mod lanes;
+mod exp;

@@ -1,0 +1,186 @@
+//! Infinite planes. They have no bounds, so every ray is tested against each of them.
+//!
+//! Planes in one place have the same numbers, so that rays hit them at the same t, and parallel ones under the same
+//! transforms the same normal, so that they never cross. Planes under the same transforms are compared in object space,
+//! where nothing is rounded but the numbers of the text: so they are told apart however strongly the transforms scale.
+//! Others are compared in world space, by their error bounds.
+
+use super::coincidence::WRITTEN_ROUNDINGS;
+use super::placement::Placement;
+use super::point_error::PlaneError;
+use crate::diagnostic::Diagnostic;
+use crate::math::double_double::{Dd, dot};
+use crate::math::ray::Ray;
+use crate::math::robust::{self, UNIT_ROUNDOFF};
+use glam::{DAffine3, DVec3};
+
+/// The points p with `normal . p = offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// A unit vector.
+    pub normal: DVec3,
+    /// The distance from the origin along the normal.
+    pub offset: f64,
+}
+
+impl Plane {
+    /// The t where the ray crosses the plane. None where the ray is parallel to it, or where the direction is
+    /// too long for its product with the normal to be finite.
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let rate = self.normal.dot(ray.direction);
+        let t = self.ahead_of(ray.origin) / rate;
+        (ray.covers(t) && rate.is_finite()).then_some(t)
+    }
+
+    /// The signed distance from a point to the plane, positive where the normal points from it to the plane.
+    #[inline]
+    pub fn ahead_of(&self, point: DVec3) -> f64 {
+        self.offset - self.normal.dot(point)
+    }
+
+    /// The same points, with the normal to the other side.
+    pub fn reversed(self) -> Self {
+        Self { normal: -self.normal, offset: -self.offset }
+    }
+
+    /// The point of the plane nearest to `point`. This removes the rounding error of `origin + t * direction`
+    /// across the plane, so that a solid texture with a boundary in the plane does not flicker.
+    pub fn project(&self, point: DVec3) -> DVec3 {
+        point - (self.normal.dot(point) - self.offset) * self.normal
+    }
+}
+
+/// The largest sine of the angle between unit normals that may have been written as parallel: of each one
+/// [`WRITTEN_ROUNDINGS`], and as many for the sine.
+const PARALLEL_SINE: f64 = 3.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
+
+/// A plane in world space.
+#[derive(Clone, Copy)]
+pub(super) struct PlacedPlane {
+    pub plane: Plane,
+    /// A vector along the normal, before it is rounded to unit length.
+    pub direction: DVec3,
+    pub error: PlaneError,
+}
+
+/// A plane in object space, and the transforms around it.
+struct WrittenPlane {
+    matrix: Option<DAffine3>,
+    plane: Plane,
+}
+
+/// The planes that are placed already.
+#[derive(Default)]
+pub(super) struct PlacedPlanes(Vec<(WrittenPlane, PlacedPlane)>);
+
+impl PlacedPlanes {
+    /// Places the next plane. Transforms that flatten it are an error.
+    pub fn place(
+        &mut self,
+        placement: &Placement,
+        (normal, offset): (DVec3, f64),
+    ) -> Result<PlacedPlane, Diagnostic> {
+        let matrix = placement.transform.map(|_| placement.matrix);
+        let mut written = WrittenPlane { matrix, plane: Plane { normal: robust::unit(normal), offset } };
+        let with_same_matrix = || self.0.iter().filter(|(earlier, _)| earlier.matrix == matrix);
+        let parallel = with_same_matrix().find_map(|(earlier, _)| written.aligned_with(&earlier.plane));
+        written.plane = parallel.unwrap_or(written.plane);
+        let same = with_same_matrix().find_map(|(earlier, _)| written.united_with(&earlier.plane));
+        written.plane = same.unwrap_or(written.plane);
+        let mut placed = placed(placement, normal, written.plane)?;
+        let others = self.0.iter().filter(|(earlier, _)| earlier.matrix != matrix);
+        let united = others.map(|(_, earlier)| earlier).find(|earlier| placed.coincides(earlier));
+        if let Some(earlier) = united {
+            placed.plane = facing(earlier.plane, placed.plane.normal);
+        }
+        self.0.push((written, placed));
+        Ok(placed)
+    }
+}
+
+impl WrittenPlane {
+    /// The plane with the normal of an earlier one, if they are parallel.
+    fn aligned_with(&self, earlier: &Plane) -> Option<Plane> {
+        let Plane { normal, offset } = self.plane;
+        let normal_of_both = facing(*earlier, normal).normal;
+        let is_parallel = normal.cross(normal_of_both).length() <= PARALLEL_SINE;
+        is_parallel.then_some(Plane { normal: normal_of_both, offset })
+    }
+
+    /// An earlier plane with the same normal, if it may have been written with the same offset.
+    fn united_with(&self, earlier: &Plane) -> Option<Plane> {
+        let earlier = facing(*earlier, self.plane.normal);
+        let apart = (self.plane.offset - earlier.offset).abs();
+        let is_same = earlier.normal == self.plane.normal
+            && apart <= WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * earlier.offset.abs();
+        is_same.then_some(earlier)
+    }
+}
+
+impl PlacedPlane {
+    /// Whether two planes agree within their errors, in their directions and at the point nearest to the origin.
+    fn coincides(&self, earlier: &Self) -> bool {
+        let rounding = WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
+        let tilt = earlier.plane.normal.cross(self.plane.normal).length();
+        let foot = earlier.plane.offset * earlier.plane.normal;
+        let apart = self.plane.ahead_of(foot).abs();
+        tilt <= earlier.error.tilt + self.error.tilt + rounding
+            && apart <= earlier.error.at(foot) + self.error.at(foot) + rounding * earlier.plane.offset.abs()
+    }
+}
+
+/// The plane with its normal to the side to which `direction` points.
+fn facing(plane: Plane, direction: DVec3) -> Plane {
+    if plane.normal.dot(direction) < 0.0 { plane.reversed() } else { plane }
+}
+
+/// A plane under the transforms around it. `normal` is the one of the text, which may have any length.
+fn placed(placement: &Placement, normal: DVec3, plane: Plane) -> Result<PlacedPlane, Diagnostic> {
+    if placement.transform.is_none() {
+        let error = PlaneError::as_written(normal);
+        return Ok(PlacedPlane { plane, direction: robust::rescaled(normal), error });
+    }
+    if placement.is_singular() {
+        return Err(placement.singular());
+    }
+    let in_world =
+        |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
+    let world_normal = robust::unit(in_world(plane.normal));
+    // The terms of the offset may be far larger than itself.
+    let offset = Dd::from(plane.offset);
+    let foot = plane.normal.to_array().map(|x| offset * Dd::from(x));
+    let foot = robust::transformed_precisely(&placement.matrix, foot);
+    let world_offset = dot(world_normal.to_array().map(Dd::from), foot).value();
+    let foot = DVec3::from_array(foot.map(Dd::value));
+    let error = PlaneError::transformed(placement, (normal, plane.offset), (world_normal, foot));
+    let plane = Plane { normal: world_normal, offset: world_offset };
+    Ok(PlacedPlane { plane, direction: robust::rescaled(in_world(normal)), error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parallel_ray_misses_even_inside_the_plane() {
+        let floor = Plane { normal: DVec3::Y, offset: 0.0 };
+        for y in [-1.0, 0.0, 1.0] {
+            assert_eq!(floor.intersect(&Ray::new(DVec3::new(0.0, y, 0.0), DVec3::X)), None);
+        }
+    }
+
+    #[test]
+    fn both_sides_are_hit() {
+        let floor = Plane { normal: DVec3::Y, offset: -1.0 };
+        assert_eq!(floor.intersect(&Ray::new(DVec3::Y, DVec3::NEG_Y)), Some(2.0));
+        assert_eq!(floor.intersect(&Ray::new(DVec3::splat(-3.0), DVec3::Y)), Some(2.0));
+        assert_eq!(floor.intersect(&Ray::new(DVec3::Y, DVec3::Y)), None);
+    }
+
+    #[test]
+    fn a_point_is_projected_along_the_normal() {
+        let plane = Plane { normal: DVec3::new(0.0, 0.6, 0.8), offset: -1.0 };
+        let projected = plane.project(DVec3::new(7.0, 5.0, 2.5));
+        assert!((projected - DVec3::new(7.0, 1.4, -2.3)).length() < 1e-15, "{projected}");
+    }
+}
