@@ -57,7 +57,7 @@ pub fn run(
     let options = &options.in_edition(loaded.choice.edition);
     check_distinct(written(options), read(input, options, &loaded)).map_err(refused)?;
     if let Some(note) = loaded.choice.note() {
-        log.tell(Diagnostic::note(note));
+        log.tell(note);
     }
     let reading = clock.lap();
     let pair = Pair::open(options, log)?;

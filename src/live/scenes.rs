@@ -6,7 +6,7 @@ use crate::diagnostic::Diagnostic;
 use crate::render::renderer::{Meshes, Renderer};
 use crate::scene::edition::{Choice, Edition};
 use crate::scene::load::{
-    self, FoundMesh, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
+    self, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
 };
 use crate::scene::mesh::{ObjFile, memory_for, read_obj};
 use crate::scene::texels::ImageFile;
@@ -132,7 +132,7 @@ impl Scenes {
                 }),
                 None => beside.read(file, is_textured),
             };
-            Ok(FoundMesh { content: content?, file: PathBuf::from(&file.name), warnings: vec![] })
+            Ok((ObjFile { doubts: vec![], ..content? }, PathBuf::from(&file.name)))
         };
         let read_image = |image: &ImageFile, _| {
             let known = first.scene.images.iter().find(|known| known.name == image.name);

@@ -394,7 +394,9 @@ impl Session {
             "bounds": renderer.bounds(),
             "is_unlit": renderer.scene.lights.is_empty(),
             "edition": choice.edition,
-            "note": choice.note().or_else(|| choice.doubt().map(|doubt| doubt.join("; "))),
+            "note": choice.note().or(choice.doubt()).map(|found| {
+                [Some(found.message), found.hint].into_iter().flatten().collect::<Vec<_>>().join("; ")
+            }),
             "defaults": { "bounces": defaults.bounces, "weight": defaults.min_weight },
         })
     }

@@ -2,6 +2,7 @@
 
 use super::lexer::Lexer;
 use super::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
+use crate::diagnostic::Diagnostic;
 use serde::{Serialize, Serializer};
 use std::fmt;
 
@@ -57,7 +58,6 @@ pub(super) fn editions_of(word: &str) -> Option<&'static [Edition]> {
 /// An edition, and what told it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
-    /// The edition.
     pub edition: Edition,
     /// The words of a sentence after `because of`; none if the edition was named, or is that of 2004.
     pub because: Option<String>,
@@ -66,28 +66,28 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// A note on an edition that the scene's words have told.
-    pub fn note(&self) -> Option<String> {
-        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| self.others.is_empty())?);
-        Some(format!(
-            "the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
-        ))
+    /// Returns a note on an edition that the scene's words have told.
+    pub fn note(&self) -> Option<Diagnostic> {
+        let because = self.because.as_ref().filter(|_| self.others.is_empty())?;
+        let taken =
+            format!("the scene is taken as one of the edition {}, because of {because}", self.edition);
+        Some(Diagnostic::note(taken + "; `-edition` names another"))
     }
 
-    /// A warning and its hint if the words leave the edition open.
-    pub fn doubt(&self) -> Option<[String; 2]> {
-        let others: Vec<String> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
-        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| !others.is_empty())?);
+    /// Returns a warning if the words leave the edition open.
+    pub fn doubt(&self) -> Option<Diagnostic> {
+        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| !self.others.is_empty())?);
+        let others: Vec<_> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
         let problem =
             format!("the scene is taken as one of the edition {edition}, but {because} may be of others");
-        Some([problem, format!("add `-edition {edition}`, or {} for another picture", others.join(" or "))])
+        let hint = format!("add `-edition {edition}`, or {} for another picture", others.join(" or "));
+        Some(Diagnostic::warning(problem).with_hint(hint))
     }
 }
 
 impl Edition {
     /// All editions, in the order of their years.
     pub const ALL: [Self; 5] = [Y2004, Y2012A4, Y2012A5, Y2019, Aalto];
-    /// Their names.
     pub const NAMES: [&'static str; 5] = ["2004", "2012a4", "2012a5", "2019", "aalto"];
 
     /// The name, as after `-edition`.

@@ -31,7 +31,6 @@ impl Material {
 /// A Blinn-Phong material, with the factors for reflected and refracted rays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Phong {
-    /// The diffuse colour.
     pub diffuse: Color,
     /// The colour of highlights.
     pub specular: Color,
@@ -61,7 +60,6 @@ impl Default for Phong {
 /// A solid texture: at every point a mixture of two earlier materials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// The pattern that determines the weights of the materials.
     pub pattern: Pattern,
     /// The map from world space to the texture's space.
     pub world_to_texture: RoundedAffine,
@@ -75,13 +73,9 @@ pub enum Pattern {
     /// Unit cubes that alternate between the two materials.
     Checkerboard,
     /// Perlin noise, summed over octaves.
-    Noise {
-        /// The number of octaves of noise.
-        octaves: u32,
-    },
+    Noise { octaves: u32 },
     /// Stripes along x, distorted by noise.
     Marble {
-        /// The number of octaves of noise.
         octaves: u32,
         /// The change of the pattern's phase over one unit of length, in radians.
         frequency: f64,
@@ -90,7 +84,6 @@ pub enum Pattern {
     },
     /// Rings around the y axis, distorted by noise.
     Wood {
-        /// The number of octaves of noise.
         octaves: u32,
         /// The change of the pattern's phase over one unit of length, in radians.
         frequency: f64,

@@ -15,7 +15,6 @@ use std::borrow::Cow;
 /// Vertices that no face uses are left out. Every coordinate is finite and every index is in range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// The positions of the vertices.
     pub vertices: Vec<DVec3>,
     /// The indices of each triangle's vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -34,7 +33,6 @@ pub type Corners = [DVec2; 3];
 /// What an OBJ file has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjFile {
-    /// The mesh.
     pub mesh: Mesh,
     /// The number of its `v` lines, with those of vertices that no face uses.
     pub vertices: usize,

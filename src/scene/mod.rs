@@ -7,10 +7,8 @@
 pub mod edition;
 mod filled_cells;
 pub(crate) mod foreign_format;
-mod keyword;
 pub mod lexer;
 pub mod limits;
-mod list;
 pub mod load;
 pub mod material;
 pub mod mesh;
@@ -18,12 +16,9 @@ mod object;
 pub mod model;
 mod obj_lines;
 mod obj_reader;
-mod open_object;
-mod parse_camera;
-mod parse_light;
 mod parse_material;
-mod parse_object;
-mod parse_primitive;
+mod parse_objects;
+mod parse_view;
 pub mod parser;
 mod plain_obj;
 mod polygon;
@@ -45,13 +40,9 @@ pub(crate) use transform::is_transformation;
 /// A scene, with everything that its file contains.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The camera.
     pub camera: Camera,
-    /// The background colour and the ambient light.
     pub background: Background,
-    /// The lights, in the order of the text.
     pub lights: Vec<Light>,
-    /// The materials, in the order of the text.
     pub materials: Vec<Material>,
     /// The position of each material's keyword in the text. A scene that a program makes may leave it empty.
     pub material_positions: Vec<Position>,
@@ -67,7 +58,6 @@ pub struct Scene {
     pub images: Vec<ImageFile>,
     /// What rays see that hit nothing, by indices into [`Scene::images`], if that is more than a colour.
     pub cube_map: Option<CubeFaces>,
-    /// What all of this means.
     pub model: Model,
 }
 
@@ -95,9 +85,7 @@ pub struct MeshFile {
 pub enum Camera {
     /// A camera whose rays are parallel.
     Orthographic {
-        /// The point at the middle of the picture.
         center: DVec3,
-        /// The viewing direction.
         direction: DVec3,
         /// The vector whose part perpendicular to the direction points up in the picture.
         up: DVec3,
@@ -106,9 +94,7 @@ pub enum Camera {
     },
     /// A camera whose rays start in one point.
     Perspective {
-        /// The point where the rays start.
         center: DVec3,
-        /// The viewing direction.
         direction: DVec3,
         /// The vector whose part perpendicular to the direction points up in the picture.
         up: DVec3,
@@ -117,7 +103,6 @@ pub enum Camera {
     },
 }
 
-/// The contents of the `Background` block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Background {
     /// The colour of rays that hit nothing.
@@ -133,7 +118,6 @@ impl Default for Background {
     }
 }
 
-/// A light source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
     /// Parallel light without attenuation.
@@ -145,7 +129,6 @@ pub enum Light {
     },
     /// Light from a point, attenuated by the factor 1 / (a0 + a1 d + a2 d^2) at the distance d.
     Point {
-        /// The position.
         position: DVec3,
         /// The colour before attenuation.
         color: Color,

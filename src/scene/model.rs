@@ -7,21 +7,14 @@ use glam::DVec3;
 /// How a scene is seen, lit and shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// How the view of a perspective camera is spread over the pixels.
     pub screen: Screen,
-    /// How lights are reflected.
     pub highlight: Highlight,
-    /// How the light is split that comes through a transparent surface and is mirrored there.
     pub split: Split,
     /// Rays that leave a surface overlook what is nearer than this. None is a few roundings, as the point asks for.
     pub epsilon: Option<f64>,
-    /// The normals of meshes.
     pub normals: MeshNormals,
-    /// The greys of distances.
     pub depths: Depths,
-    /// The colours of normals.
     pub normal_colors: NormalColors,
-    /// What colours show.
     pub shows: Shows,
 }
 
@@ -64,14 +57,13 @@ pub enum MeshNormals {
     Flat,
     /// Interpolated between the vertices.
     Smooth {
-        /// How the faces around a vertex count.
         weights: FaceWeights,
         /// Meshes of at most so many vertices are flat.
         flat_up_to: usize,
     },
 }
 
-/// How the faces around a vertex count for its normal.
+/// The weights of the faces around a vertex for its normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceWeights {
     /// By their areas.
@@ -101,7 +93,6 @@ pub enum NormalColors {
 /// What the picture of colours shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shows {
-    /// The scene.
     Scene,
     /// The place of each pixel: from 0 to 1, red grows to the right and green downwards, and blue is 1.
     Places,

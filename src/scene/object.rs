@@ -10,24 +10,17 @@ use std::sync::Arc;
 /// A node of the object tree.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Object {
-    /// A list of objects.
     Group(Vec<ObjectId>),
-    /// A transformed object.
     Transform {
         /// The map from the child's space to the parent's. It may be singular.
         matrix: RoundedAffine,
-        /// The object that is transformed.
         child: ObjectId,
         /// The position of the `Transform` in the text.
         at: Position,
     },
-    /// A sphere.
     Sphere {
-        /// The centre.
         center: DVec3,
-        /// The radius, which is positive.
         radius: f64,
-        /// The material of the surface.
         material: MaterialId,
     },
     /// The points p with n.p = `offset`, where n is `normal` scaled to unit length.
@@ -36,37 +29,29 @@ pub enum Object {
         normal: DVec3,
         /// The plane's distance from the origin along its normal.
         offset: f64,
-        /// The material of the surface.
         material: MaterialId,
     },
-    /// A triangle.
     Triangle {
         /// The corners, counter-clockwise seen from outside.
         vertices: [DVec3; 3],
-        /// The material of the surface.
         material: MaterialId,
     },
     /// The axis-aligned box of the 2003 edition.
     Box {
-        /// The corner with the smallest coordinates.
         min: DVec3,
-        /// The corner with the largest coordinates.
         max: DVec3,
-        /// The material of the surface.
         material: MaterialId,
     },
     /// The cells of the 2003 edition that a sphere fills.
     Grid {
         /// The faces between filled cells and others.
         surface: Arc<Mesh>,
-        /// The material of the surface.
         material: MaterialId,
     },
     /// A triangle mesh from a file.
     Mesh {
         /// The index of the file in [`Scene::meshes`](super::Scene::meshes).
         mesh: usize,
-        /// The material of the surface.
         material: MaterialId,
     },
 }
@@ -99,7 +84,6 @@ impl Object {
         }
     }
 
-    /// The same, to be changed.
     pub fn material_mut(&mut self) -> Option<&mut MaterialId> {
         match self {
             Self::Group(_) | Self::Transform { .. } => None,
