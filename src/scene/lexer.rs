@@ -11,14 +11,11 @@ use crate::base::escape::quoted;
 /// A word of the scene text. Its text is empty only at the end of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word<'a> {
-    /// The word as written.
     pub text: &'a str,
-    /// The position of its first character.
     pub at: Position,
 }
 
 impl Word<'_> {
-    /// Whether this represents the end of the text.
     pub fn is_end(&self) -> bool {
         self.text.is_empty()
     }
@@ -33,13 +30,11 @@ impl Word<'_> {
 pub struct Lexer<'a> {
     rest: &'a str,
     at: Position,
-    /// The position just after the last word returned. The end of the text is reported there, so that the
-    /// line shown in an error message contains words.
+    /// The position after the last word, where the end of the text is reported, so that the line shown has words.
     after_last_word: Position,
 }
 
 impl<'a> Lexer<'a> {
-    /// Starts at the beginning of a text.
     pub fn new(text: &'a str) -> Self {
         let start = Position { line: 1, column: 1 };
         Self { rest: text, at: start, after_last_word: start }
@@ -81,28 +76,20 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Advances by `bytes` bytes of the text and returns them.
+    /// Advances by some bytes of the text and returns them.
     fn advance(&mut self, bytes: usize) -> &'a str {
         let (passed, rest) = self.rest.split_at(bytes);
         let mut characters = passed.chars().peekable();
         while let Some(character) = characters.next() {
-            let ends_line = match character {
-                '\n' => true,
-                '\r' => characters.peek() != Some(&'\n'),
-                _ => false,
-            };
-            self.step(ends_line);
+            let ends_line = character == '\n' || character == '\r' && characters.peek() != Some(&'\n');
+            if ends_line {
+                self.at = Position { line: self.at.line.saturating_add(1), column: 1 };
+            } else {
+                self.at.column = self.at.column.saturating_add(1);
+            }
         }
         self.rest = rest;
         passed
-    }
-
-    fn step(&mut self, ends_line: bool) {
-        if ends_line {
-            self.at = Position { line: self.at.line.saturating_add(1), column: 1 };
-        } else {
-            self.at.column = self.at.column.saturating_add(1);
-        }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::scene::lexer::Lexer;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, ObjFile};
 use crate::scene::model::Shows;
-use crate::scene::parser::{Places, Reading, read_in};
+use crate::scene::parser::{Reading, read_in};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position, Scene};
 pub use named_files::mesh_places;
@@ -34,7 +34,6 @@ pub struct LoadedScene {
     pub source: Source,
     /// Warnings about its text and its meshes, at most 20 of each kind and the number of the others.
     pub warnings: Vec<Diagnostic>,
-    pub places: Places,
     /// The edition of the course in whose language it was read.
     pub choice: Choice,
 }
@@ -82,7 +81,7 @@ pub struct Hints {
 /// A scene's text, without a byte order mark, and the file that it comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// The file, as it was named.
+    /// The file as it was named.
     pub path: PathBuf,
     pub text: String,
 }
@@ -97,10 +96,7 @@ impl Source {
 /// Upper bound on the size of a scene that comes from a pipe or a device, which may have no end.
 const LONGEST_STREAM: u64 = 1 << 28;
 
-/// Reads the scene at `path` and every mesh that it names. `-` is standard input.
-///
-/// A mesh is looked for in the working directory and then beside the scene, and read once however
-/// often it is named. Errors: an unreadable or malformed scene, or mesh.
+/// Reads the scene at `path` and the files that it names. `-` is standard input. Errors: an unreadable or malformed file.
 pub fn load(path: &Path) -> Result<LoadedScene, Diagnostic> {
     load_with(path, &Hints::default())
 }
@@ -130,12 +126,12 @@ pub struct Readers<'a> {
 /// Reads a scene from its text, and the files that it names.
 pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, Diagnostic> {
     let (choice, reading) = read_words(&source.text, hints.edition).map_err(|error| source.locate(error))?;
-    let Reading { mut scene, warnings, places } = reading;
+    let Reading { mut scene, warnings } = reading;
     if hints.shows_places {
         scene.model.shows = Shows::Places;
     }
     let (meshes, mesh_files) = (vec![], vec![]);
-    let mut loaded = LoadedScene { scene, meshes, mesh_files, source, warnings, places, choice };
+    let mut loaded = LoadedScene { scene, meshes, mesh_files, source, warnings, choice };
     match loaded.read_files(readers) {
         Ok(()) => Ok(loaded),
         Err(error) => Err(loaded.source.locate(error)),
@@ -324,7 +320,7 @@ mod tests {
                     directory(&[("a.txt", &[comment, end, text.as_bytes(), comment].concat())]);
                 let found = load(&scene).unwrap();
                 assert_eq!(found.scene.objects.len(), 1);
-                assert_eq!(found.places.camera, Position { line: 2, column: 1 });
+                assert_eq!(found.scene.positions.camera, Position { line: 2, column: 1 });
             }
         }
     }

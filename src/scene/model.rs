@@ -24,10 +24,8 @@ pub enum Screen {
     /// The angle spans the longer side, from the outer edge of one pixel to that of another.
     LongerSide,
     /// The angle spans either side, from the centre of the first pixel to that of the last.
-    BothSides {
-        /// Whether the camera's `up` is the way up as it is written, neither of unit length nor across the direction.
-        up_as_written: bool,
-    },
+    /// With `up_as_written` the camera's `up` is neither made a unit vector nor made perpendicular to the direction.
+    BothSides { up_as_written: bool },
 }
 
 /// How lights are reflected.
@@ -53,12 +51,10 @@ pub enum Split {
 /// The normals of meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshNormals {
-    /// Those of the faces.
     Flat,
-    /// Interpolated between the vertices.
+    /// Interpolated between the vertices. Meshes of at most `flat_up_to` vertices are flat.
     Smooth {
         weights: FaceWeights,
-        /// Meshes of at most so many vertices are flat.
         flat_up_to: usize,
     },
 }
@@ -66,9 +62,7 @@ pub enum MeshNormals {
 /// The weights of the faces around a vertex for its normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceWeights {
-    /// By their areas.
     Area,
-    /// All alike.
     Equal,
 }
 

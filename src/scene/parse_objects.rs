@@ -6,7 +6,7 @@ use super::limits::SMALLEST_RADIUS;
 use super::material::Material;
 use super::parse_material::{PHONG_KINDS, parse_phong};
 use super::reader::{Announced, NamedFiles, Parsed, Reader};
-use super::transform::{parse_transformations, transformations};
+use super::transform::{TRANSFORMATIONS, is_at_transformation, parse_transformations};
 use super::{MaterialId, Object, ObjectId, Position};
 use crate::diagnostic::Diagnostic;
 use crate::math::rounded_affine::RoundedAffine;
@@ -129,7 +129,7 @@ impl ObjectTree {
                     if reader.is_at_any(&OBJECTS) {
                         return error.with_hint("a `Transform` holds one object; put several into a `Group`");
                     }
-                    if reader.is_at_any(transformations(reader.edition)) {
+                    if is_at_transformation(reader) {
                         return error.with_hint("transformations come before the object that they move");
                     }
                     error
@@ -234,7 +234,7 @@ fn missing_object(reader: &Reader<'_>) -> Diagnostic {
     if reader.is_at("MaterialIndex") || reader.is_at_any(&PHONG_KINDS) {
         return reader.unexpected(expected, &[]).with_hint("choose the material before the `Transform`");
     }
-    reader.unexpected(expected, &[transformations(reader.edition), OBJECTS.as_slice()].concat())
+    reader.unexpected(expected, &[&TRANSFORMATIONS[..], &OBJECTS].concat())
 }
 
 fn parse_center_and_radius(reader: &mut Reader<'_>) -> Parsed<(DVec3, f64)> {

@@ -7,7 +7,7 @@ use super::parse_objects::ObjectTree;
 use super::parse_view::{self, parse_lights};
 use super::reader::{Parsed, Reader};
 use super::texels::{CubeFaces, FACES, ImageFile};
-use super::{Background, Camera, Light, MeshFile, Object, ObjectId, Position, Scene};
+use super::{Background, Camera, Light, MeshFile, Object, ObjectId, Position, Positions, Scene};
 use crate::diagnostic::Diagnostic;
 
 const BLOCKS: [&str; 6] =
@@ -19,19 +19,10 @@ const NOUNS: [&str; 5] = ["camera", "`Background`", "list of lights", "list of m
 /// A scene with what its text says beyond it.
 #[derive(Clone, Debug)]
 pub struct Reading {
-    /// The scene. Its mesh files are named in it, but not opened.
+    /// The scene. The files that it names are not opened.
     pub scene: Scene,
     /// Warnings about the text, with their positions in it.
     pub warnings: Vec<Diagnostic>,
-    pub places: Places,
-}
-
-/// The positions of keywords in the text of a scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Places {
-    pub camera: Position,
-    /// In the order of [`Scene::lights`].
-    pub lights: Vec<Position>,
 }
 
 /// Parses a scene of 2004, as [`read_in`] does.
@@ -49,8 +40,8 @@ pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Diagnostic> {
     while !reader.peek().is_end() {
         blocks.parse_block(&mut reader)?;
     }
-    let (scene, places) = blocks.into_scene(&mut reader)?;
-    Ok(Reading { scene, warnings: reader.into_warnings(), places })
+    let scene = blocks.into_scene(&mut reader)?;
+    Ok(Reading { scene, warnings: reader.into_warnings() })
 }
 
 /// Parses the block of a camera alone. Errors: anything else, or anything after it.
@@ -76,7 +67,7 @@ struct Blocks {
     tree: ObjectTree,
     root: Option<ObjectId>,
     /// The position of the last block of each kind, in the order of [`KINDS`].
-    places: [Option<Position>; KINDS.len()],
+    positions: [Option<Position>; KINDS.len()],
 }
 
 impl Blocks {
@@ -100,7 +91,7 @@ impl Blocks {
     fn note_block(&mut self, reader: &mut Reader<'_>) {
         let at = reader.peek().at;
         let Some(kind) = KINDS.iter().position(|kind| reader.peek().text.ends_with(kind)) else { return };
-        if let Some(earlier) = self.places[kind].replace(at) {
+        if let Some(earlier) = self.positions[kind].replace(at) {
             let message = format!("a second {}: it replaces the one in line {}", NOUNS[kind], earlier.line);
             reader.replaced.push(Diagnostic::warning(message).at(at));
         }
@@ -116,7 +107,7 @@ impl Blocks {
     }
 
     /// Returns the scene. Errors: a missing block.
-    fn into_scene(mut self, reader: &mut Reader<'_>) -> Parsed<(Scene, Places)> {
+    fn into_scene(mut self, reader: &mut Reader<'_>) -> Parsed<Scene> {
         let end = reader.peek().at;
         let missing = |block| Diagnostic::error(format!("the scene has no {block}")).at(end);
         let camera = self.camera.ok_or_else(|| missing("camera"))?;
@@ -127,24 +118,27 @@ impl Blocks {
             None if reader.edition == Edition::Aalto => self.tree.add(Object::Group(vec![]), end),
             None => return Err(missing("group")),
         };
-        let (lights, places) = self.lights.into_iter().unzip();
+        let (lights, light_positions) = self.lights.into_iter().unzip();
         let meshes = self.tree.meshes.list.into_iter();
         let images = std::mem::take(&mut reader.images).list.into_iter();
-        let scene = Scene {
+        Ok(Scene {
             camera,
             background: self.background,
             lights,
             materials: self.tree.materials,
-            material_positions: self.tree.material_positions,
             objects: self.tree.objects,
-            positions: self.tree.positions,
             root,
             meshes: meshes.map(|(name, at)| MeshFile { name, at, ..MeshFile::default() }).collect(),
             images: images.map(|(name, at)| ImageFile { name, at, ..ImageFile::default() }).collect(),
             cube_map: self.cube_map,
             model: Model { shows, ..reader.edition.model() },
-        };
-        Ok((scene, Places { camera: self.places[0].unwrap_or_default(), lights: places }))
+            positions: Positions {
+                camera: self.positions[0].unwrap_or_default(),
+                lights: light_positions,
+                materials: self.tree.material_positions,
+                objects: self.tree.positions,
+            },
+        })
     }
 }
 

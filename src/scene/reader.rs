@@ -79,13 +79,12 @@ impl<'a> Reader<'a> {
         is_next
     }
 
-    /// Takes `keyword`, which the grammar requires here. Its values are read next.
+    /// Takes `keyword`, which the grammar requires here.
     pub fn keyword(&mut self, keyword: &'static str) -> Parsed<&mut Self> {
         if !self.is_at(keyword) {
             return Err(self.unexpected(&format!("`{keyword}`"), &[keyword]));
         }
         self.take();
-        self.field = keyword;
         Ok(self)
     }
 

@@ -12,11 +12,11 @@ use std::sync::Arc;
 /// A picture that a scene names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImageFile {
-    /// The name as written, with the face's file behind that of a cube map's folder.
+    /// The name as written; for a cube map, with the face's file behind the folder.
     pub name: String,
-    /// The position where the scene first names it.
+    /// The position where the scene names it first.
     pub at: Position,
-    /// Its contents, once it has been read.
+    /// Empty until it is read.
     pub texels: Arc<Texels>,
     /// Where it was found.
     pub file: Option<PathBuf>,

@@ -1,27 +1,24 @@
 //! Reads a list of transformations and composes them to one affine map.
 
-use super::edition::Edition;
 use super::reader::{Parsed, Reader};
 use crate::diagnostic::Diagnostic;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::rounded_affine::RoundedAffine;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The keywords that start a transformation in the editions of 2003 and 2004.
-pub const TRANSFORMATIONS: [&str; 8] =
-    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix"];
-/// Those of 2012 and later.
-const LATER: [&str; 8] =
-    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f"];
-
-/// The keywords that start a transformation in an edition.
-pub fn transformations(edition: Edition) -> &'static [&'static str] {
-    if edition.is_later() { &LATER } else { &TRANSFORMATIONS }
-}
+/// The keywords that start a transformation. `Matrix4f` is that of the editions of 2012 and later.
+pub const TRANSFORMATIONS: [&str; 9] =
+    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix", "Matrix4f"];
 
 /// Whether a word starts a transformation in any edition.
 pub(crate) fn is_transformation(word: &str) -> bool {
-    TRANSFORMATIONS.contains(&word) || LATER.contains(&word)
+    TRANSFORMATIONS.contains(&word)
+}
+
+/// Whether the next word starts a transformation in the edition that is read.
+pub fn is_at_transformation(reader: &Reader<'_>) -> bool {
+    let word = reader.peek().text;
+    is_transformation(word) && !reader.is_of_other_edition(word)
 }
 
 /// Reads transformations up to the first word that is not a keyword of one, and composes them as the course
@@ -32,8 +29,7 @@ pub(crate) fn is_transformation(word: &str) -> bool {
 /// overflows.
 pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     let mut product = RoundedAffine::IDENTITY;
-    let known = transformations(reader.edition);
-    while reader.is_at_any(known) {
+    while is_at_transformation(reader) {
         let at = reader.peek().at;
         product = if reader.is_at("Matrix") || reader.is_at("Matrix4f") {
             parse_matrix(reader)? * product
@@ -146,6 +142,7 @@ fn from_rows(rows: [[f64; 4]; 3]) -> DAffine3 {
 mod tests {
     use super::*;
     use crate::math::worst_case::Rng;
+    use crate::scene::edition::Edition;
     use num_rational::BigRational;
     use num_traits::{Signed, ToPrimitive, Zero};
 
