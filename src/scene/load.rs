@@ -114,13 +114,16 @@ pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> 
     load_text(source, hints, Readers { mesh: &mesh, image: &image })
 }
 
-/// Reads the files that a scene of an edition names, and tells where they are.
+/// The contents of a file that a scene names, and its path.
+pub type Found<T> = Result<(T, PathBuf), Diagnostic>;
+
+/// Reads the files that a scene of an edition names.
 #[derive(Clone, Copy)]
 pub struct Readers<'a> {
     /// Reads a mesh, with its texture coordinates if the last argument says so.
-    pub mesh: &'a dyn Fn(&MeshFile, Edition, bool) -> Result<(ObjFile, PathBuf), Diagnostic>,
+    pub mesh: &'a dyn Fn(&MeshFile, Edition, bool) -> Found<ObjFile>,
     /// Reads a picture.
-    pub image: &'a dyn Fn(&ImageFile, Edition) -> Result<(Arc<Texels>, PathBuf), Diagnostic>,
+    pub image: &'a dyn Fn(&ImageFile, Edition) -> Found<Arc<Texels>>,
 }
 
 /// Reads a scene from its text, and the files that it names.

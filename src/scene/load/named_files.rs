@@ -1,5 +1,6 @@
 //! The files that a scene names: where its meshes and pictures lie, what is in them, and which file a wrong name may mean.
 
+use super::Found;
 use crate::base::escape::{escape, quoted};
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::{Diagnostic, Place};
@@ -43,7 +44,7 @@ pub fn mesh_places(name: &str, scene_directory: &Path, edition: Edition) -> Vec<
 pub fn read_texels(
     ImageFile { name, at, .. }: &ImageFile,
     (folder, edition): (&Path, Edition),
-) -> Result<(Arc<Texels>, PathBuf), Diagnostic> {
+) -> Found<Arc<Texels>> {
     let mut places = mesh_places(name, folder, edition);
     let first = places.iter().position(|place| place.symlink_metadata().is_ok());
     let file = places.swap_remove(first.unwrap_or(0));
@@ -83,7 +84,7 @@ pub fn read_mesh(
     MeshFile { name, at, .. }: &MeshFile,
     (scene_directory, edition): (&Path, Edition),
     is_textured: bool,
-) -> Result<(ObjFile, PathBuf), Diagnostic> {
+) -> Found<ObjFile> {
     let mut tried = Vec::new();
     for place in mesh_places(name, scene_directory, edition) {
         match read_mesh_file(&place)? {
