@@ -43,6 +43,7 @@ pub mod diagnostic;
 pub mod math;
 pub mod picture;
 pub mod image_io;
+#[doc(hidden)]
 pub mod scene;
 pub mod stats;
 #[doc(hidden)]

@@ -3,7 +3,7 @@
 use super::log::Log;
 use super::progress::ProgressLine;
 use super::signals::Signals;
-use super::{End, Outcome, refused, threads, warnings};
+use super::{End, Outcome, refused, threads};
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
 use raytracer::base::escape::quoted;
@@ -86,8 +86,7 @@ fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(
     let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
     check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))
         .map_err(refused)?;
-    let note = loaded.choice.note().map(Diagnostic::note);
-    let said = [no_lights(&loaded.scene), note, warnings::open_edition(&loaded.choice)];
+    let said = [no_lights(&loaded.scene), loaded.choice.note(), loaded.choice.doubt()];
     said.into_iter().flatten().for_each(|found| log.tell(found));
     let options = options.in_edition(loaded.choice.edition);
     // Other octaves are other scenes with the same meshes.

@@ -22,7 +22,6 @@ use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::scene::edition::Edition;
 use raytracer::scene::load::{LoadedScene, load_with};
-use raytracer::scene::parser::Places;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
@@ -57,17 +56,16 @@ pub fn run(
     let options = &options.in_edition(loaded.choice.edition);
     check_distinct(written(options), read(input, options, &loaded)).map_err(refused)?;
     if let Some(note) = loaded.choice.note() {
-        log.tell(Diagnostic::note(note));
+        log.tell(note);
     }
     let reading = clock.lap();
     let pair = Pair::open(options, log)?;
 
     // Prepare.
     let mut doubts = warnings::about_scene(&mut loaded, options);
-    let places = std::mem::take(&mut loaded.places);
     let renderer = Renderer::new(loaded, meshes(options))?;
     if !options.visualize_grid {
-        doubts.extend(lights_without_effect(&renderer.scene, renderer.world(), &places, &options.effects));
+        doubts.extend(lights_without_effect(&renderer.scene, renderer.world(), &options.effects));
     }
     let warn = |doubts: Vec<Diagnostic>| warnings::say(doubts, options, &renderer.source, log);
     warn(doubts)?;
@@ -88,7 +86,7 @@ pub fn run(
     let mut products = begin(pictures, kept, &prepared, &request)?;
 
     // Render rows.
-    let run = Run { options, argv, prepared: &prepared, request: &request, places: &places, signals, log };
+    let run = Run { options, argv, prepared: &prepared, request: &request, signals, log };
     let counts = match run.render_rows(&mut products)? {
         Ok(counts) => counts,
         Err(rows) => return Err(run.stop(products, rows)),
@@ -192,7 +190,6 @@ struct Run<'r> {
     argv: &'r [OsString],
     prepared: &'r Prepared<'r>,
     request: &'r Request,
-    places: &'r Places,
     signals: &'r Signals,
     log: &'r Log,
 }
@@ -245,7 +242,7 @@ impl Run<'_> {
 
     fn nothing_visible(&self) -> Option<Diagnostic> {
         let signals = self.signals;
-        nothing_visible(self.prepared, self.request, self.places, &|_| signals.goes_on())
+        nothing_visible(self.prepared, self.request, &|_| signals.goes_on())
     }
 
     fn report(&self, counts: Counts, timings: Timings) -> stats::Report {

@@ -5,7 +5,7 @@ use super::log::Log;
 use raytracer::cli::{Comparison, Options};
 use raytracer::diagnostic::{Diagnostic, Severity};
 use raytracer::render::{Layer, Request};
-use raytracer::scene::edition::{Choice, Edition};
+use raytracer::scene::edition::Edition;
 use raytracer::scene::load::{LoadedScene, Source};
 use raytracer::tools::warnings;
 use raytracer::trace::Effects;
@@ -28,7 +28,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     // The user has not asked for the bounces of an edition.
     let effects = &Effects { bounces: options.given.bounces.unwrap_or(0), ..options.effects };
     let mut found = std::mem::take(&mut loaded.warnings);
-    found.extend(open_edition(&loaded.choice));
+    found.extend(loaded.choice.doubt());
     let no_lights = warnings::no_lights(scene);
     found.extend(match options.strict {
         true => no_lights.map(|_| Diagnostic::error("the scene has no lights")),
@@ -55,12 +55,6 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     found.extend(warnings::sampling_without_effect(&request));
     found.extend(warnings::narrow_filter(&request));
     found
-}
-
-/// Warns if nothing tells the edition of a scene.
-pub fn open_edition(choice: &Choice) -> Option<Diagnostic> {
-    let [problem, hint] = choice.doubt()?;
-    Some(Diagnostic::warning(problem).with_hint(hint))
 }
 
 /// Whether the colours of pixels are computed for anything that the run leaves behind, or shows.

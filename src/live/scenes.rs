@@ -7,7 +7,7 @@ use crate::image_io::ReadFile;
 use crate::render::renderer::{Meshes, Renderer};
 use crate::scene::edition::{Choice, Edition};
 use crate::scene::load::{
-    self, FoundMesh, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
+    self, Found, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
 };
 use crate::scene::mesh::{ObjFile, memory_for, read_obj};
 use crate::scene::texels::ImageFile;
@@ -117,7 +117,7 @@ impl Scenes {
     }
 
     /// Returns a mesh that the command line's scene names. It may lie anywhere.
-    fn known_mesh(&self, name: &str) -> Option<FoundMesh> {
+    fn known_mesh(&self, name: &str) -> Option<(ObjFile, PathBuf)> {
         let OpenScene { renderer, files, .. } = &*self.first;
         let index = renderer.scene.meshes.iter().position(|known| known.name == name)?;
         let known = &renderer.scene.meshes[index];
@@ -127,7 +127,7 @@ impl Scenes {
             texture_coordinates: known.texture_coordinates.to_vec(),
             doubts: vec![],
         };
-        Some(FoundMesh { content, file: files[index].1.clone(), warnings: vec![] })
+        Some((content, files[index].1.clone()))
     }
 
     /// Reads a mesh in the scene's folder or below it; no way leads out of there, nor does a link. `left` has the numbers
@@ -138,7 +138,7 @@ impl Scenes {
         is_textured: bool,
         left: &Cell<(usize, u64)>,
         stop: &Stop,
-    ) -> Result<FoundMesh, Diagnostic> {
+    ) -> Found<ObjFile> {
         let refused = |reason: &str| mesh_unreadable(name, *at, &[(name.clone(), reason.into())]);
         let failed = |error: std::io::Error| refused(&error.to_string());
         if stop.is_over() {
@@ -162,7 +162,7 @@ impl Scenes {
         memory::ask(memory_for(found.len()))?;
         let bytes = fs::read(&file).map_err(failed)?;
         let content = read_obj(&bytes, is_textured).map_err(|error| in_mesh(error, *at, name, &bytes))?;
-        Ok(FoundMesh { content, file, warnings: vec![] })
+        Ok((ObjFile { doubts: vec![], ..content }, file))
     }
 }
 

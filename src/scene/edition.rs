@@ -2,6 +2,7 @@
 
 use super::lexer::Lexer;
 use super::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
+use crate::diagnostic::Diagnostic;
 use serde::{Serialize, Serializer};
 use std::fmt;
 
@@ -57,7 +58,6 @@ pub(super) fn editions_of(word: &str) -> Option<&'static [Edition]> {
 /// An edition, and what told it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
-    /// The edition.
     pub edition: Edition,
     /// The words of a sentence after `because of`; none if the edition was named, or is that of 2004.
     pub because: Option<String>,
@@ -66,28 +66,28 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// A note on an edition that the scene's words have told.
-    pub fn note(&self) -> Option<String> {
-        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| self.others.is_empty())?);
-        Some(format!(
-            "the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
-        ))
+    /// Returns a note on an edition that the scene's words have told.
+    pub fn note(&self) -> Option<Diagnostic> {
+        let because = self.because.as_ref().filter(|_| self.others.is_empty())?;
+        let taken =
+            format!("the scene is taken as one of the edition {}, because of {because}", self.edition);
+        Some(Diagnostic::note(taken + "; `-edition` names another"))
     }
 
-    /// A warning and its hint if the words leave the edition open.
-    pub fn doubt(&self) -> Option<[String; 2]> {
-        let others: Vec<String> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
-        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| !others.is_empty())?);
+    /// Returns a warning if the words leave the edition open.
+    pub fn doubt(&self) -> Option<Diagnostic> {
+        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| !self.others.is_empty())?);
+        let others: Vec<_> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
         let problem =
             format!("the scene is taken as one of the edition {edition}, but {because} may be of others");
-        Some([problem, format!("add `-edition {edition}`, or {} for another picture", others.join(" or "))])
+        let hint = format!("add `-edition {edition}`, or {} for another picture", others.join(" or "));
+        Some(Diagnostic::warning(problem).with_hint(hint))
     }
 }
 
 impl Edition {
     /// All editions, in the order of their years.
     pub const ALL: [Self; 5] = [Y2004, Y2012A4, Y2012A5, Y2019, Aalto];
-    /// Their names.
     pub const NAMES: [&'static str; 5] = ["2004", "2012a4", "2012a5", "2019", "aalto"];
 
     /// The name, as after `-edition`.
@@ -95,7 +95,6 @@ impl Edition {
         Self::ALL.iter().zip(Self::NAMES).find(|(edition, _)| **edition == self).map_or("", |(_, name)| name)
     }
 
-    /// The edition with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|edition| edition.name() == name)
     }
@@ -110,7 +109,7 @@ impl Edition {
         matches!(self, Y2019 | Aalto)
     }
 
-    /// The ending of the pictures of a cube map.
+    /// Returns the ending of the pictures of a cube map.
     pub fn ending_of_faces(self) -> &'static str {
         if self == Y2019 { "png" } else { "bmp" }
     }
@@ -130,7 +129,6 @@ impl Edition {
         if self == Aalto { 0.1 } else { 0.0 }
     }
 
-    /// What its scenes mean.
     pub fn model(self) -> Model {
         const A4: Model = Model {
             screen: Screen::BothSides { up_as_written: false },
@@ -163,28 +161,24 @@ impl Edition {
     pub fn of_words(text: &str) -> Option<Choice> {
         let mut lexer = Lexer::new(text);
         let words = std::iter::from_fn(|| Some(lexer.next_word().text).filter(|word| !word.is_empty()));
+        let words: Vec<&str> = words.collect();
+        let has = |word| words.contains(&word);
         let mut possible = vec![Y2012A4, Y2012A5, Y2019];
         // The first word that 2004 has not, and the last that only some of the later editions have.
         let (mut first, mut telling) = (None, None);
-        let (mut has_shininess, mut has_falloff, mut has_cube_map, mut has_models) =
-            (false, false, false, false);
-        let (mut depth, mut before) = (0u32, "");
-        for word in words {
-            match word {
-                "{" => depth += 1,
-                "}" => depth = depth.saturating_sub(1),
-                "shininess" => has_shininess = true,
-                "falloff" => has_falloff = true,
-                "cubeMap" => has_cube_map = true,
-                _ => has_models |= before == "obj_file" && word.starts_with("models/"),
-            }
-            before = word;
+        let mut depth = 0u32;
+        for &word in &words {
             let editions: &[Edition] = match word {
                 // In the materials of 2004 it is a material itself.
                 "Noise" if depth >= 2 => &[Y2012A5],
                 "Noise" => return None,
                 _ => editions_of(word).unwrap_or(&Self::ALL),
             };
+            match word {
+                "{" => depth += 1,
+                "}" => depth = depth.saturating_sub(1),
+                _ => {}
+            }
             let is_possible = |edition: &Edition| editions.contains(edition);
             if !possible.iter().all(is_possible) {
                 telling = Some(word);
@@ -196,12 +190,13 @@ impl Edition {
         }
         let first = first?;
         let mut because = format!("`{}`", telling.unwrap_or(first));
+        let has_models = words.windows(2).any(|two| two[0] == "obj_file" && two[1].starts_with("models/"));
         if possible.len() > 1 && possible.contains(&Y2019) && has_models {
             (possible, because) = (vec![Y2019], "the meshes in `models/`".into());
-        } else if possible.len() > 1 && has_shininess && (has_falloff || !has_cube_map) {
+        } else if possible.len() > 1 && has("shininess") && (has("falloff") || !has("cubeMap")) {
             // In 2012a5 it has no effect. That edition's own scenes have it beside a cube map without `falloff`.
             possible.retain(|edition| *edition != Y2012A5);
-            if has_falloff {
+            if has("falloff") {
                 because = "`shininess` with `falloff`".into();
             }
         }

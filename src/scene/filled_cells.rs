@@ -11,15 +11,11 @@ pub const MOST: u64 = 256;
 /// A box that is divided into cells, and the sphere that fills some of them.
 #[derive(Clone, Copy, Debug)]
 pub struct FilledCells {
-    /// The corner of the box with the smallest coordinates.
     pub min: DVec3,
-    /// The corner with the largest coordinates.
     pub max: DVec3,
     /// The number of cells along each axis, 1 to [`MOST`].
     pub counts: [usize; 3],
-    /// The centre of the sphere.
     pub center: DVec3,
-    /// Its radius.
     pub radius: f64,
 }
 

@@ -4,31 +4,30 @@ use crate::diagnostic::Diagnostic;
 
 const EXPORT: &str = "export the mesh as OBJ";
 
-/// The name of a format, and advice.
-type Format = (&'static str, &'static str);
-
-/// Formats by how their files begin, in capitals or small letters.
-const FORMATS: [(Format, &[&[u8]]); 13] = [
-    (("PLY", EXPORT), &[b"ply\n", b"ply\r"]),
-    (("binary glTF", EXPORT), &[b"glTF"]),
-    (("OFF", EXPORT), &[b"OFF", b"COFF", b"NOFF"]),
-    (("FBX", EXPORT), &[b"Kaydara FBX Binary", b"; FBX"]),
-    (("a Blender file", EXPORT), &[b"BLENDER"]),
-    (("VRML", EXPORT), &[b"#VRML"]),
-    (("X3D", EXPORT), &[b"#X3D"]),
-    (("DirectX", EXPORT), &[b"xof "]),
-    (("Draco", EXPORT), &[b"DRACO"]),
-    (("USD", EXPORT), &[b"#USDA", b"PXR-USDC"]),
+/// Formats and advice, by how their files begin, in capitals or small letters.
+const FORMATS: [(&str, &str, &[&[u8]]); 13] = [
+    ("PLY", EXPORT, &[b"ply\n", b"ply\r"]),
+    ("binary glTF", EXPORT, &[b"glTF"]),
+    ("OFF", EXPORT, &[b"OFF", b"COFF", b"NOFF"]),
+    ("FBX", EXPORT, &[b"Kaydara FBX Binary", b"; FBX"]),
+    ("a Blender file", EXPORT, &[b"BLENDER"]),
+    ("VRML", EXPORT, &[b"#VRML"]),
+    ("X3D", EXPORT, &[b"#X3D"]),
+    ("DirectX", EXPORT, &[b"xof "]),
+    ("Draco", EXPORT, &[b"DRACO"]),
+    ("USD", EXPORT, &[b"#USDA", b"PXR-USDC"]),
     (
-        ("compressed", "unpack it"),
+        "compressed",
+        "unpack it",
         &[b"PK\x03\x04", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z\xbc\xaf"],
     ),
     // Executables of Unix and Windows, and object files of Windows for three kinds of processor.
     (
-        ("a program or the output of a compiler", EXPORT),
+        "a program or the output of a compiler",
+        EXPORT,
         &[b"\x7fELF", b"MZ\x90", b"\x64\x86", b"\x4c\x01", b"\x64\xaa"],
     ),
-    (("a pointer of Git LFS", "fetch it with `git lfs pull`"), &[b"version https://git-lfs"]),
+    ("a pointer of Git LFS", "fetch it with `git lfs pull`", &[b"version https://git-lfs"]),
 ];
 
 /// The error of a file in a format that is certainly not OBJ, by how it begins.
@@ -36,7 +35,7 @@ pub fn foreign(bytes: &[u8]) -> Option<Diagnostic> {
     let starts_with =
         |start: &&[u8]| bytes.len() >= start.len() && bytes[..start.len()].eq_ignore_ascii_case(start);
     let length = bytes.get(2..).and_then(|rest| rest.first_chunk()).map(|&length| u32::from_le_bytes(length));
-    Some(refused(match bytes.trim_ascii_start() {
+    let (format, hint) = match bytes.trim_ascii_start() {
         _ if is_wide_text(bytes) => ("UTF-16 or UTF-32 text", "save the file as UTF-8"),
         _ if is_binary_stl(bytes) => ("binary STL", EXPORT),
         _ if bytes.starts_with(b"solid") && bytes.windows(5).any(|word| word == b"facet") => ("STL", EXPORT),
@@ -45,21 +44,25 @@ pub fn foreign(bytes: &[u8]) -> Option<Diagnostic> {
             ("HTML or XML", "it may be a page that was downloaded in place of the mesh")
         }
         [b'{', ..] => ("JSON, as in glTF", EXPORT),
-        _ => FORMATS.iter().find(|(_, starts)| starts.iter().any(starts_with))?.0,
-    }))
+        _ => {
+            let (format, hint, _) = FORMATS.iter().find(|(_, _, starts)| starts.iter().any(starts_with))?;
+            (*format, *hint)
+        }
+    };
+    Some(refused(format, hint))
 }
 
 /// The error of a text without faces, if it is probably not OBJ.
 pub fn foreign_without_faces(bytes: &[u8]) -> Option<Diagnostic> {
     let mut lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
     if bytes.contains(&0) {
-        return Some(refused(("binary", EXPORT)));
+        return Some(refused("binary", EXPORT));
     }
     let is_library = lines.any(|line| line.trim_ascii_start().starts_with(b"newmtl"));
-    is_library.then(|| refused(("a material library", "name the `.obj` file that it belongs to")))
+    is_library.then(|| refused("a material library", "name the `.obj` file that it belongs to"))
 }
 
-fn refused((format, hint): Format) -> Diagnostic {
+fn refused(format: &str, hint: &str) -> Diagnostic {
     Diagnostic::error(format!("the file is {format}, not OBJ")).with_hint(hint)
 }
 

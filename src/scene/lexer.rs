@@ -1,4 +1,4 @@
-//! Splits scene text into words with their positions.
+//! Splits scene text into words with their positions, and compares them with keywords.
 //!
 //! A word is a run of characters that are not white space, except that a brace is always a word of its own,
 //! so that `Sphere{` is two words. `#` and `//` start a comment that ends with the line, but only where a
@@ -11,14 +11,11 @@ use crate::base::escape::quoted;
 /// A word of the scene text. Its text is empty only at the end of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word<'a> {
-    /// The word as written.
     pub text: &'a str,
-    /// The position of its first character.
     pub at: Position,
 }
 
 impl Word<'_> {
-    /// Whether this represents the end of the text.
     pub fn is_end(&self) -> bool {
         self.text.is_empty()
     }
@@ -33,13 +30,11 @@ impl Word<'_> {
 pub struct Lexer<'a> {
     rest: &'a str,
     at: Position,
-    /// The position just after the last word returned. The end of the text is reported there, so that the
-    /// line shown in an error message contains words.
+    /// The position after the last word, where the end of the text is reported, so that the line shown has words.
     after_last_word: Position,
 }
 
 impl<'a> Lexer<'a> {
-    /// Starts at the beginning of a text.
     pub fn new(text: &'a str) -> Self {
         let start = Position { line: 1, column: 1 };
         Self { rest: text, at: start, after_last_word: start }
@@ -81,28 +76,20 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Advances by `bytes` bytes of the text and returns them.
+    /// Advances by some bytes of the text and returns them.
     fn advance(&mut self, bytes: usize) -> &'a str {
         let (passed, rest) = self.rest.split_at(bytes);
         let mut characters = passed.chars().peekable();
         while let Some(character) = characters.next() {
-            let ends_line = match character {
-                '\n' => true,
-                '\r' => characters.peek() != Some(&'\n'),
-                _ => false,
-            };
-            self.step(ends_line);
+            let ends_line = character == '\n' || character == '\r' && characters.peek() != Some(&'\n');
+            if ends_line {
+                self.at = Position { line: self.at.line.saturating_add(1), column: 1 };
+            } else {
+                self.at.column = self.at.column.saturating_add(1);
+            }
         }
         self.rest = rest;
         passed
-    }
-
-    fn step(&mut self, ends_line: bool) {
-        if ends_line {
-            self.at = Position { line: self.at.line.saturating_add(1), column: 1 };
-        } else {
-            self.at.column = self.at.column.saturating_add(1);
-        }
     }
 }
 
@@ -113,6 +100,44 @@ fn word_length(text: &str) -> usize {
     }
     text.find(|character: char| character.is_whitespace() || matches!(character, '{' | '}'))
         .unwrap_or(text.len())
+}
+
+/// Whether `word` is `keyword`. The name of a field may also be spelt with underscores, as on the grammar
+/// page of 2003 (`num_objects` for `numObjects`).
+pub fn is_keyword(word: &str, keyword: &str) -> bool {
+    word == keyword
+        || (keyword.starts_with(|first: char| first.is_ascii_lowercase()) && is_snake_case(word, keyword))
+}
+
+fn is_snake_case(word: &str, keyword: &str) -> bool {
+    let expected = keyword.chars().flat_map(|character| {
+        let separator = character.is_ascii_uppercase().then_some('_');
+        separator.into_iter().chain([character.to_ascii_lowercase()])
+    });
+    word.chars().eq(expected)
+}
+
+/// The keyword that the author of `word` most likely meant: the one with the smallest edit distance, if at
+/// most a third of the characters differ.
+pub fn nearest<'k>(word: &str, keywords: &[&'k str]) -> Option<&'k str> {
+    // No keyword is longer than this, and the limit bounds the time that hostile input can take.
+    const MAX_LENGTH: usize = 40;
+    if !word.starts_with(char::is_alphabetic) || word.len() > MAX_LENGTH {
+        return None;
+    }
+    let plain = simplified(word);
+    let max_distance = ((plain.chars().count() + 1) / 3).max(1);
+    keywords
+        .iter()
+        .map(|&keyword| (strsim::levenshtein(&plain, &simplified(keyword)), keyword))
+        .filter(|&(distance, _)| distance <= max_distance)
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, keyword)| keyword)
+}
+
+/// The word without what is most easily confused: case and underscores.
+fn simplified(word: &str) -> String {
+    word.chars().filter(|&character| character != '_').flat_map(char::to_lowercase).collect()
 }
 
 #[cfg(test)]
@@ -168,5 +193,43 @@ mod tests {
         lexer.next_word();
         let end = Word { text: "", at: Position { line: 1, column: 3 } };
         assert_eq!([lexer.next_word(), lexer.next_word()], [end, end]);
+    }
+
+    #[test]
+    fn fields_may_be_spelt_with_underscores() {
+        assert!(is_keyword("numObjects", "numObjects"));
+        assert!(is_keyword("num_objects", "numObjects"));
+        assert!(is_keyword("index_of_refraction", "indexOfRefraction"));
+        assert!(is_keyword("obj_file", "obj_file"));
+        assert!(!is_keyword("num_Objects", "numObjects"));
+        assert!(!is_keyword("numobjects", "numObjects"));
+        assert!(!is_keyword("material_index", "MaterialIndex"));
+    }
+
+    #[test]
+    fn the_nearest_keyword_is_found() {
+        let keywords = ["Sphere", "Plane", "Triangle", "TriangleMesh"];
+        assert_eq!(nearest("Sphre", &keywords), Some("Sphere"));
+        assert_eq!(nearest("plane", &keywords), Some("Plane"));
+        assert_eq!(nearest("Triangel", &keywords), Some("Triangle"));
+        assert_eq!(nearest("triangle_mesh", &keywords), Some("TriangleMesh"));
+        for far in ["Teapot", "}", "12", "", &"S".repeat(1_000_000)] {
+            assert_eq!(nearest(far, &keywords), None);
+        }
+    }
+
+    #[test]
+    fn a_word_too_long_or_without_a_letter_has_no_nearest_keyword() {
+        let long = "a".repeat(40);
+        assert_eq!(nearest(&long, &[&long]), Some(long.as_str()));
+        let longer = "a".repeat(41);
+        assert_eq!((nearest(&longer, &[&longer]), nearest("1", &["1"])), (None, None));
+    }
+
+    #[test]
+    fn a_third_of_a_word_may_be_wrong() {
+        assert_eq!((nearest("xy", &["xz"]), nearest("xy", &["wz"])), (Some("xz"), None));
+        assert_eq!(nearest("abcde", &["abcxy"]), Some("abcxy"));
+        assert_eq!(nearest("abcdef", &["abcxyz"]), None);
     }
 }

@@ -4,7 +4,7 @@
 //! of lights and materials along the path of secondary rays and shadows. Within these limits all products
 //! stay below the largest f64.
 
-use super::material::{Material, Paint, Phong, Texture};
+use super::material::{Material, Paint};
 use super::{Camera, Light, Scene};
 use crate::diagnostic::Diagnostic;
 use crate::picture::Color;
@@ -32,23 +32,21 @@ fn is_in_range(number: f64) -> bool {
     number.abs() <= LARGEST
 }
 
-/// Checks the numbers of the camera, the lights, the background and the materials. This matters for scenes
-/// made by a program, since the reader refuses text with such numbers. Objects are checked when they are
-/// placed in the world.
+/// Checks the numbers of the camera, the lights, the background and the materials of a scene that a program made. The
+/// reader refuses text with such numbers, and objects are checked when they are placed in the world.
 pub fn check(scene: &Scene) -> Result<(), Diagnostic> {
-    let is_valid = is_camera(&scene.camera)
+    let (Camera::Orthographic { center, direction, up, size: screen }
+    | Camera::Perspective { center, direction, up, angle: screen }) = scene.camera;
+    // The lengths of `direction` and `up` do not matter, because they are normalised.
+    let is_valid = are_in_range(center)
+        && direction.is_finite()
+        && up.is_finite()
+        && is_in_range(screen)
         && is_color(scene.background.color)
         && is_color(scene.background.ambient)
         && scene.lights.iter().all(is_light)
         && scene.materials.iter().all(is_material);
     if is_valid { Ok(()) } else { Err(Diagnostic::error("a number in the scene is out of range")) }
-}
-
-fn is_camera(camera: &Camera) -> bool {
-    let (Camera::Orthographic { center, direction, up, size: screen }
-    | Camera::Perspective { center, direction, up, angle: screen }) = *camera;
-    // The lengths of `direction` and `up` do not matter, because they are normalised.
-    are_in_range(center) && direction.is_finite() && up.is_finite() && is_in_range(screen)
 }
 
 fn is_light(light: &Light) -> bool {
@@ -61,18 +59,16 @@ fn is_light(light: &Light) -> bool {
 }
 
 fn is_material(material: &Material) -> bool {
-    match material {
-        Material::Phong(phong) => is_phong(phong),
-        Material::Painted(phong, Paint::Image { .. }) => is_phong(phong),
-        Material::Painted(phong, Paint::Pattern(_, colors)) => {
-            is_phong(phong) && colors.iter().all(|&color| is_color(color))
-        }
-        Material::Texture(Texture { world_to_texture, .. }) => world_to_texture.is_finite(),
+    let (phong, paint) = match material {
+        Material::Texture(texture) => return texture.world_to_texture.is_finite(),
+        Material::Phong(phong) => (phong, None),
+        Material::Painted(phong, paint) => (phong, Some(paint)),
+    };
+    let mut colors = vec![phong.diffuse, phong.specular, phong.reflective, phong.transparent];
+    if let Some(Paint::Pattern(_, painted)) = paint {
+        colors.extend(painted);
     }
-}
-
-fn is_phong(phong: &Phong) -> bool {
-    [phong.diffuse, phong.specular, phong.reflective, phong.transparent].into_iter().all(is_color)
+    colors.into_iter().all(is_color)
         && (0.0..=LARGEST).contains(&phong.exponent)
         && phong.index_of_refraction > 0.0
         && is_in_range(phong.index_of_refraction)
@@ -82,7 +78,7 @@ fn is_phong(phong: &Phong) -> bool {
 mod tests {
     use super::*;
     use crate::math::rounded::RoundedAffine;
-    use crate::scene::material::Pattern;
+    use crate::scene::material::{Pattern, Phong, Texture};
     use crate::scene::parser::parse;
 
     /// A scene of both kinds of lights and materials.

@@ -1,7 +1,6 @@
-//! Reads a scene and its meshes from files.
+//! Reads a scene from its file, with the meshes and pictures that it names.
 
 mod named_files;
-mod near_names;
 
 use crate::base::escape::quoted;
 use crate::diagnostic::{Diagnostic, limited};
@@ -12,14 +11,13 @@ use crate::scene::lexer::Lexer;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, ObjFile};
 use crate::scene::model::Shows;
-use crate::scene::parser::{Places, Reading, read_in};
+use crate::scene::parser::{Reading, read_in};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position, Scene};
 pub use named_files::mesh_places;
-use named_files::{find_texels, read_mesh};
 #[cfg(feature = "gui")]
 pub(crate) use named_files::{image_unreadable, in_mesh, mesh_unreadable};
-use near_names::nearest_file;
+use named_files::{nearest_file, read_mesh, read_texels};
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -28,35 +26,53 @@ use std::sync::Arc;
 /// A scene with everything that it names.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// What the file says.
     pub scene: Scene,
     /// By the index in [`Scene::meshes`].
     pub meshes: Vec<Mesh>,
-    /// Where each mesh was found.
+    /// The files in which the meshes were found.
     pub mesh_files: Vec<PathBuf>,
-    /// What the scene was read from, to show where a later error lies.
     pub source: Source,
     /// Warnings about its text and its meshes, at most 20 of each kind and the number of the others.
     pub warnings: Vec<Diagnostic>,
-    /// Where its text says what.
-    pub places: Places,
     /// The edition of the course in whose language it was read.
     pub choice: Choice,
 }
 
 impl LoadedScene {
-    /// The files of its meshes and pictures.
+    /// Returns the files of its meshes and pictures.
     pub fn files(&self) -> Vec<ReadFile> {
         let meshes = self.mesh_files.iter().map(|mesh| ("mesh", mesh.clone()));
         let pictures = self.scene.images.iter().filter_map(|image| Some(("picture", image.file.clone()?)));
         meshes.chain(pictures).collect()
+    }
+
+    /// Reads the meshes and the pictures that the scene names.
+    fn read_files(&mut self, readers: Readers) -> Result<(), Diagnostic> {
+        let (scene, edition) = (&mut self.scene, self.choice.edition);
+        let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image { .. }));
+        let is_textured = scene.materials.iter().any(is_image);
+        for image in &mut scene.images {
+            let (texels, file) = (readers.image)(image, edition)?;
+            (image.texels, image.file) = (texels, Some(file));
+        }
+        let mut doubts = vec![];
+        for named in &mut scene.meshes {
+            let (found, file) = (readers.mesh)(named, edition, is_textured)?;
+            named.vertices = found.vertices;
+            named.texture_coordinates = Arc::new(found.texture_coordinates);
+            self.meshes.push(found.mesh);
+            self.mesh_files.push(file);
+            doubts.extend(found.doubts);
+        }
+        self.warnings.extend(limited(doubts));
+        Ok(())
     }
 }
 
 /// What is known of a scene beside its words.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
-    /// The edition, if somebody has named it.
+    /// The edition, if the user names one.
     pub edition: Option<Edition>,
     /// Whether the places of pixels are shown in place of the scene.
     pub shows_places: bool,
@@ -65,9 +81,8 @@ pub struct Hints {
 /// A scene's text, without a byte order mark, and the file that it comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// The file, as it was named.
+    /// The file as it was named.
     pub path: PathBuf,
-    /// Its text.
     pub text: String,
 }
 
@@ -81,10 +96,7 @@ impl Source {
 /// Upper bound on the size of a scene that comes from a pipe or a device, which may have no end.
 const LONGEST_STREAM: u64 = 1 << 28;
 
-/// Reads the scene at `path` and every mesh that it names. `-` is standard input.
-///
-/// A mesh is looked for in the working directory and then beside the scene, and read once however
-/// often it is named. Errors: an unreadable or malformed scene, or mesh.
+/// Reads the scene at `path` and the files that it names. `-` is standard input. Errors: an unreadable or malformed file.
 pub fn load(path: &Path) -> Result<LoadedScene, Diagnostic> {
     load_with(path, &Hints::default())
 }
@@ -97,66 +109,40 @@ pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> 
     let bytes = bytes.map_err(|error| unreadable(path, &error))?;
     let source = Source { path: path.to_owned(), text: decode(path, bytes)? };
     let directory = path.parent().unwrap_or(Path::new(""));
-    let read = |file: &MeshFile, edition, is_textured| read_mesh(file, (directory, edition), is_textured);
-    let read_image = |image: &ImageFile, edition| find_texels(image, (directory, edition));
-    let readers = Readers { mesh: &read, image: &read_image };
-    load_text(source, hints, readers)
+    let mesh = |file: &MeshFile, edition, is_textured| read_mesh(file, (directory, edition), is_textured);
+    let image = |image: &ImageFile, edition| read_texels(image, (directory, edition));
+    load_text(source, hints, Readers { mesh: &mesh, image: &image })
 }
 
-/// A mesh that a scene names.
-#[derive(Debug)]
-pub struct FoundMesh {
-    /// What its file has.
-    pub content: ObjFile,
-    /// The file.
-    pub file: PathBuf,
-    /// Warnings about the file.
-    pub warnings: Vec<Diagnostic>,
-}
+/// The contents of a file that a scene names, and its path.
+pub type Found<T> = Result<(T, PathBuf), Diagnostic>;
 
-/// Reads a mesh that a scene of this edition names, with its texture coordinates if the last argument says so.
-pub type ReadMesh<'a> = &'a dyn Fn(&MeshFile, Edition, bool) -> Result<FoundMesh, Diagnostic>;
-
-/// Reads a picture that a scene of this edition names, and tells its file.
-pub type ReadImage<'a> = &'a dyn Fn(&ImageFile, Edition) -> Result<(Arc<Texels>, PathBuf), Diagnostic>;
-
-/// Reads the files that a scene names.
+/// Reads the files that a scene of an edition names.
 #[derive(Clone, Copy)]
 pub struct Readers<'a> {
-    /// Reads its meshes.
-    pub mesh: ReadMesh<'a>,
-    /// Reads its pictures.
-    pub image: ReadImage<'a>,
+    /// Reads a mesh, with its texture coordinates if the last argument says so.
+    pub mesh: &'a dyn Fn(&MeshFile, Edition, bool) -> Found<ObjFile>,
+    /// Reads a picture.
+    pub image: &'a dyn Fn(&ImageFile, Edition) -> Found<Arc<Texels>>,
 }
 
 /// Reads a scene from its text, and the files that it names.
 pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, Diagnostic> {
-    let read = read_words(&source.text, hints.edition).and_then(|(choice, mut reading)| {
-        let found = read_files(&mut reading.scene, choice.edition, readers)?;
-        Ok((choice, reading, found))
-    });
-    match read {
-        Ok((choice, Reading { mut scene, mut warnings, places }, found)) => {
-            if hints.shows_places {
-                scene.model.shows = Shows::Places;
-            }
-            let (mut meshes, mut mesh_files, mut doubts) = (vec![], vec![], vec![]);
-            for (found, named) in found.into_iter().zip(&mut scene.meshes) {
-                named.vertices = found.content.vertices;
-                named.texture_coordinates = Arc::new(found.content.texture_coordinates);
-                meshes.push(found.content.mesh);
-                mesh_files.push(found.file);
-                doubts.extend(found.warnings);
-            }
-            warnings.extend(limited(doubts));
-            Ok(LoadedScene { scene, meshes, mesh_files, source, warnings, places, choice })
-        }
-        Err(error) => Err(source.locate(error)),
+    let (choice, reading) = read_words(&source.text, hints.edition).map_err(|error| source.locate(error))?;
+    let Reading { mut scene, warnings } = reading;
+    if hints.shows_places {
+        scene.model.shows = Shows::Places;
+    }
+    let (meshes, mesh_files) = (vec![], vec![]);
+    let mut loaded = LoadedScene { scene, meshes, mesh_files, source, warnings, choice };
+    match loaded.read_files(readers) {
+        Ok(()) => Ok(loaded),
+        Err(error) => Err(loaded.source.locate(error)),
     }
 }
 
-/// Reads a scene in the language of the edition that is named. Without one it is that of 2004, and if the scene is not
-/// written in it, that which its words tell.
+/// Reads a scene in the language of the named edition. Without a name it is that of 2004, and if the scene is not written
+/// in it, the one that its words tell.
 fn read_words(text: &str, named: Option<Edition>) -> Result<(Choice, Reading), Diagnostic> {
     let edition = named.unwrap_or_default();
     let error = match read_in(edition, text) {
@@ -196,17 +182,6 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
         0..=LONGEST_STREAM => Ok(bytes),
         _ => Err(io::Error::other("it does not end after 256 MiB")),
     }
-}
-
-/// Reads the meshes and the pictures that a scene names.
-fn read_files(scene: &mut Scene, edition: Edition, readers: Readers) -> Result<Vec<FoundMesh>, Diagnostic> {
-    let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image { .. }));
-    let is_textured = scene.materials.iter().any(is_image);
-    for image in &mut scene.images {
-        let (texels, file) = (readers.image)(image, edition)?;
-        (image.texels, image.file) = (texels, Some(file));
-    }
-    scene.meshes.iter().map(|file| (readers.mesh)(file, edition, is_textured)).collect()
 }
 
 /// The files that are read for the meshes and pictures of a scene, each in the first place where it is; none of a scene
@@ -348,7 +323,7 @@ mod tests {
                     directory(&[("a.txt", &[comment, end, text.as_bytes(), comment].concat())]);
                 let found = load(&scene).unwrap();
                 assert_eq!(found.scene.objects.len(), 1);
-                assert_eq!(found.places.camera, Position { line: 2, column: 1 });
+                assert_eq!(found.scene.positions.camera, Position { line: 2, column: 1 });
             }
         }
     }

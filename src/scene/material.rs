@@ -31,11 +31,8 @@ impl Material {
 /// A Blinn-Phong material, with the factors for reflected and refracted rays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Phong {
-    /// The diffuse colour.
     pub diffuse: Color,
-    /// The colour of highlights.
     pub specular: Color,
-    /// The specular exponent: the larger it is, the narrower are the highlights.
     pub exponent: f64,
     /// The factor for the light along the reflected ray.
     pub reflective: Color,
@@ -61,7 +58,6 @@ impl Default for Phong {
 /// A solid texture: at every point a mixture of two earlier materials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// The pattern that determines the weights of the materials.
     pub pattern: Pattern,
     /// The map from world space to the texture's space.
     pub world_to_texture: RoundedAffine,
@@ -70,45 +66,27 @@ pub struct Texture {
 }
 
 /// The pattern by which a texture mixes its two materials.
+///
+/// `octaves` counts those of the noise. Over one unit of length the phase of stripes and rings changes by `frequency`, and a
+/// noise of 1 shifts it by `amplitude`, both in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
     /// Unit cubes that alternate between the two materials.
     Checkerboard,
     /// Perlin noise, summed over octaves.
-    Noise {
-        /// The number of octaves of noise.
-        octaves: u32,
-    },
+    Noise { octaves: u32 },
     /// Stripes along x, distorted by noise.
-    Marble {
-        /// The number of octaves of noise.
-        octaves: u32,
-        /// The change of the pattern's phase over one unit of length, in radians.
-        frequency: f64,
-        /// The shift of the phase by a noise of 1, in radians.
-        amplitude: f64,
-    },
+    Marble { octaves: u32, frequency: f64, amplitude: f64 },
     /// Rings around the y axis, distorted by noise.
-    Wood {
-        /// The number of octaves of noise.
-        octaves: u32,
-        /// The change of the pattern's phase over one unit of length, in radians.
-        frequency: f64,
-        /// The shift of the phase by a noise of 1, in radians.
-        amplitude: f64,
-    },
+    Wood { octaves: u32, frequency: f64, amplitude: f64 },
 }
 
-/// Where a painted material's diffuse colour comes from.
+/// The source of a painted material's diffuse colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {
-    /// From a picture, where the mesh has texture coordinates.
-    Image {
-        /// Its index in [`Scene::images`](super::Scene::images).
-        image: usize,
-        /// Whether ambient light is reflected by the picture's colour, or else by the material's own diffuse colour.
-        tints_ambient: bool,
-    },
-    /// From two colours in a pattern of world space. Ambient light is reflected by the material's own diffuse colour.
+    /// A picture, by its index in [`Scene::images`](super::Scene::images), where the mesh has texture coordinates. Ambient
+    /// light is reflected by the picture's colour if `tints_ambient`, or else by the material's own diffuse colour.
+    Image { image: usize, tints_ambient: bool },
+    /// Two colours in a pattern of world space. Ambient light is reflected by the material's own diffuse colour.
     Pattern(Pattern, [Color; 2]),
 }

@@ -15,14 +15,13 @@ use std::borrow::Cow;
 /// Vertices that no face uses are left out. Every coordinate is finite and every index is in range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// The positions of the vertices.
     pub vertices: Vec<DVec3>,
     /// The indices of each triangle's vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// The size of its lists, in bytes.
+    /// Returns the size of its lists.
     pub fn bytes(&self) -> u64 {
         (size_of_val(self.vertices.as_slice()) + size_of_val(self.triangles.as_slice())) as u64
     }
@@ -34,7 +33,6 @@ pub type Corners = [DVec2; 3];
 /// What an OBJ file has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjFile {
-    /// The mesh.
     pub mesh: Mesh,
     /// The number of its `v` lines, with those of vertices that no face uses.
     pub vertices: usize,
@@ -45,11 +43,10 @@ pub struct ObjFile {
     pub doubts: Vec<Diagnostic>,
 }
 
-/// Reads a mesh from the bytes of an OBJ file, and all else in it that a scene may need, with texture coordinates if they
-/// matter.
+/// Reads a mesh from the bytes of an OBJ file, with its texture coordinates if `is_textured`.
 ///
-/// Polygons become triangles. Points, lines, curves and everything else except positions and faces are left out. A
-/// backslash at the end of a line continues it on the next one. Errors: the first error found.
+/// Polygons become triangles. Points, lines, curves and everything else except positions and faces are left out. Errors:
+/// the first error found.
 pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()

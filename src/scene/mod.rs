@@ -7,23 +7,17 @@
 pub mod edition;
 mod filled_cells;
 pub(crate) mod foreign_format;
-mod keyword;
 pub mod lexer;
 pub mod limits;
-mod list;
 pub mod load;
 pub mod material;
 pub mod mesh;
-mod object;
 pub mod model;
 mod obj_lines;
 mod obj_reader;
-mod open_object;
-mod parse_camera;
-mod parse_light;
 mod parse_material;
-mod parse_object;
-mod parse_primitive;
+mod parse_objects;
+mod parse_view;
 pub mod parser;
 mod plain_obj;
 mod polygon;
@@ -32,12 +26,13 @@ pub mod texels;
 mod transform;
 
 pub use crate::diagnostic::Position;
+use crate::math::aabb::Aabb;
+use crate::math::rounded::RoundedAffine;
 use crate::picture::Color;
 use glam::DVec3;
 use material::Material;
-use mesh::Corners;
+use mesh::{Corners, Mesh};
 use model::Model;
-pub use object::Object;
 use serde::Serialize;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
@@ -46,80 +41,153 @@ pub(crate) use transform::is_transformation;
 /// A scene, with everything that its file contains.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The camera.
     pub camera: Camera,
-    /// The background colour and the ambient light.
     pub background: Background,
-    /// The lights, in the order of the text.
     pub lights: Vec<Light>,
-    /// The materials, in the order of the text.
     pub materials: Vec<Material>,
-    /// The position of each material's keyword in the text. A scene that a program makes may leave it empty.
-    pub material_positions: Vec<Position>,
     /// The arena of the object tree. Every object comes after its children, so the root is the last.
     pub objects: Vec<Object>,
-    /// The position of each object's keyword in the text. A scene that a program makes may leave it empty.
-    pub positions: Vec<Position>,
-    /// The group that contains all objects.
     pub root: ObjectId,
-    /// The mesh files that the scene names, each once. [`Object::Mesh`] has an index into this list.
+    /// The mesh files that it names, each once.
     pub meshes: Vec<MeshFile>,
-    /// The pictures that the scene names, each once.
+    /// The pictures that it names, each once.
     pub images: Vec<ImageFile>,
     /// What rays see that hit nothing, by indices into [`Scene::images`], if that is more than a colour.
     pub cube_map: Option<CubeFaces>,
-    /// What all of this means.
     pub model: Model,
+    pub positions: Positions,
 }
 
-/// Index into [`Scene::objects`].
+/// The positions of keywords in the text of a scene. A scene that a program makes may leave them empty.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Positions {
+    pub camera: Position,
+    pub lights: Vec<Position>,
+    pub materials: Vec<Position>,
+    pub objects: Vec<Position>,
+}
+
 pub type ObjectId = usize;
-/// Index into [`Scene::materials`].
 pub type MaterialId = usize;
 
-/// A mesh file that the scene names.
+/// A node of the object tree.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Object {
+    Group(Vec<ObjectId>),
+    /// An object that `matrix` maps to its parent's space. The matrix may be singular. `at` is the position of the
+    /// `Transform` in the text.
+    Transform {
+        matrix: RoundedAffine,
+        child: ObjectId,
+        at: Position,
+    },
+    Sphere {
+        center: DVec3,
+        radius: f64,
+        material: MaterialId,
+    },
+    /// The points p with n.p = `offset`, where n is `normal` scaled to unit length.
+    Plane {
+        normal: DVec3,
+        offset: f64,
+        material: MaterialId,
+    },
+    /// A triangle, whose vertices are counter-clockwise seen from outside.
+    Triangle {
+        vertices: [DVec3; 3],
+        material: MaterialId,
+    },
+    /// The axis-aligned box of the 2003 edition.
+    Box {
+        min: DVec3,
+        max: DVec3,
+        material: MaterialId,
+    },
+    /// The cells of the 2003 edition that a sphere fills, as the faces between filled cells and others.
+    Grid {
+        surface: Arc<Mesh>,
+        material: MaterialId,
+    },
+    /// A triangle mesh from the file with the index `mesh` in [`Scene::meshes`].
+    Mesh {
+        mesh: usize,
+        material: MaterialId,
+    },
+}
+
+impl Object {
+    /// The word that it begins with in the text.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Group(_) => "Group",
+            Self::Transform { .. } => "Transform",
+            Self::Sphere { .. } => "Sphere",
+            Self::Plane { .. } => "Plane",
+            Self::Triangle { .. } => "Triangle",
+            Self::Box { .. } => "Box",
+            Self::Grid { .. } => "Grid",
+            Self::Mesh { .. } => "TriangleMesh",
+        }
+    }
+
+    /// The material of a primitive's surface.
+    pub fn material(&self) -> Option<MaterialId> {
+        match *self {
+            Self::Group(_) | Self::Transform { .. } => None,
+            Self::Sphere { material, .. }
+            | Self::Plane { material, .. }
+            | Self::Triangle { material, .. }
+            | Self::Box { material, .. }
+            | Self::Grid { material, .. }
+            | Self::Mesh { material, .. } => Some(material),
+        }
+    }
+
+    pub fn material_mut(&mut self) -> Option<&mut MaterialId> {
+        match self {
+            Self::Group(_) | Self::Transform { .. } => None,
+            Self::Sphere { material, .. }
+            | Self::Plane { material, .. }
+            | Self::Triangle { material, .. }
+            | Self::Box { material, .. }
+            | Self::Grid { material, .. }
+            | Self::Mesh { material, .. } => Some(material),
+        }
+    }
+
+    /// The bounding box of a shape, before any transform. The course's program bounds the transformed shape by that of its
+    /// corners.
+    pub fn shape_box(&self) -> Option<Aabb> {
+        match *self {
+            Self::Sphere { center, radius, .. } => Some(Aabb { min: center - radius, max: center + radius }),
+            _ => None,
+        }
+    }
+}
+
+/// A mesh file that the scene names, with what is known once it has been read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
-    /// The name as written.
     pub name: String,
-    /// The position where the scene first names it.
+    /// The position where the scene names it first.
     pub at: Position,
-    /// The number of vertices that it lists, with those that no face uses, once it has been read.
+    /// The number of vertices that it lists, with those that no face uses.
     pub vertices: usize,
-    /// The texture coordinates of its triangles, once it has been read, if the scene has pictures. It may be shorter than
-    /// the mesh.
+    /// The texture coordinates of its triangles, if the scene has pictures. The list may be shorter than the mesh.
     pub texture_coordinates: Arc<Vec<Option<Corners>>>,
 }
 
-/// A camera. Its directions need not be unit vectors.
+/// A camera. Its directions need not be unit vectors. The part of `up` that is perpendicular to `direction` points up in
+/// the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Camera {
-    /// A camera whose rays are parallel.
-    Orthographic {
-        /// The point at the middle of the picture.
-        center: DVec3,
-        /// The viewing direction.
-        direction: DVec3,
-        /// The vector whose part perpendicular to the direction points up in the picture.
-        up: DVec3,
-        /// The length of the longer side of the picture.
-        size: f64,
-    },
-    /// A camera whose rays start in one point.
-    Perspective {
-        /// The point where the rays start.
-        center: DVec3,
-        /// The viewing direction.
-        direction: DVec3,
-        /// The vector whose part perpendicular to the direction points up in the picture.
-        up: DVec3,
-        /// The full viewing angle over the longer side of the picture, in degrees.
-        angle: f64,
-    },
+    /// A camera with parallel rays. `center` is in the middle of the picture, and `size` is the length of its longer side.
+    Orthographic { center: DVec3, direction: DVec3, up: DVec3, size: f64 },
+    /// A camera with rays from `center`. `angle` is the full viewing angle over the longer side, in degrees.
+    Perspective { center: DVec3, direction: DVec3, up: DVec3, angle: f64 },
 }
 
-/// The contents of the `Background` block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Background {
     /// The colour of rays that hit nothing.
@@ -135,23 +203,10 @@ impl Default for Background {
     }
 }
 
-/// A light source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// Parallel light without attenuation.
-    Directional {
-        /// The direction in which the light travels, which need not be a unit vector.
-        direction: DVec3,
-        /// The colour, which is the same everywhere.
-        color: Color,
-    },
+    /// Parallel light without attenuation. `direction`, in which it travels, need not be a unit vector.
+    Directional { direction: DVec3, color: Color },
     /// Light from a point, attenuated by the factor 1 / (a0 + a1 d + a2 d^2) at the distance d.
-    Point {
-        /// The position.
-        position: DVec3,
-        /// The colour before attenuation.
-        color: Color,
-        /// The coefficients a0, a1 and a2.
-        attenuation: [f64; 3],
-    },
+    Point { position: DVec3, color: Color, attenuation: [f64; 3] },
 }

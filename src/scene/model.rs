@@ -8,21 +8,14 @@ use serde::Serialize;
 /// How a scene is seen, lit and shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// How the view of a perspective camera is spread over the pixels.
     pub screen: Screen,
-    /// How lights are reflected.
     pub highlight: Highlight,
-    /// How the light is split that comes through a transparent surface and is mirrored there.
     pub split: Split,
     /// Rays that leave a surface overlook what is nearer than this. None is a few roundings, as the point asks for.
     pub epsilon: Option<f64>,
-    /// The normals of meshes.
     pub normals: MeshNormals,
-    /// The greys of distances.
     pub depths: Depths,
-    /// The colours of normals.
     pub normal_colors: NormalColors,
-    /// What colours show.
     pub shows: Shows,
 }
 
@@ -33,10 +26,8 @@ pub enum Screen {
     /// The angle spans the longer side, from the outer edge of one pixel to that of another.
     LongerSide,
     /// The angle spans either side, from the centre of the first pixel to that of the last.
-    BothSides {
-        /// Whether the camera's `up` is the way up as it is written, neither of unit length nor across the direction.
-        up_as_written: bool,
-    },
+    /// With `up_as_written` the camera's `up` is neither made a unit vector nor made perpendicular to the direction.
+    BothSides { up_as_written: bool },
 }
 
 /// How lights are reflected.
@@ -62,23 +53,18 @@ pub enum Split {
 /// The normals of meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshNormals {
-    /// Those of the faces.
     Flat,
-    /// Interpolated between the vertices.
+    /// Interpolated between the vertices. Meshes of at most `flat_up_to` vertices are flat.
     Smooth {
-        /// How the faces around a vertex count.
         weights: FaceWeights,
-        /// Meshes of at most so many vertices are flat.
         flat_up_to: usize,
     },
 }
 
-/// How the faces around a vertex count for its normal.
+/// The weights of the faces around a vertex for its normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceWeights {
-    /// By their areas.
     Area,
-    /// All alike.
     Equal,
 }
 
@@ -103,7 +89,6 @@ pub enum NormalColors {
 /// What the picture of colours shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shows {
-    /// The scene.
     Scene,
     /// The place of each pixel: from 0 to 1, red grows to the right and green downwards, and blue is 1.
     Places,

@@ -5,7 +5,7 @@
 //! indices out of range, numbers that are not finite, and words that are no keywords.
 
 use super::foreign_format::foreign_without_faces;
-use super::keyword::nearest;
+use super::lexer::nearest;
 use super::mesh::ObjFile;
 use super::obj_lines::{COMMON, is_keyword, next_statement, position};
 use super::plain_obj::{digits, keep_used};

@@ -2,13 +2,12 @@
 
 use super::edition::Edition;
 use super::model::{Model, Shows};
-use super::parse_camera::{parse_orthographic_camera, parse_perspective_camera};
-use super::parse_light::parse_lights;
 use super::parse_material::parse_materials;
-use super::parse_object::ObjectTree;
+use super::parse_objects::ObjectTree;
+use super::parse_view::{self, parse_lights};
 use super::reader::{Parsed, Reader};
-use super::texels::{CubeFaces, FACES};
-use super::{Background, Camera, Light, Object, ObjectId, Position, Scene};
+use super::texels::{CubeFaces, FACES, ImageFile};
+use super::{Background, Camera, Light, MeshFile, Object, ObjectId, Position, Positions, Scene};
 use crate::diagnostic::Diagnostic;
 
 const BLOCKS: [&str; 6] =
@@ -16,26 +15,14 @@ const BLOCKS: [&str; 6] =
 /// How the keywords of each kind of block end, and what a reader calls it.
 const KINDS: [&str; 5] = ["Camera", "Background", "Lights", "Materials", "Group"];
 const NOUNS: [&str; 5] = ["camera", "`Background`", "list of lights", "list of materials", "`Group`"];
-const BACKGROUND_FIELDS: [&str; 3] = ["color", "ambientLight", "cubeMap"];
 
 /// A scene with what its text says beyond it.
 #[derive(Clone, Debug)]
 pub struct Reading {
-    /// The scene. Its mesh files are named in it, but not opened.
+    /// The scene. The files that it names are not opened.
     pub scene: Scene,
     /// Warnings about the text, with their positions in it.
     pub warnings: Vec<Diagnostic>,
-    /// Where the text says it.
-    pub places: Places,
-}
-
-/// The positions of keywords in the text of a scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Places {
-    /// The camera's.
-    pub camera: Position,
-    /// Those of the lights, in the order of [`Scene::lights`].
-    pub lights: Vec<Position>,
 }
 
 /// Parses a scene of 2004, as [`read_in`] does.
@@ -48,23 +35,22 @@ pub fn parse(text: &str) -> Result<Scene, Diagnostic> {
 /// Blocks may come in any order, except that `Materials` must precede the `Group`, and a later block replaces
 /// an earlier one of its kind. Errors: the first violation of the grammar or of a rule for values, with its position.
 pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Diagnostic> {
-    let mut reader = Reader::of(edition, text);
+    let mut reader = Reader::new(edition, text);
     let mut blocks = Blocks::default();
     while !reader.peek().is_end() {
         blocks.parse_block(&mut reader)?;
     }
-    let (scene, places) = blocks.into_scene(&mut reader)?;
-    Ok(Reading { scene, warnings: reader.into_warnings(), places })
+    let scene = blocks.into_scene(&mut reader)?;
+    Ok(Reading { scene, warnings: reader.into_warnings() })
 }
 
 /// Parses the block of a camera alone. Errors: anything else, or anything after it.
 pub fn parse_camera(text: &str) -> Result<Camera, Diagnostic> {
-    let mut reader = Reader::of(Edition::Y2004, text);
-    let camera = match reader.peek().text {
-        "OrthographicCamera" => parse_orthographic_camera(&mut reader)?,
-        "PerspectiveCamera" => parse_perspective_camera(&mut reader)?,
-        _ => return Err(reader.unexpected("a camera", &BLOCKS[..2])),
-    };
+    let mut reader = Reader::new(Edition::Y2004, text);
+    if !reader.is_at_any(&BLOCKS[..2]) {
+        return Err(reader.unexpected("a camera", &BLOCKS[..2]));
+    }
+    let camera = parse_view::parse_camera(&mut reader)?;
     if !reader.peek().is_end() {
         return Err(reader.unexpected("the end of the camera", &[]));
     }
@@ -81,17 +67,17 @@ struct Blocks {
     tree: ObjectTree,
     root: Option<ObjectId>,
     /// The position of the last block of each kind, in the order of [`KINDS`].
-    places: [Option<Position>; KINDS.len()],
+    positions: [Option<Position>; KINDS.len()],
 }
 
 impl Blocks {
     fn parse_block(&mut self, reader: &mut Reader<'_>) -> Parsed<()> {
         self.note_block(reader);
         match reader.peek().text {
-            "OrthographicCamera" if !reader.edition.is_later() => {
-                self.camera = Some(parse_orthographic_camera(reader)?)
+            word if reader.is_of_other_edition(word) => return Err(unknown_block(reader)),
+            "OrthographicCamera" | "PerspectiveCamera" => {
+                self.camera = Some(parse_view::parse_camera(reader)?);
             }
-            "PerspectiveCamera" => self.camera = Some(parse_perspective_camera(reader)?),
             "Background" => (self.background, self.cube_map) = parse_background(reader)?,
             "Lights" => self.lights = parse_lights(reader)?,
             "Materials" => self.parse_materials(reader)?,
@@ -105,7 +91,7 @@ impl Blocks {
     fn note_block(&mut self, reader: &mut Reader<'_>) {
         let at = reader.peek().at;
         let Some(kind) = KINDS.iter().position(|kind| reader.peek().text.ends_with(kind)) else { return };
-        if let Some(earlier) = self.places[kind].replace(at) {
+        if let Some(earlier) = self.positions[kind].replace(at) {
             let message = format!("a second {}: it replaces the one in line {}", NOUNS[kind], earlier.line);
             reader.replaced.push(Diagnostic::warning(message).at(at));
         }
@@ -121,7 +107,7 @@ impl Blocks {
     }
 
     /// Returns the scene. Errors: a missing block.
-    fn into_scene(mut self, reader: &mut Reader<'_>) -> Parsed<(Scene, Places)> {
+    fn into_scene(mut self, reader: &mut Reader<'_>) -> Parsed<Scene> {
         let end = reader.peek().at;
         let missing = |block| Diagnostic::error(format!("the scene has no {block}")).at(end);
         let camera = self.camera.ok_or_else(|| missing("camera"))?;
@@ -129,29 +115,30 @@ impl Blocks {
         let shows = if self.root.is_some() { Shows::Scene } else { Shows::Places };
         let root = match self.root {
             Some(root) => root,
-            None if reader.edition == Edition::Aalto => {
-                self.tree.objects.push(Object::Group(vec![]));
-                self.tree.positions.push(end);
-                self.tree.objects.len() - 1
-            }
+            None if reader.edition == Edition::Aalto => self.tree.add(Object::Group(vec![]), end),
             None => return Err(missing("group")),
         };
-        let (lights, places) = self.lights.into_iter().unzip();
-        let scene = Scene {
+        let (lights, light_positions) = self.lights.into_iter().unzip();
+        let meshes = self.tree.meshes.list.into_iter();
+        let images = std::mem::take(&mut reader.images).list.into_iter();
+        Ok(Scene {
             camera,
             background: self.background,
             lights,
             materials: self.tree.materials,
-            material_positions: self.tree.material_positions,
             objects: self.tree.objects,
-            positions: self.tree.positions,
             root,
-            meshes: self.tree.meshes,
-            images: std::mem::take(&mut reader.images),
+            meshes: meshes.map(|(name, at)| MeshFile { name, at, ..MeshFile::default() }).collect(),
+            images: images.map(|(name, at)| ImageFile { name, at, ..ImageFile::default() }).collect(),
             cube_map: self.cube_map,
             model: Model { shows, ..reader.edition.model() },
-        };
-        Ok((scene, Places { camera: self.places[0].unwrap_or_default(), lights: places }))
+            positions: Positions {
+                camera: self.positions[0].unwrap_or_default(),
+                lights: light_positions,
+                materials: self.tree.material_positions,
+                objects: self.tree.positions,
+            },
+        })
     }
 }
 
@@ -166,29 +153,26 @@ fn unknown_block(reader: &Reader<'_>) -> Diagnostic {
     }
 }
 
-/// Reads the background. Both fields are optional, and a repeated field replaces the earlier one.
+/// Reads the background, whose fields are optional.
 fn parse_background(reader: &mut Reader<'_>) -> Parsed<(Background, Option<CubeFaces>)> {
-    let name = reader.open()?.text;
     let mut background = Background::default();
     let mut cube_map = None;
-    let has_map = matches!(reader.edition, Edition::Y2012A5 | Edition::Y2019);
-    loop {
-        if reader.accept("color") {
-            background.color = reader.shown_color("color")?;
-        } else if reader.accept("ambientLight") {
-            background.ambient = reader.shown_color("ambientLight")?;
-        } else if has_map && reader.accept("cubeMap") {
-            let folder = reader.file_name("cubeMap")?;
-            let ending = reader.edition.ending_of_faces();
-            cube_map =
-                Some(FACES.map(|face| reader.image(format!("{}/{face}.{ending}", folder.text), folder.at)));
-        } else if reader.is_at("}") {
-            reader.close(name)?;
-            return Ok((background, cube_map));
-        } else {
-            return Err(reader.unexpected("`color`, `ambientLight` or `}`", &BACKGROUND_FIELDS));
-        }
-    }
+    let fields = ["color", "ambientLight", "cubeMap"];
+    reader.block(|reader, _| {
+        reader.fields("`color`, `ambientLight` or `}`", &fields, |reader, field| {
+            match field {
+                "color" => background.color = reader.shown_color()?,
+                "ambientLight" => background.ambient = reader.shown_color()?,
+                _ => {
+                    let (folder, ending) = (reader.file_name()?, reader.edition.ending_of_faces());
+                    let name = |face| format!("{}/{face}.{ending}", folder.text);
+                    cube_map = Some(FACES.map(|face| reader.images.index(name(face), folder.at)));
+                }
+            }
+            Ok(())
+        })
+    })?;
+    Ok((background, cube_map))
 }
 
 #[cfg(test)]

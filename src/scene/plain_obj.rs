@@ -19,22 +19,19 @@ pub fn parse(text: &[u8]) -> Option<(Mesh, usize)> {
     is_mesh.then_some((mesh, count))
 }
 
-/// The memory that reading a mesh takes at least, for a file of this many bytes: its text, and the lists into which it
-/// is scanned. In bytes.
+/// Returns the bytes of memory that reading a mesh of this length takes at least: for its text and the scanned lists.
 pub fn memory_for(length: u64) -> u64 {
     let vertices = length / BYTES_PER_VERTEX as u64 * size_of::<DVec3>() as u64;
     length + vertices + length / BYTES_PER_FACE as u64 * size_of::<[u32; 3]>() as u64
 }
 
 /// The bytes of a text for each vertex and each face for which its lists have room. The lists are about twice as long
-/// as those of a mesh with two faces per vertex, so that they do not grow. Memory that is reserved but not touched costs
-/// nothing.
+/// as needed for two faces per vertex, so that they do not grow. Memory that is not touched costs nothing.
 const BYTES_PER_VERTEX: usize = 30;
 const BYTES_PER_FACE: usize = 15;
 
-/// The size in bytes of the chunks that are scanned in parallel. With one thread it is the whole text, since
-/// joining the parts takes time and memory. Otherwise it is large enough for a part's lists to fill large
-/// pages.
+/// Returns the bytes of the chunks that are scanned in parallel. With one thread it is the whole text, since joining
+/// the parts takes time and memory.
 fn chunk_size(length: usize) -> usize {
     let threads = rayon::current_num_threads();
     if threads == 1 { length } else { (length / (2 * threads)).clamp(1 << 18, 1 << 22) }

@@ -1,11 +1,9 @@
-//! Reads the small parts of the grammar, each with its checks: braces, keywords, numbers and vectors.
+//! Reads the small parts of the grammar, each with its checks: keywords, braces, numbers, vectors and lists.
 
 use super::Position;
 use super::edition::{Edition, editions_of};
-use super::keyword::{is_keyword, nearest};
-use super::lexer::{Lexer, Word};
+use super::lexer::{Lexer, Word, is_keyword, nearest};
 use super::limits::{BRIGHTEST, LARGEST};
-use super::texels::ImageFile;
 use crate::diagnostic::{Diagnostic, limited};
 use crate::picture::Color;
 use glam::DVec3;
@@ -15,77 +13,51 @@ pub type Parsed<T> = Result<T, Diagnostic>;
 
 /// Reads the words of a scene with one word of lookahead.
 ///
-/// A word that does not fit the grammar, or a value that breaks a rule, is the error that a method returns. Nobody reads
-/// on behind one, so that every loop over words either takes a word or ends.
+/// A word that does not fit the grammar, or a value that breaks a rule, is the error that a method returns. It ends the
+/// reading, so that every loop over words either takes a word or ends.
 pub struct Reader<'a> {
     lexer: Lexer<'a>,
     ahead: Word<'a>,
-    /// The last word taken that is no number, and how many numbers were taken after it.
-    values: (&'a str, usize),
+    /// The field whose values are read: the last word taken that starts with a letter.
+    field: &'a str,
+    /// How many numbers have been taken directly after the field. None after any other word.
+    values: Option<usize>,
     /// Warnings about blocks that replace earlier ones.
     pub(super) replaced: Vec<Diagnostic>,
     /// A warning about the first colour above 1, and the number of the others.
     bright: Option<(Diagnostic, usize)>,
     /// The edition whose words are read.
     pub(super) edition: Edition,
-    /// The pictures that have been named, each once.
-    pub(super) images: Vec<ImageFile>,
-    image_indices: HashMap<String, usize>,
+    /// The pictures that have been named.
+    pub(super) images: NamedFiles,
 }
 
 impl<'a> Reader<'a> {
-    #[cfg(test)]
-    pub fn new(text: &'a str) -> Self {
-        Self::of(Edition::Y2004, text)
-    }
-
-    pub fn of(edition: Edition, text: &'a str) -> Self {
+    pub fn new(edition: Edition, text: &'a str) -> Self {
         let mut lexer = Lexer::new(text);
         let ahead = lexer.next_word();
-        Self {
-            lexer,
-            ahead,
-            values: ("", 0),
-            replaced: vec![],
-            bright: None,
-            edition,
-            images: vec![],
-            image_indices: HashMap::new(),
-        }
+        let (replaced, bright, images) = Default::default();
+        Self { lexer, ahead, field: "", values: None, replaced, bright, edition, images }
     }
 
-    /// The index of the picture with this name, which the scene names here.
-    pub fn image(&mut self, name: String, at: Position) -> usize {
-        *self.image_indices.entry(name).or_insert_with_key(|name| {
-            self.images.push(ImageFile { name: name.clone(), at, ..ImageFile::default() });
-            self.images.len() - 1
-        })
-    }
-
-    /// Takes the name of a file or a folder, the value of `field`.
-    pub fn file_name(&mut self, field: &str) -> Parsed<Word<'a>> {
-        if self.ahead.is_end() || matches!(self.ahead.text, "{" | "}") {
-            return Err(self.unexpected(&format!("a file name for `{field}`"), &[]));
-        }
-        Ok(self.take())
-    }
-
-    /// The next word, without taking it.
+    /// Returns the next word without taking it.
     pub fn peek(&self) -> Word<'a> {
         self.ahead
     }
 
     /// Takes the next word.
     pub fn take(&mut self) -> Word<'a> {
-        self.values = (self.ahead.text, 0);
-        std::mem::replace(&mut self.ahead, self.lexer.next_word())
+        let word = std::mem::replace(&mut self.ahead, self.lexer.next_word());
+        self.values = None;
+        if word.text.starts_with(char::is_alphabetic) {
+            (self.field, self.values) = (word.text, Some(0));
+        }
+        word
     }
 
-    /// Takes the next word, which is a number.
     fn take_number(&mut self) {
-        let (field, count) = self.values;
-        self.take();
-        self.values = (field, count + 1);
+        self.ahead = self.lexer.next_word();
+        self.values = self.values.map(|count| count + 1);
     }
 
     /// Whether the next word is `keyword`.
@@ -107,74 +79,95 @@ impl<'a> Reader<'a> {
         is_next
     }
 
-    /// The error that the next word is not `what`. The hint suggests the nearest of `keywords`, or lists them
-    /// all.
-    pub fn unexpected(&self, what: &str, keywords: &[&str]) -> Diagnostic {
-        let found = self.ahead.text;
-        let message = format!("expected {what}, found {}", self.ahead.quoted());
-        let error = Diagnostic::error(message).at(self.ahead.at);
-        if found.starts_with("/*") {
-            return error.with_hint("a comment starts with `#` or `//` and ends with the line");
-        }
-        if let Some(hint) = self.one_more() {
-            return error.with_hint(hint);
-        }
-        let keywords: Vec<&str> =
-            keywords.iter().copied().filter(|word| !self.is_of_other_edition(word)).collect();
-        match nearest(found, &keywords) {
-            _ if self.is_of_other_edition(found) => {
-                let editions = editions_of(found).unwrap_or_default();
-                let names: Vec<_> = editions.iter().map(|edition| format!("`-edition {edition}`")).collect();
-                error.with_hint(format!("`{found}` is a word of other editions: {}", names.join(", ")))
-            }
-            Some(keyword) => error.with_hint(format!("did you mean `{keyword}`?")),
-            None if keywords.len() > 1 => error.with_hint(format!("possible here: {}", keywords.join(", "))),
-            None => error,
-        }
-    }
-
-    fn is_of_other_edition(&self, word: &str) -> bool {
-        editions_of(word).is_some_and(|editions| !editions.contains(&self.edition))
-    }
-
-    /// What to say of a number that follows the last one of a field.
-    fn one_more(&self) -> Option<String> {
-        let (field, count) = self.values;
-        let is_one_more =
-            count > 0 && field.starts_with(char::is_alphabetic) && parse_number(self.ahead.text).is_some();
-        let numbers = if count == 1 { "one number".to_owned() } else { format!("{count} numbers") };
-        is_one_more.then(|| format!("`{field}` takes {numbers}, and this is one more"))
-    }
-
     /// Takes `keyword`, which the grammar requires here.
-    pub fn keyword(&mut self, keyword: &str) -> Parsed<Word<'a>> {
+    pub fn keyword(&mut self, keyword: &'static str) -> Parsed<&mut Self> {
         if !self.is_at(keyword) {
             return Err(self.unexpected(&format!("`{keyword}`"), &[keyword]));
         }
-        Ok(self.take())
+        self.take();
+        Ok(self)
     }
 
-    /// Takes the keyword of a block, which the caller has checked, and the opening brace.
+    /// Reads a block `name { ... }`, whose name the caller has checked. `body` is given the name.
+    pub fn block<T>(&mut self, body: impl FnOnce(&mut Self, &'a str) -> Parsed<T>) -> Parsed<T> {
+        let name = self.open()?.text;
+        let content = body(self, name)?;
+        self.close(name)?;
+        Ok(content)
+    }
+
+    /// Takes the name of a block, which the caller has checked, and the opening brace.
     pub fn open(&mut self) -> Parsed<Word<'a>> {
         let name = self.take();
-        if !self.accept("{") {
-            return Err(self.unexpected(&format!("`{{` after `{}`", name.text), &[]));
-        }
+        self.open_brace(name.text)?;
         Ok(name)
+    }
+
+    /// Takes the opening brace of the block called `name`.
+    pub fn open_brace(&mut self, name: &str) -> Parsed<()> {
+        if self.accept("{") { Ok(()) } else { Err(self.unexpected(&format!("`{{` after `{name}`"), &[])) }
     }
 
     /// Takes the closing brace of the block called `name`.
     pub fn close(&mut self, name: &str) -> Parsed<()> {
-        if !self.accept("}") {
-            return Err(self.unexpected(&format!("`}}` at the end of `{name}`"), &[]));
+        if self.accept("}") {
+            Ok(())
+        } else {
+            Err(self.unexpected(&format!("`}}` at the end of `{name}`"), &[]))
         }
-        Ok(())
     }
 
-    /// Takes a number, the value of `field`. Its magnitude must be at most [`LARGEST`].
-    pub fn number(&mut self, field: &str) -> Parsed<f64> {
+    /// Reads fields in any order up to the closing brace, which it leaves. A repeated field replaces the earlier one.
+    ///
+    /// `value` reads the values of the field that it is given. `expected` describes the words that are allowed here.
+    pub fn fields(
+        &mut self,
+        expected: &str,
+        fields: &[&'static str],
+        mut value: impl FnMut(&mut Self, &'static str) -> Parsed<()>,
+    ) -> Parsed<()> {
+        let find = |reader: &Self| {
+            fields.iter().find(|field| reader.is_at(field) && !reader.is_of_other_edition(field)).copied()
+        };
+        while let Some(field) = find(self) {
+            value(self.keyword(field)?, field)?;
+        }
+        if self.is_at("}") { Ok(()) } else { Err(self.unexpected(expected, fields)) }
+    }
+
+    /// Reads a block `name { field N item^N }`, and returns each item with its position.
+    ///
+    /// `item` reads one item, given the number of those before it, and `kinds` are the words that start one. The list
+    /// grows as items are read, so that an absurd announced length allocates nothing.
+    pub fn list<T>(
+        &mut self,
+        field: &'static str,
+        kinds: &[&str],
+        mut item: impl FnMut(&mut Self, usize) -> Parsed<T>,
+    ) -> Parsed<Vec<(T, Position)>> {
+        let name = self.open()?.text;
+        let mut announced = Announced::parse(self, field)?;
+        let mut items = vec![];
+        while !self.is_at("}") && (self.is_at_any(kinds) || !announced.is_reached()) {
+            let at = announced.next_item(self);
+            items.push((item(self, items.len())?, at));
+        }
+        announced.close(self, name)?;
+        Ok(items)
+    }
+
+    /// Takes the name of a file or a folder.
+    pub fn file_name(&mut self) -> Parsed<Word<'a>> {
+        if self.ahead.is_end() || matches!(self.ahead.text, "{" | "}") {
+            return Err(self.unexpected(&format!("a file name for `{}`", self.field), &[]));
+        }
+        Ok(self.take())
+    }
+
+    /// Takes a number. Its magnitude must be at most [`LARGEST`].
+    pub fn number(&mut self) -> Parsed<f64> {
         let word = self.ahead;
-        let number = parse_number(word.text).ok_or_else(|| self.not_a_number("a number", field))?;
+        let number = parse_number(word.text).ok_or_else(|| self.not_a_number("a number"))?;
         if number.abs() > LARGEST {
             let message = format!("the number {} is too large: the largest is 1e100", word.quoted());
             return Err(Diagnostic::error(message).at(word.at));
@@ -184,51 +177,77 @@ impl<'a> Reader<'a> {
     }
 
     /// Takes a number for which `holds` is true; `rule` describes the condition, as in "must be positive".
-    pub fn number_that(&mut self, field: &str, rule: &str, holds: impl Fn(f64) -> bool) -> Parsed<f64> {
+    pub fn number_that(&mut self, rule: &str, holds: impl Fn(f64) -> bool) -> Parsed<f64> {
         let word = self.ahead;
-        let number = self.number(field)?;
-        if holds(number) { Ok(number) } else { Err(bad_value(word, field, rule)) }
+        let number = self.number()?;
+        if holds(number) { Ok(number) } else { Err(self.bad_value(word, rule)) }
+    }
+
+    /// Takes a number that is not negative.
+    pub fn nonnegative(&mut self) -> Parsed<f64> {
+        self.number_that("must not be negative", |number| number >= 0.0)
+    }
+
+    /// Takes a number greater than zero.
+    pub fn positive(&mut self) -> Parsed<f64> {
+        self.number_that("must be positive", |number| number > 0.0)
     }
 
     /// Takes a non-negative integer below 2^64.
-    pub fn whole(&mut self, field: &str) -> Parsed<u64> {
+    pub fn whole(&mut self) -> Parsed<u64> {
         let word = self.ahead;
         let digits = word.text.strip_prefix('+').unwrap_or(word.text);
-        if is_digits(digits)
-            && let Ok(number) = digits.parse()
-        {
+        let is_digits = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
+        if is_digits && let Ok(number) = digits.parse() {
             self.take_number();
             return Ok(number);
         }
-        let rule = match parse_number(word.text) {
-            Some(_) if is_digits(digits) => "must be below 2^64",
-            Some(number) if number < 0.0 => "must not be negative",
-            Some(_) => "must be a whole number",
-            None => return Err(self.not_a_number("a whole number", field)),
-        };
-        Err(bad_value(word, field, rule))
+        Err(match parse_number(word.text) {
+            Some(_) if is_digits => self.bad_value(word, "must be below 2^64"),
+            Some(number) if number < 0.0 => self.bad_value(word, "must not be negative"),
+            Some(_) => self.bad_value(word, "must be a whole number"),
+            None => self.not_a_number("a whole number"),
+        })
     }
 
     /// Takes three numbers.
-    pub fn vector(&mut self, field: &str) -> Parsed<DVec3> {
-        Ok(DVec3::new(self.component(field)?, self.component(field)?, self.component(field)?))
+    pub fn vector(&mut self) -> Parsed<DVec3> {
+        let mut component = || {
+            self.number().map_err(|error| match error.hint {
+                None if parse_number(self.ahead.text).is_none() => {
+                    error.with_hint(format!("`{}` takes three numbers", self.field))
+                }
+                _ => error,
+            })
+        };
+        Ok(DVec3::new(component()?, component()?, component()?))
+    }
+
+    /// Takes three numbers that are not all zero.
+    pub fn direction(&mut self) -> Parsed<DVec3> {
+        let at = self.ahead.at;
+        let vector = self.vector()?;
+        if vector == DVec3::ZERO {
+            return Err(Diagnostic::error(format!("`{}` must not be the zero vector", self.field)).at(at));
+        }
+        Ok(vector)
     }
 
     /// Takes a colour's three channels.
-    pub fn color(&mut self, field: &str) -> Parsed<Color> {
-        let at = self.ahead;
-        let color = self.vector(field)?;
+    pub fn color(&mut self) -> Parsed<Color> {
+        let word = self.ahead;
+        let color = self.vector()?;
         if color.abs().max_element() > BRIGHTEST {
-            return Err(bad_value(at, field, "must be at most 1e30 in each channel"));
+            return Err(self.bad_value(word, "must be at most 1e30 in each channel"));
         }
         Ok(color)
     }
 
     /// Takes the colour of a surface or of the background. Above 1 it is brighter than any picture shows.
-    pub fn shown_color(&mut self, field: &str) -> Parsed<Color> {
+    pub fn shown_color(&mut self) -> Parsed<Color> {
         let at = self.ahead.at;
-        let color = self.color(field)?;
-        self.warn_if_above_one(at, field, color);
+        let color = self.color()?;
+        self.warn_if_above_one(at, self.field, color);
         Ok(color)
     }
 
@@ -260,51 +279,46 @@ impl<'a> Reader<'a> {
         limited(self.replaced).into_iter().chain(bright).collect()
     }
 
-    /// Takes three numbers that are not all zero.
-    pub fn nonzero_vector(&mut self, field: &str) -> Parsed<DVec3> {
-        let at = self.ahead.at;
-        let vector = self.vector(field)?;
-        if vector == DVec3::ZERO {
-            return Err(Diagnostic::error(format!("`{field}` must not be the zero vector")).at(at));
+    /// Returns the error that the next word is not `expected`. The hint suggests the nearest of `keywords`, or lists
+    /// those of this edition.
+    pub fn unexpected(&self, expected: &str, keywords: &[&str]) -> Diagnostic {
+        let found = self.ahead.text;
+        let message = format!("expected {expected}, found {}", self.ahead.quoted());
+        let error = Diagnostic::error(message).at(self.ahead.at);
+        if found.starts_with("/*") {
+            return error.with_hint("a comment starts with `#` or `//` and ends with the line");
         }
-        Ok(vector)
+        if let Some(count) = self.values.filter(|&count| count > 0)
+            && parse_number(found).is_some()
+        {
+            let numbers = if count == 1 { "one number".to_owned() } else { format!("{count} numbers") };
+            return error.with_hint(format!("`{}` takes {numbers}, and this is one more", self.field));
+        }
+        if let Some(editions) = editions_of(found).filter(|editions| !editions.contains(&self.edition)) {
+            let names: Vec<_> = editions.iter().map(|edition| format!("`-edition {edition}`")).collect();
+            return error.with_hint(format!("`{found}` is a word of other editions: {}", names.join(", ")));
+        }
+        let mut keywords = keywords.to_vec();
+        keywords.retain(|word| !self.is_of_other_edition(word));
+        match nearest(found, &keywords) {
+            Some(keyword) => error.with_hint(format!("did you mean `{keyword}`?")),
+            None if keywords.len() > 1 => error.with_hint(format!("possible here: {}", keywords.join(", "))),
+            None => error,
+        }
     }
 
-    /// Takes `field` and its three numbers.
-    pub fn vector_field(&mut self, field: &str) -> Parsed<DVec3> {
-        self.keyword(field)?;
-        self.vector(field)
+    /// Whether only other editions have this word.
+    pub fn is_of_other_edition(&self, word: &str) -> bool {
+        editions_of(word).is_some_and(|editions| !editions.contains(&self.edition))
     }
 
-    /// Takes `field` and its three numbers, which are not all zero.
-    pub fn direction_field(&mut self, field: &str) -> Parsed<DVec3> {
-        self.keyword(field)?;
-        self.nonzero_vector(field)
+    /// Returns the error that the value `word` violates `rule`.
+    pub fn bad_value(&self, word: Word<'_>, rule: &str) -> Diagnostic {
+        Diagnostic::error(format!("`{}` {rule}, found {}", self.field, word.quoted())).at(word.at)
     }
 
-    /// Takes `field` and a number greater than zero.
-    pub fn positive_field(&mut self, field: &str) -> Parsed<f64> {
-        self.keyword(field)?;
-        self.number_that(field, "must be positive", |number| number > 0.0)
-    }
-
-    /// Takes `field` and a number.
-    pub fn number_field(&mut self, field: &str) -> Parsed<f64> {
-        self.keyword(field)?;
-        self.number(field)
-    }
-
-    fn component(&mut self, field: &str) -> Parsed<f64> {
-        self.number(field).map_err(|error| match error.hint {
-            None if parse_number(self.ahead.text).is_none() => {
-                error.with_hint(format!("`{field}` takes three numbers"))
-            }
-            _ => error,
-        })
-    }
-
-    fn not_a_number(&self, kind: &str, field: &str) -> Diagnostic {
-        let error = self.unexpected(&format!("{kind} for `{field}`"), &[]);
+    fn not_a_number(&self, kind: &str) -> Diagnostic {
+        let error = self.unexpected(&format!("{kind} for `{}`", self.field), &[]);
         let word = self.ahead.text;
         if word.contains('#') || word.contains("//") {
             return error.with_hint("a comment must be separated from the word before it by a blank");
@@ -319,9 +333,67 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The error that the value `word` of `field` violates `rule`.
-pub fn bad_value(word: Word<'_>, field: &str, rule: &str) -> Diagnostic {
-    Diagnostic::error(format!("`{field}` {rule}, found {}", word.quoted())).at(word.at)
+/// A list whose length the scene announces.
+pub struct Announced {
+    field: &'static str,
+    length: u64,
+    /// The number of items that have been found.
+    found: u64,
+    /// The position of the first item that is too many.
+    first_surplus: Option<Position>,
+}
+
+impl Announced {
+    /// Reads `field` and the length.
+    pub fn parse(reader: &mut Reader<'_>, field: &'static str) -> Parsed<Self> {
+        let length = reader.keyword(field)?.whole()?;
+        Ok(Self { field, length, found: 0, first_surplus: None })
+    }
+
+    /// Whether no further item is expected.
+    pub fn is_reached(&self) -> bool {
+        self.found >= self.length
+    }
+
+    /// Counts the item that starts at the next word, and returns its position.
+    pub fn next_item(&mut self, reader: &Reader<'_>) -> Position {
+        let at = reader.peek().at;
+        if self.is_reached() {
+            self.first_surplus.get_or_insert(at);
+        }
+        self.found += 1;
+        at
+    }
+
+    /// Reads the closing brace of the block `name` that holds the list. Errors: another length than the announced one.
+    pub fn close(&self, reader: &mut Reader<'_>, name: &str) -> Parsed<()> {
+        let Self { field, length, found, first_surplus } = *self;
+        let end = reader.peek().at;
+        reader.close(name)?;
+        let (only, at) = match first_surplus {
+            Some(at) => ("", at),
+            None if found < length => ("only ", end),
+            None => return Ok(()),
+        };
+        Err(Diagnostic::error(format!("`{field}` announces {length}, but {only}{found} found")).at(at))
+    }
+}
+
+/// The files of one kind that a scene names, each once, with the position where it is named first.
+#[derive(Default)]
+pub struct NamedFiles {
+    pub list: Vec<(String, Position)>,
+    indices: HashMap<String, usize>,
+}
+
+impl NamedFiles {
+    /// Returns the index of the file with this name, which the scene names at `at`.
+    pub fn index(&mut self, name: String, at: Position) -> usize {
+        *self.indices.entry(name).or_insert_with_key(|name| {
+            self.list.push((name.clone(), at));
+            self.list.len() - 1
+        })
+    }
 }
 
 /// Whether a colour has whole numbers up to 255.
@@ -329,8 +401,8 @@ pub fn is_byte_like(color: Color) -> bool {
     color.to_array().iter().all(|channel| (0.0..=255.0).contains(channel) && channel.fract() == 0.0)
 }
 
-/// A number in the syntax of C's scanf: `1`, `+1`, `-.3`, `0.` or `1e-3`, but not `inf` or `nan`. A number
-/// that overflows becomes infinite.
+/// Parses a number in the syntax of C's scanf: `1`, `+1`, `-.3`, `0.` or `1e-3`, but not `inf` or `nan`. A number that
+/// overflows becomes infinite.
 fn parse_number(word: &str) -> Option<f64> {
     let starts_well =
         word.starts_with(|first: char| first.is_ascii_digit() || matches!(first, '+' | '-' | '.'));
@@ -338,13 +410,13 @@ fn parse_number(word: &str) -> Option<f64> {
     if starts_well && has_digit { word.parse().ok() } else { None }
 }
 
-fn is_digits(word: &str) -> bool {
-    !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn reader(text: &str) -> Reader<'_> {
+        Reader::new(Edition::Y2004, text)
+    }
 
     #[test]
     fn numbers_are_read_as_scanf_reads_them() {
@@ -358,7 +430,7 @@ mod tests {
             ("-0", 0.0),
         ];
         for (word, value) in good {
-            assert_eq!(Reader::new(word).number("x").unwrap(), value, "{word}");
+            assert_eq!(reader(word).number().unwrap(), value, "{word}");
         }
     }
 
@@ -368,47 +440,50 @@ mod tests {
             "", "}", ".", "+", "-", "e5", "1e", "inf", "-inf", "nan", "NaN", "+nan", "0x10", "1,5", "1f",
             "--1",
         ] {
-            assert!(Reader::new(word).number("x").is_err(), "{word}");
+            assert!(reader(word).number().is_err(), "{word}");
         }
     }
 
     #[test]
     fn numbers_beyond_the_largest_are_refused() {
         for word in ["1e999", "-1e999", "1.01e100", "-1.01e100"] {
-            let error = Reader::new(word).number("x").unwrap_err();
+            let error = reader(word).number().unwrap_err();
             assert!(error.message.contains(word) && error.message.contains("too large"), "{error}");
         }
-        assert_eq!(Reader::new("1e100").number("x").unwrap(), 1e100);
-        assert_eq!(Reader::new("1e-999").number("x").unwrap(), 0.0);
+        assert_eq!(reader("1e100").number().unwrap(), 1e100);
+        assert_eq!(reader("1e-999").number().unwrap(), 0.0);
     }
 
     #[test]
     fn whole_numbers() {
         for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("18446744073709551615", u64::MAX)] {
-            assert_eq!(Reader::new(word).whole("x").unwrap(), value, "{word}");
+            assert_eq!(reader(word).whole().unwrap(), value, "{word}");
         }
-        let error = Reader::new("18446744073709551616").whole("x").unwrap_err().to_string();
+        let error = reader("18446744073709551616").whole().unwrap_err().to_string();
         assert!(error.contains("must be below 2^64"), "{error}");
-        let error = Reader::new("x").whole("x").unwrap_err().to_string();
+        let error = reader("x").whole().unwrap_err().to_string();
         assert!(error.contains("expected a whole"), "{error}");
     }
 
     #[test]
     fn a_word_that_causes_an_error_is_not_taken() {
-        let mut reader = Reader::new("radius }");
-        assert!(reader.keyword("center").is_err() && reader.number("center").is_err());
-        assert_eq!(reader.keyword("radius").unwrap().text, "radius");
+        let mut reader = reader("radius }");
+        assert!(reader.keyword("center").is_err() && reader.number().is_err());
+        assert!(reader.accept("radius"));
     }
 
     #[test]
     fn a_comment_stuck_to_a_number_is_explained() {
-        let error = Reader::new("1#one").number("x").unwrap_err();
+        let error = reader("1#one").number().unwrap_err();
         assert!(error.hint.unwrap().contains("comment"));
     }
 
     #[test]
     fn numbers_as_other_languages_write_them_are_explained() {
-        let hint = |text| Reader::new(text).vector("center").unwrap_err().hint.unwrap();
+        let hint = |text| {
+            let text = format!("center {text}");
+            reader(&text).keyword("center").unwrap().vector().unwrap_err().hint.unwrap()
+        };
         assert!(["0, 1.5, 8", "0,1.5,8", "0 1,5 8"].map(hint).iter().all(|hint| hint.contains("no commas")));
         assert_eq!([hint("1.0f 2 3"), hint("1 -2F 3")], ["write `1.0`", "write `-2`"]);
         assert!(["/* x */ 1", "0 /*x*/"].map(hint).iter().all(|hint| hint.starts_with("a comment starts")));
@@ -417,17 +492,17 @@ mod tests {
     #[test]
     fn a_number_after_the_last_one_of_its_field_is_explained() {
         let hint = |text, keyword| {
-            let mut reader = Reader::new(text);
-            reader.vector_field("center").unwrap();
-            reader.keyword(keyword).unwrap_err().hint
+            let mut reader = reader(text);
+            reader.keyword("center").and_then(Reader::vector).unwrap();
+            reader.keyword(keyword).map(|_| ()).unwrap_err().hint
         };
         assert_eq!(
             hint("center 1 2 3 4", "radius"),
             Some("`center` takes 3 numbers, and this is one more".into())
         );
         assert_eq!(hint("center 1 2 3 radios", "radius"), Some("did you mean `radius`?".into()));
-        let mut reader = Reader::new("radius 1 2");
-        reader.number_field("radius").unwrap();
+        let mut reader = reader("radius 1 2");
+        reader.keyword("radius").and_then(Reader::number).unwrap();
         assert_eq!(
             reader.close("Sphere").unwrap_err().hint,
             Some("`radius` takes one number, and this is one more".into())
@@ -436,21 +511,24 @@ mod tests {
 
     #[test]
     fn where_several_words_are_possible_they_are_named() {
-        let hint = |keywords| Reader::new("0").unexpected("a word", keywords).hint;
+        let hint = |keywords| reader("0").unexpected("a word", keywords).hint;
         assert_eq!((hint(&[]), hint(&["center"])), (None, None));
         assert_eq!(hint(&["center", "radius"]), Some("possible here: center, radius".into()));
     }
 
     #[test]
     fn fractional_and_negative_numbers_have_different_errors() {
-        let message = |word| Reader::new(word).whole("x").unwrap_err().message;
+        let message = |word| reader(word).whole().unwrap_err().message;
         assert!(["-1", "-0.5"].iter().all(|word| message(word).contains("negative")));
         assert!(["0.0", "-0", "2.5"].iter().all(|word| message(word).contains("whole number")));
     }
 
     #[test]
     fn a_vector_keeps_the_hint_of_its_number_if_there_is_one() {
-        let hint = |text| Reader::new(text).vector("center").unwrap_err().hint.unwrap();
+        let hint = |text| {
+            let text = format!("center {text}");
+            reader(&text).keyword("center").unwrap().vector().unwrap_err().hint.unwrap()
+        };
         assert_eq!(hint("1 2 }"), "`center` takes three numbers");
         assert!(hint("1 2#3").contains("comment"));
     }

@@ -12,20 +12,18 @@ use std::sync::Arc;
 /// A picture that a scene names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImageFile {
-    /// The name as written, with the face's file behind that of a cube map's folder.
+    /// The name as written; for a cube map, with the face's file behind the folder.
     pub name: String,
-    /// The position where the scene first names it.
+    /// The position where the scene names it first.
     pub at: Position,
-    /// Its contents, once it has been read.
+    /// Empty until it is read.
     pub texels: Arc<Texels>,
     /// Where it was found.
     pub file: Option<PathBuf>,
 }
 
-/// A picture of bytes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Texels {
-    /// Width and height in pixels.
     pub size: [usize; 2],
     /// Red, green and blue of each pixel, row by row from the top.
     pub rgb: Vec<u8>,
@@ -81,7 +79,6 @@ fn neighbours(at: f32, count: usize) -> ([usize; 2], f32) {
 
 /// The faces of a cube map, in the order of [`FACES`].
 pub type CubeFaces = [usize; 6];
-/// The names of the faces' files.
 pub const FACES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
 
 /// The face of a cube that a direction meets, and the coordinates there. Of equal coordinates x comes first, then y.

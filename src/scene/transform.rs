@@ -1,27 +1,24 @@
 //! Reads a list of transformations and composes them to one affine map.
 
-use super::edition::Edition;
 use super::reader::{Parsed, Reader};
 use crate::diagnostic::Diagnostic;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::rounded::RoundedAffine;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The keywords that start a transformation.
-pub const TRANSFORMATIONS: [&str; 8] =
-    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix"];
-/// Those of 2012 and later.
-const LATER: [&str; 8] =
-    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f"];
-
-/// The keywords that start a transformation in an edition.
-pub fn transformations(edition: Edition) -> &'static [&'static str] {
-    if edition.is_later() { &LATER } else { &TRANSFORMATIONS }
-}
+/// The keywords that start a transformation. `Matrix4f` is that of the editions of 2012 and later.
+pub const TRANSFORMATIONS: [&str; 9] =
+    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix", "Matrix4f"];
 
 /// Whether a word starts a transformation in any edition.
 pub(crate) fn is_transformation(word: &str) -> bool {
-    TRANSFORMATIONS.contains(&word) || LATER.contains(&word)
+    TRANSFORMATIONS.contains(&word)
+}
+
+/// Whether the next word starts a transformation in the edition that is read.
+pub fn is_at_transformation(reader: &Reader<'_>) -> bool {
+    let word = reader.peek().text;
+    is_transformation(word) && !reader.is_of_other_edition(word)
 }
 
 /// Reads transformations up to the first word that is not a keyword of one, and composes them as the course
@@ -32,8 +29,7 @@ pub(crate) fn is_transformation(word: &str) -> bool {
 /// overflows.
 pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     let mut product = RoundedAffine::IDENTITY;
-    let known = transformations(reader.edition);
-    while reader.is_at_any(known) {
+    while is_at_transformation(reader) {
         let at = reader.peek().at;
         product = if reader.is_at("Matrix") || reader.is_at("Matrix4f") {
             parse_matrix(reader)? * product
@@ -50,49 +46,42 @@ pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
 /// Reads any transformation except `Matrix`. The 2003 edition has braces around the values of all
 /// transformations, the 2004 edition only around those of `Rotate`. Both are accepted.
 fn parse_factor(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
-    if reader.is_at("Rotate") {
-        return parse_axis_rotation(reader);
-    }
     let name = reader.take().text;
-    let braced = reader.accept("{");
+    if name == "Rotate" {
+        reader.open_brace(name)?;
+    }
+    let is_braced = name == "Rotate" || reader.accept("{");
     let factor = match name {
-        "Translate" => DAffine3::from_translation(reader.vector(name)?).into(),
-        "Scale" => DAffine3::from_scale(reader.vector(name)?).into(),
-        "UniformScale" => DAffine3::from_scale(DVec3::splat(reader.number(name)?)).into(),
-        "XRotate" => rotation(DVec3::X, reader.number(name)?),
-        "YRotate" => rotation(DVec3::Y, reader.number(name)?),
-        "ZRotate" => rotation(DVec3::Z, reader.number(name)?),
-        _ => return Err(reader.unexpected("the values of another transformation", &TRANSFORMATIONS)),
+        "Translate" => DAffine3::from_translation(reader.vector()?).into(),
+        "Scale" => DAffine3::from_scale(reader.vector()?).into(),
+        "UniformScale" => DAffine3::from_scale(DVec3::splat(reader.number()?)).into(),
+        "XRotate" => rotation(DVec3::X, reader.number()?),
+        "YRotate" => rotation(DVec3::Y, reader.number()?),
+        "ZRotate" => rotation(DVec3::Z, reader.number()?),
+        _ => rotation(reader.direction()?, reader.number()?),
     };
-    if braced {
+    if is_braced {
         reader.close(name)?;
     }
     Ok(factor)
 }
 
-fn parse_axis_rotation(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
-    reader.open()?;
-    let axis = reader.nonzero_vector("Rotate")?;
-    let angle = reader.number("Rotate")?;
-    reader.close("Rotate")?;
-    Ok(rotation(axis, angle))
-}
-
 /// Reads `Matrix { ... }`: sixteen numbers, row after row; or `Matrix4f { ... }`: the same, column after column.
 fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
-    let name = reader.open()?.text;
-    let mut rows = [[0.0; 4]; 4];
-    for place in 0..16 {
-        let (at, number) = (reader.peek().at, reader.number(name)?);
-        let [row, column] = if name == "Matrix4f" { [place % 4, place / 4] } else { [place / 4, place % 4] };
-        rows[row][column] = number;
-        if row == 3 && number != [0.0, 0.0, 0.0, 1.0][column] {
-            return Err(Diagnostic::error("the last row of a `Matrix` must be 0 0 0 1").at(at));
+    reader.block(|reader, name| {
+        let mut rows = [[0.0; 4]; 4];
+        for place in 0..16 {
+            let (at, number) = (reader.peek().at, reader.number()?);
+            let [row, column] =
+                if name == "Matrix" { [place / 4, place % 4] } else { [place % 4, place / 4] };
+            rows[row][column] = number;
+            if row == 3 && number != [0.0, 0.0, 0.0, 1.0][column] {
+                return Err(Diagnostic::error("the last row of a `Matrix` must be 0 0 0 1").at(at));
+            }
         }
-    }
-    reader.close(name)?;
-    let [x, y, z, _] = rows;
-    Ok(from_rows([x, y, z]).into())
+        let [x, y, z, _] = rows;
+        Ok(from_rows([x, y, z]).into())
+    })
 }
 
 /// The right-handed rotation around `axis` by `degrees`.
@@ -153,15 +142,16 @@ fn from_rows(rows: [[f64; 4]; 3]) -> DAffine3 {
 mod tests {
     use super::*;
     use crate::math::worst_case::Rng;
+    use crate::scene::edition::Edition;
     use num_rational::BigRational;
     use num_traits::{Signed, ToPrimitive, Zero};
 
     fn read(text: &str) -> DAffine3 {
-        parse_transformations(&mut Reader::new(text)).unwrap().map
+        parse_transformations(&mut Reader::new(Edition::Y2004, text)).unwrap().map
     }
 
     fn refuse(text: &str) -> String {
-        parse_transformations(&mut Reader::new(text)).unwrap_err().message
+        parse_transformations(&mut Reader::new(Edition::Y2004, text)).unwrap_err().message
     }
 
     #[test]
@@ -311,10 +301,10 @@ mod tests {
     #[test]
     fn quarter_turns_and_scales_have_no_error() {
         for text in ["ZRotate 90", "Scale 0.1 0.2 0.3", "Rotate { 0 -1 0 270 }", "Translate 0.1 0.2 0.3"] {
-            let map = parse_transformations(&mut Reader::new(text)).unwrap();
+            let map = parse_transformations(&mut Reader::new(Edition::Y2004, text)).unwrap();
             assert_eq!(map.error, DAffine3::ZERO, "{text}");
         }
-        let turned = parse_transformations(&mut Reader::new("ZRotate 30")).unwrap();
+        let turned = parse_transformations(&mut Reader::new(Edition::Y2004, "ZRotate 30")).unwrap();
         assert!(turned.error.matrix3.x_axis.x > 0.0);
     }
 }

@@ -155,9 +155,6 @@ impl<'a> Builder<'a> {
     /// model has them.
     fn appearance(&mut self, id: usize, mesh: &Mesh, placement: &Placement) {
         let world = &mut self.world;
-        if world.is_of_course() {
-            return;
-        }
         let linear = (placement.matrix.matrix3, placement.is_mirrored());
         let file = self.files.get(id);
         let listed = file.map_or(0, |file| file.vertices).max(mesh.vertices.len());

@@ -1,18 +1,24 @@
-//! The files that a scene names: where its meshes and its pictures lie, and what is in them.
+//! The files that a scene names: where its meshes and pictures lie, what is in them, and which file a wrong name may mean.
 
-use super::FoundMesh;
-use super::near_names::nearest_file;
+use super::Found;
 use crate::base::escape::{escape, quoted};
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::image_io::load_picture;
 use crate::scene::edition::Edition;
-use crate::scene::mesh::{self, memory_for, read_obj};
+use crate::scene::mesh::{self, ObjFile, memory_for, read_obj};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The largest number of files that are looked at.
+const MAX_FILES: usize = 10_000;
+/// The longest name that is compared, in bytes, which bounds the time. Longer names have no files.
+const MAX_LENGTH: usize = 255;
+/// The least similarity, by Jaro and Winkler, of two names that may have been confused.
+const LEAST_LIKENESS: f64 = 0.8;
 
 /// Where to look for a mesh or a picture: relative to the working directory, as the course's program does, then beside the
 /// scene, unless that is the same; in some editions the other way round. In either folder, a file whose name has
@@ -35,20 +41,20 @@ pub fn mesh_places(name: &str, scene_directory: &Path, edition: Edition) -> Vec<
 }
 
 /// Reads a picture that a scene names from the first place where there is one.
-pub fn find_texels(
+pub fn read_texels(
     ImageFile { name, at, .. }: &ImageFile,
     (folder, edition): (&Path, Edition),
-) -> Result<(Arc<Texels>, PathBuf), Diagnostic> {
-    let places = mesh_places(name, folder, edition);
-    let place = places.iter().find(|place| place.symlink_metadata().is_ok()).or(places.first());
-    let file = place.map(PathBuf::as_path).unwrap_or(Path::new(name));
-    let (picture, _) = load_picture(file).map_err(|reason| Diagnostic {
+) -> Found<Arc<Texels>> {
+    let mut places = mesh_places(name, folder, edition);
+    let first = places.iter().position(|place| place.symlink_metadata().is_ok());
+    let file = places.swap_remove(first.unwrap_or(0));
+    let (picture, _) = load_picture(&file).map_err(|reason| Diagnostic {
         hint: hint_to_name(name, folder).or(reason.hint),
         ..image_unreadable(name, *at, &reason.message)
     })?;
     let size = [picture.width(), picture.height()].map(|n| n as usize);
     let rgb = picture.into_pixels();
-    Ok((Arc::new(Texels { size, rgb, divides_last: edition.divides_texels_last() }), file.to_owned()))
+    Ok((Arc::new(Texels { size, rgb, divides_last: edition.divides_texels_last() }), file))
 }
 
 /// The error of a picture that the scene names at a position.
@@ -78,15 +84,15 @@ pub fn read_mesh(
     MeshFile { name, at, .. }: &MeshFile,
     (scene_directory, edition): (&Path, Edition),
     is_textured: bool,
-) -> Result<FoundMesh, Diagnostic> {
+) -> Found<ObjFile> {
     let mut tried = Vec::new();
     for place in mesh_places(name, scene_directory, edition) {
         match read_mesh_file(&place)? {
             Ok(bytes) => {
                 let in_mesh = |found| in_mesh(found, *at, &lossy(&place), &bytes);
-                let content = read_obj(&bytes, is_textured).map_err(in_mesh)?;
-                let warnings = content.doubts.iter().map(|doubt| in_mesh(doubt.clone())).collect();
-                return Ok(FoundMesh { content, file: place, warnings });
+                let mut file = read_obj(&bytes, is_textured).map_err(in_mesh)?;
+                file.doubts = file.doubts.into_iter().map(in_mesh).collect();
+                return Ok((file, place));
             }
             Err(reason) => tried.push((lossy(&place), reason)),
         }
@@ -139,6 +145,44 @@ fn lossy(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
+/// Returns the other file in the folder of `path` with the most similar name and the same extension (or `.txt` for none),
+/// if it is similar. If there is none, and `path` is a bare name, it is looked for in the folders of the working
+/// directory.
+pub fn nearest_file(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str().filter(|name| name.len() <= MAX_LENGTH)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let others = names_in(folder).into_iter().filter(|other| other != name);
+    let near = others
+        .map(|other| (likeness(name, &other), other))
+        .filter(|(likeness, other)| *likeness >= LEAST_LIKENESS && folder.join(other).is_file())
+        .max_by(|(one, name), (other, other_name)| one.total_cmp(other).then_with(|| other_name.cmp(name)));
+    match near {
+        Some((_, other)) => Some(folder.join(other)),
+        None if folder == Path::new("") => in_a_folder(name),
+        None => None,
+    }
+}
+
+fn in_a_folder(name: &str) -> Option<PathBuf> {
+    let mut folders = names_in(Path::new(""));
+    folders.sort();
+    folders.into_iter().map(|folder| Path::new(&folder).join(name)).find(|path| path.is_file())
+}
+
+fn names_in(folder: &Path) -> Vec<String> {
+    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+    let entries = fs::read_dir(folder).into_iter().flatten().take(MAX_FILES).flatten();
+    entries.filter_map(|entry| entry.file_name().into_string().ok()).collect()
+}
+
+/// Returns how similar two names are, from 0 to 1; 0 for files of different kinds.
+fn likeness(name: &str, other: &str) -> f64 {
+    let [name, other] = [name, other].map(str::to_lowercase);
+    let [(stem, kind), (other_stem, other_kind)] =
+        [&name, &other].map(|name| name.rsplit_once('.').unwrap_or((name, "txt")));
+    if kind == other_kind { strsim::jaro_winkler(stem, other_stem) } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,5 +195,42 @@ mod tests {
         );
         assert_eq!(mesh_places("m.obj", Path::new(""), Edition::Y2004), [Path::new("m.obj")]);
         assert_eq!(mesh_places("/m.obj", Path::new("s"), Edition::Y2004), [Path::new("/m.obj")]);
+    }
+
+    #[test]
+    fn names_that_are_nearly_there() {
+        for (name, other, is_near) in [
+            ("scene6_1_sphere.txt", "scene6_01_sphere.txt", true),
+            ("scene6_01.txt", "scene6_01_sphere.txt", true),
+            ("Scene.TXT", "scene.txt", true),
+            ("scene.txt", "scene.obj", false),
+            ("scene", "scene.txt", true),
+            ("scene", "scene.obj", false),
+            ("tepaot.txt", "teapot.txt", true),
+            ("ab.txt", "xy.txt", false),
+            ("s.txt", "scene.txt", false),
+            ("sphere.txt", "plane.txt", false),
+        ] {
+            assert_eq!(likeness(name, other) >= LEAST_LIKENESS, is_near, "{name} {other}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_is_found_in_its_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["scene_1.txt", "scene_20.txt", "other.txt"] {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let near = |name: &str| nearest_file(&folder.path().join(name));
+        assert_eq!(near("scene_2.txt"), Some(folder.path().join("scene_20.txt")));
+        assert_eq!(near("scene_3.txt"), Some(folder.path().join("scene_1.txt")));
+        assert_eq!(near("scen_20.txt"), Some(folder.path().join("scene_20.txt")));
+        // One that is there, but is no file that could be read.
+        assert_eq!(near("scene_1.txt"), Some(folder.path().join("scene_20.txt")));
+        assert_eq!(near("teapot.txt"), None);
+        // Neither the name itself, should it be no file, nor a folder.
+        fs::create_dir(folder.path().join("folder_1.txt")).unwrap();
+        assert_eq!((near("folder_1.txt"), near("folder_2.txt")), (None, None));
+        assert_eq!(nearest_file(&folder.path().join("none").join("other.txt")), None);
     }
 }

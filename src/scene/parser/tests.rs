@@ -50,7 +50,7 @@ fn every_object_has_the_position_of_its_keyword() {
     let scene = objects(&format!("{group}\n\n{group}"));
     let at = |line, column| Position { line, column };
     // Sphere, box, inner group, transform, outer group: each after its children.
-    assert_eq!(scene.positions, [at(4, 38), at(5, 58), at(5, 37), at(5, 13), at(4, 1)]);
+    assert_eq!(scene.positions.objects, [at(4, 38), at(5, 58), at(5, 37), at(5, 13), at(4, 1)]);
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn materials_inside_groups_follow_the_declared_ones() {
     );
     let material = |diffuse| Material::Phong(Phong { diffuse, ..Phong::default() });
     assert_eq!(scene.materials[2..], [material(DVec3::X), material(DVec3::Y), material(DVec3::Z)]);
-    assert_eq!(scene.material_positions.len(), scene.materials.len());
+    assert_eq!(scene.positions.materials.len(), scene.materials.len());
     assert_eq!(scene.objects[0], Object::Plane { normal: DVec3::Y, offset: 0.0, material: 2 });
     assert_eq!(scene.objects[1], Object::Plane { normal: DVec3::Y, offset: 0.0, material: 4 });
 }

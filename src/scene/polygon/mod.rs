@@ -6,8 +6,6 @@
 //! an order that does not depend on the first corner; since it rounds, the area is compared with the outline's. Edges
 //! meet whole: where a corner lies on a line between its neighbours, no gap opens towards the polygon beside it.
 
-mod fan;
-mod outline;
 mod projection;
 mod seams;
 
@@ -15,10 +13,12 @@ mod seams;
 mod tests;
 
 use crate::math::exact::ExactSum;
+use crate::math::exact::area_vector;
 use crate::math::robust::UNIT_ROUNDOFF;
 use earcut::Earcut;
 use glam::DVec3;
 use projection::DroppedAxis;
+use std::cmp::Ordering;
 
 /// The triangles of a polygon, counter-clockwise where the polygon is.
 #[derive(Debug, PartialEq)]
@@ -47,15 +47,15 @@ const MOST_CORNERS: usize = 1 << 24;
 pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let whole_fan = || (1..corners.len().max(2) - 1).map(|k| [0, k, k + 1]).collect();
     let points = |ring: &[usize]| ring.iter().map(|&corner| corners[corner]).collect::<Vec<_>>();
-    let ring = outline::distinct(corners);
-    let (mut own, is_backwards) = outline::in_own_order(&ring, corners);
+    let ring = distinct(corners);
+    let (mut own, is_backwards) = in_own_order(&ring, corners);
     let facing = DroppedAxis::facing(&points(&own)).filter(|_| corners.len() <= MOST_CORNERS);
     let Some(projection) = facing else { return Triangulation { triangles: whole_fan(), fault: None } };
     let of_polygon = |places: Vec<[usize; 3]>, ring: Vec<usize>| {
         places.into_iter().map(|triangle| triangle.map(|place| ring[place])).collect()
     };
     let in_file_order = points(&ring);
-    if let Some(fan) = fan::triangles(&in_file_order, projection) {
+    if let Some(fan) = fan(&in_file_order, projection) {
         let places = seams::closed(fan, &projection.flattened(&in_file_order));
         return Triangulation { triangles: of_polygon(places, ring), fault: None };
     }
@@ -116,4 +116,63 @@ fn has_area_of(outline: &[[f64; 2]], triangles: &[[usize; 3]]) -> bool {
     let length: f64 = lengths.map(|(a, b)| (a[0] - b[0]).abs() + (a[1] - b[1]).abs()).sum();
     let excess = excess.value();
     libm::ldexp(excess.significand, excess.exponent).abs() <= 2.0 * UNIT_ROUNDOFF * length
+}
+
+/// The corners of a polygon, by their indices, without those that repeat the one before them.
+fn distinct(corners: &[DVec3]) -> Vec<usize> {
+    let mut ring: Vec<usize> = (0..corners.len()).collect();
+    ring.dedup_by_key(|corner| corners[*corner].to_array());
+    while let [first, .., last] = ring[..]
+        && corners[first] == corners[last]
+    {
+        ring.pop();
+    }
+    ring
+}
+
+/// The same corners in an order that depends neither on the first one nor on the direction, and whether it goes the
+/// other way round.
+fn in_own_order(ring: &[usize], corners: &[DVec3]) -> (Vec<usize>, bool) {
+    let position = |corner: &usize| corners[*corner].to_array();
+    let least_rotation = |mut ring: Vec<usize>| {
+        let from = |start: usize| ring[start..].iter().chain(&ring[..start]);
+        let start = (0..ring.len())
+            .min_by(|&one, &other| in_order(from(one).map(position), from(other).map(position)));
+        ring.rotate_left(start.unwrap_or(0));
+        ring
+    };
+    let forwards = least_rotation(ring.to_vec());
+    let backwards = least_rotation(ring.iter().rev().copied().collect());
+    match in_order(forwards.iter().map(position), backwards.iter().map(position)) {
+        Ordering::Greater => (backwards, true),
+        _ => (forwards, false),
+    }
+}
+
+/// The order of two lists of finite points, coordinate by coordinate.
+fn in_order(one: impl Iterator<Item = [f64; 3]>, other: impl Iterator<Item = [f64; 3]>) -> Ordering {
+    one.partial_cmp(other).unwrap_or(Ordering::Equal)
+}
+
+/// The triangles around the first corner, without those that have no area, by places among the corners. None if the
+/// corner does not see the whole polygon within half a turn, as that of a convex polygon does.
+fn fan(corners: &[DVec3], projection: DroppedAxis) -> Option<Vec<[usize; 3]>> {
+    let &[first, second, ..] = corners else { return None };
+    let is_first = |corner: DVec3| projection.of(corner) == projection.of(first);
+    let turns = |from: DVec3, to: DVec3| projection.orientation([first, from, to]);
+    let mut direction = 0;
+    for edge in corners[1..].windows(2) {
+        let turn = turns(edge[0], edge[1]);
+        direction = if direction == 0 { turn } else { direction };
+        if turn * direction < 0 || turns(second, edge[1]) * direction < 0 || is_first(edge[1]) {
+            return None;
+        }
+    }
+    // One that is projected to a line may have an area in space, and then it closes a gap.
+    let has_area = |triangle: &[usize; 3]| {
+        let triangle = triangle.map(|place| corners[place]);
+        projection.orientation(triangle) != 0 || area_vector(triangle).iter().any(|area| area.sign() != 0)
+    };
+    let all = (1..corners.len() - 1).map(|place| [0, place, place + 1]);
+    (direction != 0 && !is_first(second)).then(|| all.filter(has_area).collect())
 }

@@ -451,3 +451,33 @@ fn thousands_of_corners_are_covered_once() {
         assert_eq!(fault, None, "{what}");
     }
 }
+
+#[test]
+fn the_own_order_depends_neither_on_the_start_nor_on_the_direction() {
+    let rng = &mut Rng(1);
+    for _ in 0..2000 {
+        let count = 1 + rng.below(9);
+        // Two positions only, so that many rotations start alike.
+        let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::splat(rng.below(2) as f64)).collect();
+        points.dedup();
+        let own = |points: &[DVec3]| {
+            let (ring, _) = in_own_order(&distinct(points), points);
+            ring.into_iter().map(|corner| points[corner]).collect::<Vec<_>>()
+        };
+        let expected = own(&points);
+        for _ in 0..points.len() {
+            points.rotate_left(1);
+            assert_eq!(own(&points), expected);
+            points.reverse();
+            assert_eq!(own(&points), expected);
+        }
+    }
+}
+
+#[test]
+fn repeated_corners_are_one() {
+    let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    assert_eq!(distinct(&[a, a, b, c, c, c, a, a]), [0, 2, 3]);
+    assert_eq!(distinct(&[a, b, a, c]), [0, 1, 2, 3]);
+    assert_eq!((distinct(&[a, a, a]), distinct(&[a, b, b, a])), (vec![0], vec![0, 1]));
+}

@@ -94,12 +94,12 @@ impl<'r> Objects<'r> {
         };
         let has_parts = matches!(object, Object::Box { .. } | Object::Grid { .. } | Object::Mesh { .. });
         let triangle = has_parts.then(|| primitive - run.start);
-        Some(ObjectPart { name, at: *self.scene.positions.get(id)?, triangle })
+        Some(ObjectPart { name, at: *self.scene.positions.objects.get(id)?, triangle })
     }
 
     /// Where a material stands in the scene's text.
     pub fn material_position(&self, material: MaterialId) -> Option<Position> {
-        self.scene.material_positions.get(material).copied()
+        self.scene.positions.materials.get(material).copied()
     }
 
     /// The textures and materials that have weight in a material at a point.

@@ -2,7 +2,6 @@
 
 use crate::diagnostic::{Diagnostic, Severity, limited};
 use crate::picture::Color;
-use crate::scene::parser::Places;
 use crate::scene::{Light, Scene};
 use crate::trace::{Effects, Shadows};
 use crate::world::World;
@@ -14,12 +13,7 @@ pub fn no_lights(scene: &Scene) -> Option<Diagnostic> {
 }
 
 /// Warns about lights that have no effect on any picture of the scene.
-pub fn lights_without_effect(
-    scene: &Scene,
-    world: &World,
-    places: &Places,
-    effects: &Effects,
-) -> Vec<Diagnostic> {
+pub fn lights_without_effect(scene: &Scene, world: &World, effects: &Effects) -> Vec<Diagnostic> {
     let warning = |(index, light): (usize, &Light)| {
         let (Light::Directional { color, .. } | Light::Point { color, .. }) = *light;
         let reason = match light {
@@ -32,7 +26,7 @@ pub fn lights_without_effect(
             }
             _ => return None,
         };
-        let at = places.lights.get(index).copied().unwrap_or_default();
+        let at = scene.positions.lights.get(index).copied().unwrap_or_default();
         Some(Diagnostic::warning(format!("the light has no effect: {reason}")).at(at))
     };
     limited(scene.lights.iter().enumerate().filter_map(warning).collect())

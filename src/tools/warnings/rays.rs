@@ -68,7 +68,7 @@ struct Secondary {
 
 impl Secondary {
     fn warning(&self, scene: &Scene, message: impl Into<String>) -> Diagnostic {
-        let at = scene.material_positions.get(self.material).copied().unwrap_or_default();
+        let at = scene.positions.materials.get(self.material).copied().unwrap_or_default();
         Diagnostic::warning(message).at(at)
     }
 }

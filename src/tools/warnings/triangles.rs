@@ -22,7 +22,7 @@ pub fn triangles_without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Diagnostic>
             1 => "the triangle has no area".into(),
             count => format!("{count} triangles have no area; this is the first"),
         };
-        warning(message, scene.positions.get(first).copied().unwrap_or_default())
+        warning(message, scene.positions.objects.get(first).copied().unwrap_or_default())
     });
     let of_meshes = scene.meshes.iter().zip(meshes).filter_map(|(file, mesh)| {
         let (count, all) = (flat_count(mesh), mesh.triangles.len());

@@ -7,7 +7,6 @@ use crate::render::renderer::Prepared;
 use crate::render::{Layer, Request, Watch};
 use crate::scene::Camera;
 use crate::scene::model::Screen;
-use crate::scene::parser::Places;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -23,15 +22,10 @@ fn short(x: f64) -> String {
 /// Warns if no ray through a pixel's centre hits anything. That takes as long as rendering such a picture, or else until
 /// the first row of pixels with a hit, so call it only for a picture that shows nothing but the background. Returns
 /// `None` if `watch` ends it.
-pub fn nothing_visible(
-    prepared: &Prepared,
-    request: &Request,
-    places: &Places,
-    watch: Watch,
-) -> Option<Diagnostic> {
+pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> Option<Diagnostic> {
     let warning = |(reason, hint): Reason| {
         let message = format!("no ray hits anything{reason}");
-        Diagnostic { hint, ..Diagnostic::warning(message) }.at(places.camera)
+        Diagnostic { hint, ..Diagnostic::warning(message) }.at(prepared.renderer().scene.positions.camera)
     };
     let world = prepared.renderer().world();
     if world.finite_count() == 0 && world.planes.is_empty() {
