@@ -16,16 +16,16 @@ mod values;
 mod words;
 
 pub use commands::parse_commands;
-pub use error::CliError;
 pub use flags::command;
 pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
 pub use outputs::Output;
 pub use runs::{Converting, ErrorReporting, Grading, Merging, References};
 pub use words::{command_of_merge, command_of_rest};
 
+use crate::diagnostic::Diagnostic;
 use clap::FromArgMatches;
 use clap::error::ErrorKind;
-use error::fail;
+use error::{fail, of_clap};
 use flags::Flags;
 use outputs::output_of_bytes;
 use std::ffi::OsString;
@@ -46,7 +46,7 @@ pub enum Command {
 ///
 /// No file is accessed. `-h` and `-help` take precedence over all errors, and `-version` over those later in the line.
 /// Errors: the first error found.
-pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
+pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, Diagnostic> {
     let words: Vec<OsString> = argv.into_iter().skip(1).map(|word| words::double(&word)).collect();
     if let Some(place) = words.iter().position(|word| word == "--h" || word == "--help") {
         return help::text(&words[place..]).map(Command::Print);
@@ -56,9 +56,9 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
         Err(error) if error.kind() == ErrorKind::DisplayVersion => {
             return Ok(Command::Print(error.to_string()));
         }
-        matches => matches.map_err(|error| CliError::of(error, &words))?,
+        matches => matches.map_err(|error| of_clap(error, &words))?,
     };
-    let flags = Flags::from_arg_matches(&matches).map_err(|error| CliError::of(error, &words))?;
+    let flags = Flags::from_arg_matches(&matches).map_err(|error| of_clap(error, &words))?;
     if let Some(folder) = flags.grade.clone() {
         return Grading::new(folder, &flags).map(Command::Grade);
     }

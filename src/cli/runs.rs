@@ -1,9 +1,10 @@
 //! What runs are asked for that do not render: grading, parts, conversion, and the report on speed and error.
 
-use super::error::CliError;
+use super::error::fail;
 use super::flags::Flags;
 use super::options::{Options, ShowProgress, region, tolerance};
 use super::outputs::{Output, output_of_bytes};
+use crate::diagnostic::Diagnostic;
 use crate::render::Window;
 use crate::tools::compare::Tolerance;
 use std::path::PathBuf;
@@ -59,12 +60,15 @@ pub struct ErrorReporting {
 }
 
 impl Grading {
-    pub(super) fn new(folder: PathBuf, flags: &Flags) -> Result<Self, CliError> {
-        let pictures = flags.reference.clone().map(References::Folder);
-        let references = pictures.or(flags.commands.clone().map(References::Commands));
+    pub(super) fn new(folder: PathBuf, flags: &Flags) -> Result<Self, Diagnostic> {
+        let references = match (&flags.reference, &flags.commands) {
+            (Some(folder), _) => References::Folder(folder.clone()),
+            (None, Some(commands)) => References::Commands(commands.clone()),
+            (None, None) => return fail("-grade needs -reference or -commands"),
+        };
         Ok(Self {
             folder,
-            references: references.ok_or_else(|| CliError::new("-grade needs -reference or -commands"))?,
+            references,
             report: flags.report.clone(),
             tolerance: tolerance(flags)?,
             threads: flags.threads,
@@ -80,7 +84,7 @@ impl Grading {
 }
 
 impl Merging {
-    pub(super) fn new(parts: Vec<PathBuf>, flags: &Flags) -> Result<Self, CliError> {
+    pub(super) fn new(parts: Vec<PathBuf>, flags: &Flags) -> Result<Self, Diagnostic> {
         let region = flags.region.as_deref().map(region).transpose()?;
         Ok(Self { parts, output: output_of_bytes(flags)?, region, progress: ShowProgress::new(flags) })
     }

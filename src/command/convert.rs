@@ -1,8 +1,8 @@
 //! Writes a picture in another format.
 
 use super::compare::read_picture;
-use super::complete_files::{CompleteFiles, prepare};
 use super::log::Log;
+use super::outputs::{Outputs, prepare};
 use super::signals::Signals;
 use super::{End, Outcome, refused};
 use raytracer::cli::Converting;
@@ -10,13 +10,10 @@ use raytracer::image_io::{Written, check_distinct};
 
 /// Reads the picture and writes it.
 pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
-    let output = &options.output;
-    check_distinct([Written::Named(output.file.clone())], [("picture", options.picture.clone())])
-        .map_err(refused)?;
-    let file = prepare(output)?;
-    let picture = read_picture(&options.picture, "converted", log)?;
-    let files = CompleteFiles::default();
-    files.add(file.picture(output.format, &picture)?)?;
-    files.finish(signals)?;
-    Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], options.progress))
+    let Converting { picture, output, progress } = options;
+    check_distinct([Written::Named(output.file.clone())], [("picture", picture.clone())]).map_err(refused)?;
+    let file = prepare(&output.file)?;
+    let picture = read_picture(picture, "converted", log)?;
+    Outputs::new(vec![file.picture(output.format, &picture)?], signals)?.name_all()?;
+    Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], *progress))
 }

@@ -3,9 +3,8 @@
 use super::log::Log;
 use super::progress::ProgressLine;
 use super::signals::Signals;
-use super::{End, Outcome, refused, threads, warnings};
+use super::{End, Outcome, refused, threads};
 use cpu_time::ProcessTime;
-use rayon::ThreadPool;
 use raytracer::base::escape::quoted;
 use raytracer::base::shell::Shell;
 use raytracer::cli::{ErrorReporting, Options};
@@ -28,14 +27,26 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let many = threads::pool(options.threads, options.size[1])?;
     let one = threads::pool(Some(1), 1)?;
 
+    // Load the scene and settle the options.
     let start = Instant::now();
-    let (renderer, settled) = open(reporting, &many, log)?;
-    let options = &settled;
+    let input = options.input.as_deref().unwrap_or(Path::new(""));
+    let loaded = many.install(|| load::load_with(input, &options.hints()))?;
+    let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
+    let read = [("scene", input.to_owned())].into_iter().chain(loaded.files());
+    check_distinct(written, read).map_err(refused)?;
+    let remarks = [no_lights(&loaded.scene), loaded.choice.remark()];
+    remarks.into_iter().flatten().for_each(|found| log.tell(found));
+    let options = &options.in_edition(loaded.choice.edition);
+
+    // Prepare. Other octaves are other scenes with the same meshes.
+    let renderer = many.install(|| Renderer::new(loaded, Meshes::Kept))?;
     let reading = start.elapsed();
-    let request = options.request();
-    let clock = || ProcessTime::now().as_duration();
     // A file that cannot be written is no reason to wait for the measurements.
     let [page_file, csv_file] = prepare(reporting)?;
+
+    // Measure.
+    let request = options.request();
+    let clock = || ProcessTime::now().as_duration();
     signals.note_first();
     let line = ProgressLine::new(options.progress);
     let watch = |progress: SweepProgress| {
@@ -44,11 +55,11 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
     let own = Setting::of(&request, options.structure, options.edition.unwrap_or_default());
-    let report = Sweep::new(&renderer, &request, own, bench).run();
-    line.end();
-    let mut report = report?;
+    let mut report = Sweep::new(&renderer, &request, own, bench).run()?;
+    drop(line);
     report.stages.insert(0, ("reading the scene", reading));
 
+    // Report.
     let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
     let command = |setting: &Setting| command(options, setting);
     let asked_for = command(&own).join(" ");
@@ -77,22 +88,6 @@ fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
     fs::create_dir_all(folder).map_err(unwritable)?;
     let [page, table] = reporting.report_files().map(|file| OutputFile::prepare(&file));
     Ok([page?, table?])
-}
-
-fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(Renderer, Options), End> {
-    let options = &reporting.options;
-    let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads.install(|| load::load_with(input, &options.hints()))?;
-    let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
-    check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))
-        .map_err(refused)?;
-    let note = loaded.choice.note().map(Diagnostic::note);
-    let said = [no_lights(&loaded.scene), note, warnings::open_edition(&loaded.choice)];
-    said.into_iter().flatten().for_each(|found| log.tell(found));
-    let options = options.in_edition(loaded.choice.edition);
-    // Other octaves are other scenes with the same meshes.
-    let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
-    Ok((renderer?, options))
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

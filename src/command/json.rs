@@ -1,7 +1,7 @@
 //! The JSON document of a run: everything that it reports, in the form that `docs/json.md` describes.
 
 use super::compare::ComparisonResult;
-use super::render::Rendered;
+use super::report::Report;
 use raytracer::cli::Options;
 use raytracer::primitive::shape::Shape;
 use raytracer::render::Tracing;
@@ -18,13 +18,8 @@ use serde_json::{Value, json};
 const FORMAT: u32 = 1;
 
 /// Returns the document in one line. Numbers have all their digits; those that JSON does not have are null.
-pub fn document(
-    options: &Options,
-    warnings: &[String],
-    rendered: Option<&Rendered>,
-    compared: Option<&ComparisonResult>,
-) -> String {
-    let report = rendered.map(|rendered| &rendered.report);
+pub fn document(report: &Report, options: &Options, warnings: &[String]) -> String {
+    let statistics = report.statistics.as_ref();
     let is_counted = options.tracing() == Tracing::Counted;
     let document = json!({
         "format": FORMAT,
@@ -33,15 +28,15 @@ pub fn document(
         "threads": rayon::current_num_threads(),
         "written": written(options),
         "warnings": warnings,
-        "scene": rendered.map(|rendered| scene(rendered.renderer)),
-        "grid": report.and_then(|report| report.grid).map(|cells| json!({ "cells": cells })),
-        "timings": report.map(|report| &report.timings),
-        "repeats": rendered.and_then(|rendered| rendered.repeats.as_ref()),
-        "statistics": report.filter(|_| is_counted).map(|report| &report.counts),
-        "standard_error": report.and_then(|report| report.standard_error),
-        "cost_map": rendered.and_then(|rendered| rendered.costs.as_ref()).map(cost_map),
-        "pixel": rendered.and_then(|rendered| rendered.pixel.as_ref()).map(pixel),
-        "comparison": compared.map(|compared| comparison(compared, options)),
+        "scene": report.renderer.map(scene),
+        "grid": statistics.and_then(|found| found.grid).map(|cells| json!({ "cells": cells })),
+        "timings": statistics.map(|found| &found.timings),
+        "repeats": report.repeats,
+        "statistics": statistics.filter(|_| is_counted).map(|found| &found.counts),
+        "standard_error": statistics.and_then(|found| found.standard_error),
+        "cost_map": report.costs.as_ref().map(cost_map),
+        "pixel": report.pixel.as_ref().map(pixel),
+        "comparison": report.comparison.as_ref().map(comparison),
     });
     format!("{document}\n")
 }
@@ -130,11 +125,11 @@ fn pixel(tree: &PixelTree) -> Value {
     joined(tree, json!({ "counts": tree.counts(), "close_channels": close }))
 }
 
-fn comparison(ComparisonResult { comparison, cause, passes }: &ComparisonResult, options: &Options) -> Value {
+fn comparison(result: &ComparisonResult) -> Value {
+    let ComparisonResult { comparison, cause, tolerance } = result;
     let above = |levels| comparison.pixels_differing_by_more_than(levels);
-    let tolerance = options.comparison.as_ref().and_then(|wanted| wanted.tolerance);
-    let check = |(tolerance, passes): (Tolerance, bool)| {
-        joined(&tolerance, json!({ "pixels_above": above(tolerance.levels), "passes": passes }))
+    let check = |tolerance: &Tolerance| {
+        joined(tolerance, json!({ "pixels_above": above(tolerance.levels), "passes": result.passes() }))
     };
     json!({
         "size": comparison.size,
@@ -147,7 +142,7 @@ fn comparison(ComparisonResult { comparison, cause, passes }: &ComparisonResult,
         "psnr": comparison.psnr(),
         "mean_flip": comparison.mean_flip,
         "differing_beside_an_edge": comparison.differing_near_edges,
-        "tolerance": tolerance.zip(*passes).map(check),
+        "tolerance": tolerance.as_ref().map(check),
         "cause": cause.map(|cause| joined(&cause, json!({ "text": cause.to_string() }))),
     })
 }

@@ -5,15 +5,14 @@ mod signals;
 mod log;
 mod progress;
 mod threads;
-mod complete_files;
+mod outputs;
 mod warnings;
-mod fingerprint;
+mod parts;
 mod products;
-mod stopped;
 mod json;
 mod report;
-mod compare;
 mod live;
+mod compare;
 mod render;
 mod merge;
 mod convert;
@@ -38,26 +37,27 @@ const DIFFERENT: u8 = 3;
 /// Why a run ends before it is complete.
 #[derive(Debug)]
 pub struct End {
-    errors: Vec<Diagnostic>,
+    /// The error to tell; none if there is nothing more to say.
+    error: Option<Diagnostic>,
     status: u8,
 }
 
 impl End {
     /// The end by a signal, with the status that shells give it.
     fn by_signal(signal: i32) -> Self {
-        Self { errors: vec![], status: (128 + signal) as u8 }
+        Self { error: None, status: (128 + signal) as u8 }
     }
 }
 
 impl<E: Into<Diagnostic>> From<E> for End {
     fn from(error: E) -> Self {
-        Self { errors: vec![error.into()], status: 1 }
+        Self { error: Some(error.into()), status: 1 }
     }
 }
 
 /// The end of a run whose command line asks for something that is not done.
 fn refused(error: impl Into<Diagnostic>) -> End {
-    End { errors: vec![error.into()], status: REFUSED }
+    End { status: REFUSED, ..End::from(error) }
 }
 
 /// The result of a complete run.
@@ -88,8 +88,8 @@ pub fn run(argv: &[OsString]) -> ExitCode {
     match run_command(argv, &log) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(DIFFERENT),
-        Err(End { errors, status }) => {
-            errors.into_iter().for_each(|error| log.tell(error));
+        Err(End { error, status }) => {
+            error.into_iter().for_each(|error| log.tell(error));
             ExitCode::from(status)
         }
     }

@@ -394,7 +394,10 @@ impl Session {
             "bounds": renderer.bounds(),
             "is_unlit": renderer.scene.lights.is_empty(),
             "edition": choice.edition,
-            "note": choice.note().or_else(|| choice.doubt().map(|doubt| doubt.join("; "))),
+            "note": choice.remark().map(|found| match found.hint {
+                Some(hint) => format!("{}; {hint}", found.message),
+                None => found.message,
+            }),
             "defaults": { "bounces": defaults.bounces, "weight": defaults.min_weight },
         })
     }

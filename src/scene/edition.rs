@@ -2,6 +2,7 @@
 
 use super::lexer::Lexer;
 use super::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
+use crate::diagnostic::Diagnostic;
 use serde::{Serialize, Serializer};
 use std::fmt;
 
@@ -66,21 +67,18 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// A note on an edition that the scene's words have told.
-    pub fn note(&self) -> Option<String> {
-        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| self.others.is_empty())?);
-        Some(format!(
-            "the scene is taken as one of the edition {edition}, because of {because}; `-edition` names another"
-        ))
-    }
-
-    /// A warning and its hint if the words leave the edition open.
-    pub fn doubt(&self) -> Option<[String; 2]> {
-        let others: Vec<String> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
-        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| !others.is_empty())?);
-        let problem =
-            format!("the scene is taken as one of the edition {edition}, but {because} may be of others");
-        Some([problem, format!("add `-edition {edition}`, or {} for another picture", others.join(" or "))])
+    /// Returns a note on an edition that the scene's words have told, or a warning if they leave it open.
+    pub fn remark(&self) -> Option<Diagnostic> {
+        let (edition, because) = (self.edition, self.because.as_ref()?);
+        let taken = format!("the scene is taken as one of the edition {edition}");
+        if self.others.is_empty() {
+            return Some(Diagnostic::note(format!(
+                "{taken}, because of {because}; `-edition` names another"
+            )));
+        }
+        let others: Vec<String> = self.others.iter().map(|other| format!("`-edition {other}`")).collect();
+        let hint = format!("add `-edition {edition}`, or {} for another picture", others.join(" or "));
+        Some(Diagnostic::warning(format!("{taken}, but {because} may be of others")).with_hint(hint))
     }
 }
 

@@ -89,7 +89,7 @@ pub const CASES: &[Case] = &[
     (
         "r -grade class -commands c-bad.txt",
         1,
-        "error: `c-bad.txt`, line 1: unexpected argument '-shadow' found; did you mean '-shadows'?",
+        "error: `c-bad.txt`, line 1: unexpected argument '-shadow' found\n  hint: did you mean '-shadows'?",
     ),
     (
         "r -grade class -commands c.txt -report gone/p.html",
