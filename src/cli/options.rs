@@ -247,11 +247,15 @@ impl Options {
         Ok(())
     }
 
-    /// The names of all files to write, where `-` is standard output.
-    pub fn written(&self) -> impl Iterator<Item = &Path> {
+    /// The names of the pictures to write, where `-` is standard output.
+    pub fn pictures(&self) -> impl Iterator<Item = &Path> {
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
-        let pictures = self.outputs.iter().map(|output| output.file.as_path());
-        pictures.chain(difference).chain(self.json.as_deref())
+        self.outputs.iter().map(|output| output.file.as_path()).chain(difference)
+    }
+
+    /// The names of all files to write.
+    pub fn written(&self) -> impl Iterator<Item = &Path> {
+        self.pictures().chain(self.json.as_deref())
     }
 
     /// Returns true if the JSON document is printed in place of the text.

@@ -1,17 +1,15 @@
 //! Compares two pictures, of which one may be the rendering.
 
 use super::log::Log;
-use super::outputs::{Outputs, prepare};
+use super::outputs::{self, Outputs, prepare};
 use super::report::Report;
 use super::signals::Signals;
-use super::{End, Outcome, live, refused, threads};
+use super::{End, Outcome, live, threads};
 use raytracer::base::escape::quoted;
 use raytracer::base::memory;
 use raytracer::cli::{self, Options};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{
-    Format, OutputFile, ReadFile, Remarks, Written, check_distinct, read_remarked_picture,
-};
+use raytracer::image_io::{Format, OutputFile, Remarks, read_remarked_picture};
 use raytracer::picture::Picture;
 use raytracer::render::renderer::Renderer;
 use raytracer::render::{Layer, Request};
@@ -24,7 +22,7 @@ use std::path::Path;
 /// Compares two pictures that need no scene.
 pub fn run(options: &Options, signals: &Signals, log: &Log) -> Result<Outcome, End> {
     threads::start(options.threads, options.size[1])?;
-    check_distinct(written(options), read(options)).map_err(refused)?;
+    outputs::check(options, [])?;
     let pair = Pair::open(options, log)?;
     let files = Files::open(options)?;
     let outputs = Outputs::new(vec![], signals)?;
@@ -51,20 +49,6 @@ impl Display for ComparisonResult {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.comparison.block(self.cause.as_ref().map(|cause| cause as _)))
     }
-}
-
-/// The files that a run writes, and standard output.
-pub fn written(options: &Options) -> impl Iterator<Item = Written> {
-    let standard_output = Path::new("-");
-    let prints = options.has_text() && !options.written().any(|file| file == standard_output);
-    let all = options.written().chain(prints.then_some(standard_output));
-    all.map(|file| Written::Named(file.to_owned()))
-}
-
-/// The pictures that a comparison reads.
-pub fn read(options: &Options) -> impl Iterator<Item = ReadFile> {
-    let pictures = options.comparison.iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
-    pictures.flatten().map(|picture| ("picture", picture.clone()))
 }
 
 /// The files that are written beside the rendered pictures, and are known to be writable.
@@ -132,8 +116,7 @@ impl<'o> Pair<'o> {
         };
         let comparison = Comparison::new(a, b).map_err(|_| self.cannot_compare([a, b].map(size)))?;
         let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
-        let of_scene = || scene.and_then(|renderer| cause(self.options, renderer, a, b));
-        let cause = if differs { of_scene().or_else(|| cause_of_pictures(a, b)) } else { None };
+        let cause = if differs { cause(self.options, scene, a, b) } else { None };
         if let Some((file, format)) = difference {
             let shown = DifferencePicture::new(a, b)?;
             outputs.add(file.picture(format, &shown.picture)?)?;
@@ -166,34 +149,26 @@ pub fn shows_scene(options: &Options, renderer: &Renderer, layer: Layer) -> bool
     layer.is_of_scene() && !options.visualize_grid && renderer.scene.model.shows == Shows::Scene
 }
 
-/// Why a picture from outside differs. Nothing is tried where something else is drawn in place of the scene, with
-/// adaptive samples, where the scene's picture has another size, or where there is no memory for it.
-fn cause(options: &Options, renderer: &Renderer, a: &Picture, b: &Picture) -> Option<Finding> {
-    let layer = options.compared_layer()?;
-    let fits = rendered_size(options) == Some(size(a));
-    // Where samples depend on what they show, a wrong picture differs by its samples too.
-    let is_settled = layer != Layer::Color || options.adaptive.is_none();
-    if !shows_scene(options, renderer, layer) || !is_settled || !fits {
-        return None;
-    }
-    ask_to_explain(options.size.map(|n| n as u32))?;
-    let request = Request { layers: vec![layer], ..options.request() };
-    Some(Original::new(renderer, options.structure, &request)?.explain(a, b))
-}
-
-/// Why a picture differs from another of which no scene can be rendered, if that is known. Only what became of the
-/// finished picture is tried.
-fn cause_of_pictures(a: &Picture, b: &Picture) -> Option<Finding> {
-    ask_to_explain(size(a))?;
-    let found = FinishedPicture::of_picture(b).explain(std::slice::from_ref(a)).pop()?;
-    (!matches!(found, Finding::Unknown { .. })).then_some(found)
-}
-
-/// Asks for the memory of finding a cause; `None` if there is too little.
-fn ask_to_explain(size: [u32; 2]) -> Option<()> {
+/// Why a picture from outside differs, if that is known: by the scene, or by what became of the finished picture. The
+/// scene is left out where something else is drawn in its place, with adaptive samples, and where its picture has another
+/// size.
+fn cause(options: &Options, scene: Option<&Renderer>, a: &Picture, b: &Picture) -> Option<Finding> {
     /// The colours of two pictures, their bytes and those of several wrong ones, with something to spare.
     const BYTES_PER_PIXEL: u64 = 128;
-    memory::ask(size.map(u64::from).iter().product::<u64>() * BYTES_PER_PIXEL).ok()
+    memory::ask(size(a).map(u64::from).iter().product::<u64>() * BYTES_PER_PIXEL).ok()?;
+    // Where samples depend on what they show, a wrong picture differs by its samples too.
+    let layer = options.compared_layer().filter(|&layer| layer != Layer::Color || options.adaptive.is_none());
+    let is_shown = |&(renderer, layer): &_| shows_scene(options, renderer, layer);
+    let rendered = scene.zip(layer).filter(is_shown).filter(|_| rendered_size(options) == Some(size(a)));
+    let original = rendered.and_then(|(renderer, layer)| {
+        let request = Request { layers: vec![layer], ..options.request() };
+        Original::new(renderer, options.structure, &request)
+    });
+    if let Some(original) = original {
+        return Some(original.explain(a, b));
+    }
+    let found = FinishedPicture::of_picture(b).explain(std::slice::from_ref(a)).pop()?;
+    (!matches!(found, Finding::Unknown { .. })).then_some(found)
 }
 
 /// Width and height of the rendered picture that is compared, in pixels; `None` if they depend on what it shows.

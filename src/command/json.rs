@@ -26,7 +26,7 @@ pub fn document(report: &Report, options: &Options, warnings: &[String]) -> Stri
         "version": env!("CARGO_PKG_VERSION"),
         "options": options,
         "threads": rayon::current_num_threads(),
-        "written": written(options),
+        "written": options.pictures().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
         "warnings": warnings,
         "scene": report.renderer.map(scene),
         "grid": statistics.and_then(|found| found.grid).map(|cells| json!({ "cells": cells })),
@@ -39,13 +39,6 @@ pub fn document(report: &Report, options: &Options, warnings: &[String]) -> Stri
         "comparison": report.comparison.as_ref().map(comparison),
     });
     format!("{document}\n")
-}
-
-/// The pictures that are written.
-fn written(options: &Options) -> Vec<String> {
-    let pictures = options.outputs.iter().map(|output| &output.file);
-    let difference = options.comparison.as_ref().and_then(|comparison| comparison.difference.as_ref());
-    pictures.chain(difference).map(|file| file.to_string_lossy().into_owned()).collect()
 }
 
 /// What a scene is made of, in numbers.

@@ -1,10 +1,15 @@
-//! The files of a run. They get their names together at its end, or before a signal ends it.
+//! The files of a run: they are told apart at its start, and get their names together at its end or before a signal ends
+//! it.
 
-use super::End;
 use super::log::Log;
 use super::signals::Signals;
+use super::{End, refused};
+use raytracer::cli::{Options, Output};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{CompleteFile, ImageError, OutputFile, put_in_place};
+use raytracer::image_io::{
+    CompleteFile, ImageError, OutputFile, ReadFile, Written, check_distinct, part_beside, put_in_place,
+};
+use raytracer::render::Layer;
 use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,6 +17,26 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// Checks that a file can be written; `-` is standard output.
 pub fn prepare(path: &Path) -> Result<OutputFile, ImageError> {
     if path == Path::new("-") { Ok(OutputFile::standard_output()) } else { OutputFile::prepare(path) }
+}
+
+/// Refuses a run that renders or compares if it would write a file twice, or one that it reads. `scene` lists the
+/// scene's files.
+pub fn check(options: &Options, scene: impl IntoIterator<Item = ReadFile>) -> Result<(), End> {
+    let standard_output = Path::new("-");
+    let prints = options.has_text() && !options.written().any(|file| file == standard_output);
+    let named = options.written().chain(prints.then_some(standard_output));
+    let named = named.map(|file| Written::Named(file.to_owned()));
+    // Of a picture there may be a part if the run is stopped.
+    let part = |output: &Output| {
+        let has_parts =
+            !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
+        let part = part_beside(&output.file, output.format).filter(|_| has_parts)?;
+        Some(Written::PartOf { picture: output.file.clone(), part })
+    };
+    let written = named.chain(options.outputs.iter().filter_map(part));
+    let compared = options.comparison.iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
+    let compared = compared.flatten().map(|picture| ("picture", picture.clone()));
+    check_distinct(written, scene.into_iter().chain(compared)).map_err(refused)
 }
 
 /// Regular files that are complete and have no names yet.

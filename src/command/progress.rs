@@ -58,7 +58,9 @@ impl ProgressLine {
             && passed >= *next
         {
             *next = passed + style.interval;
-            write(&[style.before, &text(passed), style.after].concat());
+            let text = [style.before, &text(passed), style.after].concat();
+            // An error is ignored: there may be no reader.
+            let _ = stderr().write_all(text.as_bytes());
         }
     }
 }
@@ -68,7 +70,7 @@ impl Drop for ProgressLine {
         if let (Some(style), Ok(next)) = (self.style, self.next.get_mut())
             && *next > style.delay
         {
-            write(style.before);
+            let _ = stderr().write_all(style.before.as_bytes());
         }
     }
 }
@@ -79,12 +81,6 @@ fn style(wish: ShowProgress, is_terminal: bool) -> Option<Style> {
         (_, true) => Some(TERMINAL),
         (ShowProgress::Always, false) => Some(LINES),
     }
-}
-
-/// Writes to standard error. Without a reader nobody misses the text.
-fn write(text: &str) {
-    let mut terminal = stderr();
-    let _ = terminal.write_all(text.as_bytes()).and_then(|()| terminal.flush());
 }
 
 /// How far work on rows has come after this time, how long all of it takes at this speed, and how many rays are cast in

@@ -1,6 +1,6 @@
 //! Renders a scene, with everything that is written and printed of it.
 
-use super::compare::{self, Files, Pair};
+use super::compare::{Files, Pair};
 use super::log::Log;
 use super::outputs::{self, Outputs};
 use super::parts;
@@ -8,20 +8,21 @@ use super::products::{Finished, Products};
 use super::progress::{ProgressLine, rows_text};
 use super::report::Report;
 use super::signals::Signals;
-use super::{End, Outcome, refused, threads, warnings};
+use super::{End, Outcome, threads, warnings};
 use raytracer::cli::{Options, Output};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{Exceptional, ReadFile, Written, check_distinct, part_beside};
+use raytracer::image_io::Exceptional;
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::scene::edition::Edition;
-use raytracer::scene::load::{LoadedScene, load_with};
+use raytracer::scene::load::load_with;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
 use raytracer::tools::warnings::{lights_without_effect, nothing_visible};
 use std::ffi::OsString;
+use std::iter;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -43,13 +44,17 @@ pub fn run(
     threads::start(options.threads, options.size[1])?;
 
     // Load the scene.
-    let mut clock = Clock(Instant::now());
+    let mut last = Instant::now();
+    let mut lap = || {
+        let now = Instant::now();
+        now - std::mem::replace(&mut last, now)
+    };
     let mut loaded = load_with(input, &options.hints())?;
 
     // Settle the options.
     let options = &options.in_edition(loaded.choice.edition);
-    check_distinct(written(options), read(input, options, &loaded)).map_err(refused)?;
-    let reading = clock.lap();
+    outputs::check(options, iter::once(("scene", input.to_owned())).chain(loaded.files()))?;
+    let reading = lap();
     let pair = Pair::open(options, log)?;
 
     // Prepare.
@@ -63,7 +68,7 @@ pub fn run(
     warn(doubts)?;
     let request = request(options);
     let prepared = options.prepare(&renderer, &request, options.tracing())?;
-    let building = clock.lap();
+    let building = lap();
 
     // Open the outputs.
     let open = |output: &Output| Ok((outputs::prepare(&output.file)?, output.format));
@@ -80,7 +85,7 @@ pub fn run(
             return Err(signals.received().unwrap_or_else(|| End::from(Stopped::Cancelled { rows })));
         }
     };
-    let rendering = clock.lap() - products.encoding;
+    let rendering = lap() - products.encoding;
 
     // Finish.
     if products.is_blank && !options.visualize_grid {
@@ -91,7 +96,7 @@ pub fn run(
     let encoding = products.encoding;
     let Finished { files: pictures, costs, picture } = products.finish()?;
     let outputs = Outputs::new(pictures, signals)?;
-    let timings = Timings { reading, building, rendering, writing: encoding + clock.lap() };
+    let timings = Timings { reading, building, rendering, writing: encoding + lap() };
 
     // Report.
     let statistics = statistics(options, &prepared, &request, counts, timings)?;
@@ -105,22 +110,6 @@ pub fn run(
     let renderer = Some(&renderer);
     let report = Report { renderer, statistics: Some(statistics), repeats, costs, pixel, comparison };
     report.finish(options, files.document, &outputs, log)
-}
-
-/// The files that a rendering writes. Of a picture there may be a part if the run is stopped.
-fn written(options: &Options) -> impl Iterator<Item = Written> {
-    let part = |output: &Output| {
-        let has_parts =
-            !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
-        let part = part_beside(&output.file, output.format).filter(|_| has_parts)?;
-        Some(Written::PartOf { picture: output.file.clone(), part })
-    };
-    compare::written(options).chain(options.outputs.iter().filter_map(part))
-}
-
-/// The files that a rendering of this scene reads.
-fn read(input: &Path, options: &Options, loaded: &LoadedScene) -> impl Iterator<Item = ReadFile> {
-    std::iter::once(("scene", input.to_owned())).chain(compare::read(options)).chain(loaded.files())
 }
 
 /// The layers that are written, and the one that is compared. A map of costs is drawn when it is complete.
@@ -245,16 +234,5 @@ fn explanation(
     match explainer.pixel(&request, pixel, &stop) {
         Err(ExplainError::Outside) => Ok(None),
         explained => Ok(Some(explained?)),
-    }
-}
-
-/// Measures one stage after the other.
-struct Clock(Instant);
-
-impl Clock {
-    /// Returns the time since the last lap.
-    fn lap(&mut self) -> Duration {
-        let now = Instant::now();
-        now - std::mem::replace(&mut self.0, now)
     }
 }
