@@ -1,6 +1,7 @@
 //! Measures what settings cost and buy, and writes the page and the table of it.
 
 use super::log::Log;
+use super::outputs::prepare_report;
 use super::progress::ProgressLine;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
@@ -9,7 +10,7 @@ use raytracer::base::escape::quoted;
 use raytracer::base::shell::Shell;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{OutputFile, Written, check_distinct, put_in_place};
+use raytracer::image_io::{Written, check_distinct, put_in_place};
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::scene::load;
@@ -23,7 +24,7 @@ use std::time::{Duration, Instant};
 
 /// Measures and writes.
 pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
-    let ErrorReporting { options, target, .. } = reporting;
+    let ErrorReporting { options, folder, target } = reporting;
     let many = threads::pool(options.threads, options.size[1])?;
     let one = threads::pool(Some(1), 1)?;
 
@@ -42,7 +43,9 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let renderer = many.install(|| Renderer::new(loaded, Meshes::Kept))?;
     let reading = start.elapsed();
     // A file that cannot be written is no reason to wait for the measurements.
-    let [page_file, csv_file] = prepare(reporting)?;
+    let unwritable = |error| Diagnostic::error(format!("cannot make the folder {}: {error}", quoted(folder)));
+    fs::create_dir_all(folder).map_err(unwritable)?;
+    let [page_file, csv_file] = prepare_report(reporting.report_files())?;
 
     // Measure.
     let request = options.request();
@@ -79,15 +82,6 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let outcome = Outcome::of_text(text(&report, &answers, Shell::OF_SYSTEM));
     Ok(Outcome { passes, ..outcome.tell_of(reporting.report_files(), options.progress) })
-}
-
-/// The page and the table in a folder, which is made if there is none.
-fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
-    let folder = &reporting.folder;
-    let unwritable = |error| Diagnostic::error(format!("cannot make the folder {}: {error}", quoted(folder)));
-    fs::create_dir_all(folder).map_err(unwritable)?;
-    let [page, table] = reporting.report_files().map(|file| OutputFile::prepare(&file));
-    Ok([page?, table?])
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

@@ -4,15 +4,15 @@ mod folder;
 mod references;
 
 use super::log::Log;
-use super::outputs::{Outputs, prepare};
+use super::outputs::{Outputs, prepare_report};
 use super::progress::ProgressLine;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
-use folder::Folder;
+use folder::{Folder, entries};
 use raytracer::base::escape::escape;
 use raytracer::cli::{self, Grading};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{ImageError, OutputFile, Written, check_distinct};
+use raytracer::image_io::{Written, check_distinct};
 use raytracer::picture::Picture;
 use raytracer::tools::grade::{Column, Page, Table, csv, summary};
 use references::{Reference, References};
@@ -24,9 +24,10 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     threads::start(options.threads, 0)?;
 
     // List the pictures, and check that no file is lost.
+    let listed = entries(&options.folder)?;
     let references = References::open(&options.references)?;
     let names: Vec<_> = references.names().collect();
-    let folder = Folder::open(&options.folder, &names)?;
+    let folder = Folder::new(&options.folder, listed, &names)?;
     let written = options.report_files().into_iter().flatten().chain(["-".into()]).map(Written::Named);
     let commands = match &options.references {
         cli::References::Commands(file) => Some(("list of commands", file.clone())),
@@ -36,11 +37,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     check_distinct(written, commands.into_iter().chain(references.files()).chain(handed_in))
         .map_err(refused)?;
     // A file that cannot be written is no reason to wait for the comparison.
-    let open = |files: [PathBuf; 2]| -> Result<[OutputFile; 2], ImageError> {
-        let [page, values] = files.map(|file| prepare(&file));
-        Ok([page?, values?])
-    };
-    let files = options.report_files().map(open).transpose()?;
+    let files = options.report_files().map(prepare_report).transpose()?;
 
     // Compare.
     let mut page = files.is_some().then(Page::default);

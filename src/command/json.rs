@@ -7,7 +7,7 @@ use raytracer::primitive::shape::Shape;
 use raytracer::render::Tracing;
 use raytracer::render::renderer::Renderer;
 use raytracer::scene::material::{Material, Pattern, Texture};
-use raytracer::scene::{Light, Object, Scene};
+use raytracer::scene::{Light, Object};
 use raytracer::tools::compare::Tolerance;
 use raytracer::tools::explain::{CostReport, PixelTree};
 use serde::Serialize;
@@ -44,15 +44,30 @@ pub fn document(report: &Report, options: &Options, warnings: &[String]) -> Stri
 /// What a scene is made of, in numbers.
 fn scene(renderer: &Renderer) -> Value {
     let (scene, world) = (&renderer.scene, renderer.world());
-    let spheres = count(&world.shapes, |shape| matches!(shape, Shape::Sphere(_)));
+    let spheres = world.shapes.iter().filter(|shape| matches!(shape, Shape::Sphere(_))).count();
     json!({
         "file": renderer.source.path.to_string_lossy(),
-        "lights": {
-            "directional": count(&scene.lights, |light| matches!(light, Light::Directional { .. })),
-            "point": count(&scene.lights, |light| matches!(light, Light::Point { .. })),
-        },
-        "materials": materials(scene),
-        "objects": objects(scene),
+        "lights": counts(&scene.lights, &[
+            ("directional", |one| matches!(one, Light::Directional { .. })),
+            ("point", |one| matches!(one, Light::Point { .. })),
+        ]),
+        "materials": counts(&scene.materials, &[
+            ("phong", |one| matches!(one, Material::Phong(_) | Material::Painted(..))),
+            ("checkerboard", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Checkerboard, .. }))),
+            ("noise", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Noise { .. }, .. }))),
+            ("marble", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Marble { .. }, .. }))),
+            ("wood", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Wood { .. }, .. }))),
+        ]),
+        // The nodes of the tree.
+        "objects": counts(&scene.objects, &[
+            ("groups", |one| matches!(one, Object::Group(_))),
+            ("transforms", |one| matches!(one, Object::Transform { .. })),
+            ("spheres", |one| matches!(one, Object::Sphere { .. })),
+            ("planes", |one| matches!(one, Object::Plane { .. })),
+            ("triangles", |one| matches!(one, Object::Triangle { .. })),
+            ("boxes", |one| matches!(one, Object::Box { .. })),
+            ("meshes", |one| matches!(one, Object::Mesh { .. } | Object::Grid { .. })),
+        ]),
         "primitives": {
             "triangles": world.triangles.len(),
             "spheres": spheres,
@@ -63,39 +78,13 @@ fn scene(renderer: &Renderer) -> Value {
     })
 }
 
-fn materials(scene: &Scene) -> Value {
-    let of_kind = |is: fn(&Material) -> bool| count(&scene.materials, is);
-    let with_pattern = |is: fn(&Pattern) -> bool| {
-        count(
-            &scene.materials,
-            |material| matches!(material, Material::Texture(Texture { pattern, .. }) if is(pattern)),
-        )
-    };
-    json!({
-        "phong": of_kind(|material| matches!(material, Material::Phong(_) | Material::Painted(..))),
-        "checkerboard": with_pattern(|pattern| matches!(pattern, Pattern::Checkerboard)),
-        "noise": with_pattern(|pattern| matches!(pattern, Pattern::Noise { .. })),
-        "marble": with_pattern(|pattern| matches!(pattern, Pattern::Marble { .. })),
-        "wood": with_pattern(|pattern| matches!(pattern, Pattern::Wood { .. })),
-    })
-}
+/// The name of a kind, and a test for it.
+type Kind<T> = (&'static str, fn(&T) -> bool);
 
-/// The nodes of the object tree.
-fn objects(scene: &Scene) -> Value {
-    let of_kind = |is: fn(&Object) -> bool| count(&scene.objects, is);
-    json!({
-        "groups": of_kind(|object| matches!(object, Object::Group(_))),
-        "transforms": of_kind(|object| matches!(object, Object::Transform { .. })),
-        "spheres": of_kind(|object| matches!(object, Object::Sphere { .. })),
-        "planes": of_kind(|object| matches!(object, Object::Plane { .. })),
-        "triangles": of_kind(|object| matches!(object, Object::Triangle { .. })),
-        "boxes": of_kind(|object| matches!(object, Object::Box { .. })),
-        "meshes": of_kind(|object| matches!(object, Object::Mesh { .. } | Object::Grid { .. })),
-    })
-}
-
-fn count<T>(all: &[T], is: impl Fn(&T) -> bool) -> usize {
-    all.iter().filter(|one| is(one)).count()
+/// The number of those of each kind, by its name.
+fn counts<T>(all: &[T], kinds: &[Kind<T>]) -> Value {
+    let count = |is: fn(&T) -> bool| all.iter().filter(|one| is(one)).count();
+    kinds.iter().map(|&(name, is)| (name.to_owned(), Value::from(count(is)))).collect()
 }
 
 fn cost_map(CostReport { map, cells }: &CostReport) -> Value {

@@ -20,11 +20,12 @@ mod grade;
 mod error_report;
 
 use log::Log;
-use raytracer::cli::{self, Command, Options, ShowProgress};
+use outputs::Outputs;
+use raytracer::cli::{self, Command, ShowProgress};
 use raytracer::diagnostic::Diagnostic;
+use raytracer::image_io::OutputFile;
 use signals::Signals;
 use std::ffi::OsString;
-use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -102,40 +103,22 @@ fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
     let command = cli::parse(argv.iter().cloned()).map_err(refused)?;
     let Outcome { text, written, passes } = match &command {
         Command::Print(text) => Outcome::of_text(text.clone()),
-        Command::Render(options) => render_or_compare(options, argv, &signals, log)?,
+        Command::Render(options) => {
+            live::note(options).iter().for_each(|note| log.tell(Diagnostic::note(*note)));
+            match &options.input {
+                Some(input) => render::run(options, input, argv, &signals, log)?,
+                None => compare::run(options, &signals, log)?,
+            }
+        }
         Command::Grade(options) => grade::run(options, &signals, log)?,
         Command::Merge(options) => merge::run(options, &signals)?,
         Command::Convert(options) => convert::run(options, &signals, log)?,
         Command::ReportErrors(options) => error_report::run(options, &signals, log)?,
     };
-    print(&text)?;
+    Outputs::default().add(OutputFile::standard_output().text(&text)?)?;
     log.tell_written(&written, start.elapsed());
     if let Command::Render(options) = &command {
         live::show(options, &signals, log)?;
     }
     Ok(passes)
-}
-
-fn render_or_compare(
-    options: &Options,
-    argv: &[OsString],
-    signals: &Signals,
-    log: &Log,
-) -> Result<Outcome, End> {
-    live::note(options).iter().for_each(|note| log.tell(Diagnostic::note(*note)));
-    match &options.input {
-        Some(input) => render::run(options, input, argv, signals, log),
-        None => compare::run(options, signals, log),
-    }
-}
-
-/// Prints a text to standard output. A reader that went away has seen enough.
-fn print(text: &str) -> Result<(), Diagnostic> {
-    let mut output = io::stdout();
-    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Diagnostic::error(format!("cannot write to standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
 }

@@ -1,5 +1,4 @@
-//! The files of a run: they are told apart at its start, and get their names together at its end or before a signal ends
-//! it.
+//! The files of a run: told apart at its start, and named together at its end or before a signal ends it.
 
 use super::log::Log;
 use super::signals::Signals;
@@ -11,12 +10,18 @@ use raytracer::image_io::{
 };
 use raytracer::render::Layer;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Checks that a file can be written; `-` is standard output.
 pub fn prepare(path: &Path) -> Result<OutputFile, ImageError> {
     if path == Path::new("-") { Ok(OutputFile::standard_output()) } else { OutputFile::prepare(path) }
+}
+
+/// Checks that a page and the table beside it can be written.
+pub fn prepare_report(files: [PathBuf; 2]) -> Result<[OutputFile; 2], ImageError> {
+    let [page, table] = files.map(|file| prepare(&file));
+    Ok([page?, table?])
 }
 
 /// Refuses a run that renders or compares if it would write a file twice, or one that it reads. `scene` lists the

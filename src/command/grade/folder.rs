@@ -29,10 +29,10 @@ const DEEPEST: usize = 6;
 const MOST: usize = 10_000;
 
 impl Folder {
-    /// Lists the folder, where pictures of these names are wanted.
-    pub fn open(path: &Path, wanted: &[&OsStr]) -> Result<Self, Diagnostic> {
+    /// Looks for pictures of the wanted names in the folders among these entries of a folder.
+    pub fn new(path: &Path, entries: Vec<OsString>, wanted: &[&OsStr]) -> Result<Self, Diagnostic> {
         let is_folder = |name: &OsString| path.join(name).is_dir();
-        let (names, others): (Vec<_>, Vec<_>) = entries(path)?.into_iter().partition(is_folder);
+        let (names, others): (Vec<_>, Vec<_>) = entries.into_iter().partition(is_folder);
         if names.is_empty() {
             return Err(Diagnostic::error(format!("{} has no folder of pictures in it", quoted(path))));
         }

@@ -24,11 +24,13 @@ enum Origin {
     Rendered(Box<Options>, Layer),
 }
 
+/// Finds why each of some wrong pictures differs from the reference, which comes second.
+type Explain<'r> = Box<dyn FnMut(&[Picture], &Picture) -> Vec<Finding> + 'r>;
+
 /// A reference, and how differences from it are explained.
 pub struct Reference<'r> {
     pub picture: Picture,
-    /// Finds why each of some wrong pictures differs from the reference, which comes second.
-    pub explain: Box<dyn FnMut(&[Picture], &Picture) -> Vec<Finding> + 'r>,
+    pub explain: Explain<'r>,
 }
 
 impl References {
