@@ -153,7 +153,7 @@ pub fn shows_scene(options: &Options, renderer: &Renderer, layer: Layer) -> bool
 /// scene is left out where something else is drawn in its place, with adaptive samples, and where its picture has another
 /// size.
 fn cause(options: &Options, scene: Option<&Renderer>, a: &Picture, b: &Picture) -> Option<Finding> {
-    /// The colours of two pictures, their bytes and those of several wrong ones, with something to spare.
+    /// The colours and bytes of two pictures and the bytes of several wrong ones, with something to spare.
     const BYTES_PER_PIXEL: u64 = 128;
     memory::ask(size(a).map(u64::from).iter().product::<u64>() * BYTES_PER_PIXEL).ok()?;
     // Where samples depend on what they show, a wrong picture differs by its samples too.

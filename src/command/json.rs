@@ -41,7 +41,7 @@ pub fn document(report: &Report, options: &Options, warnings: &[String]) -> Stri
     format!("{document}\n")
 }
 
-/// What a scene is made of, in numbers.
+/// Counts the parts of a scene.
 fn scene(renderer: &Renderer) -> Value {
     let (scene, world) = (&renderer.scene, renderer.world());
     let spheres = world.shapes.iter().filter(|shape| matches!(shape, Shape::Sphere(_))).count();
@@ -81,7 +81,7 @@ fn scene(renderer: &Renderer) -> Value {
 /// The name of a kind, and a test for it.
 type Kind<T> = (&'static str, fn(&T) -> bool);
 
-/// The number of those of each kind, by its name.
+/// Counts each kind, by its name.
 fn counts<T>(all: &[T], kinds: &[Kind<T>]) -> Value {
     let count = |is: fn(&T) -> bool| all.iter().filter(|one| is(one)).count();
     kinds.iter().map(|&(name, is)| (name.to_owned(), Value::from(count(is)))).collect()

@@ -34,11 +34,11 @@ enum Product {
     File(Box<PictureWriter>),
     /// Width and height in pixels, and the bytes of a picture.
     Kept([usize; 2], Vec<u8>),
-    /// What each pixel costs; the file gets the finished map.
+    /// The costs of pixels; the file gets the finished map.
     Costs(OutputFile, Format, CostMap),
 }
 
-/// What is left of a render when all rows are taken.
+/// The results of a render whose rows are all taken.
 #[derive(Default)]
 pub struct Finished {
     pub files: Vec<CompleteFile>,
@@ -119,7 +119,7 @@ impl<'r> Products<'r> {
         let keep =
             |(product, &layer): (Product, &Layer)| match (product, part(prepared, request, upper, layer)) {
                 (Product::File(writer), Some(part)) => Ok(writer.write_part(&part)?),
-                // The picture of a filter is complete before the first row is rendered. Nobody is waited for.
+                // The picture of a filter is complete before the first row is rendered. A pipe may have no reader.
                 (Product::File(writer), None) if matches!(layer, Layer::Filter { .. }) => {
                     let file = writer.complete()?;
                     if !file.is_stream() {

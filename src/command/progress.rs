@@ -14,8 +14,9 @@ struct Style {
     delay: Duration,
     /// The time between two texts.
     interval: Duration,
-    /// What comes before a text, and after the last one.
+    /// Comes before a text, and after the last one.
     before: &'static str,
+    /// Comes after each text.
     after: &'static str,
 }
 

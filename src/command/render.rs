@@ -217,7 +217,7 @@ fn meshes(options: &Options) -> Meshes {
     if keeps { Meshes::Kept } else { Meshes::Moved }
 }
 
-/// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.
+/// Returns the rays behind a pixel, traced and counted as by the course's program, like all that is counted.
 fn explanation(
     options: &Options,
     renderer: &Renderer,

@@ -13,16 +13,16 @@ use std::fmt::Display;
 use std::io::{Write, stderr};
 use std::path::Path;
 
-/// What a run found out. A comparison of two files has no scene.
+/// The results of a run. A comparison of two files has no scene.
 #[derive(Default)]
 pub struct Report<'r> {
     pub renderer: Option<&'r Renderer>,
     pub statistics: Option<stats::Report>,
     /// The times of all renderings, if there are several.
     pub repeats: Option<Repeats>,
-    /// What the pixels of a cost map have cost.
+    /// The costs of a cost map's pixels.
     pub costs: Option<CostReport>,
-    /// What is behind the pixel in question.
+    /// The rays behind the pixel in question.
     pub pixel: Option<PixelTree>,
     pub comparison: Option<ComparisonResult>,
 }

@@ -57,7 +57,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     found
 }
 
-/// Whether the colours of pixels are computed for anything that the run leaves behind, or shows.
+/// Returns true if the colours of pixels are computed for anything that the run leaves behind, or shows.
 fn shows_colors(options: &Options) -> bool {
     let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
     options.outputs.iter().any(|output| has_layer(&output.layer))
@@ -68,7 +68,7 @@ fn shows_colors(options: &Options) -> bool {
         || options.outputs.is_empty()
 }
 
-/// Whether a run would leave nothing behind.
+/// Returns true if a run would leave nothing behind.
 fn asks_for_nothing(options: &Options) -> bool {
     options.written().next().is_none() && !options.has_text() && !options.preview
 }

@@ -72,8 +72,8 @@ impl Folder {
     }
 }
 
-/// The path of the file that is taken for this picture in a folder with these files: that of the picture's name, or else
-/// one whose name has another ending or case, or that lies in a folder in it.
+/// Returns the path of the file that is taken for this picture in a folder with these files: the picture's own name, or
+/// else a file whose name has another ending or case, or that lies in a folder in it.
 fn taken_for(picture: &OsStr, folder: &Path, files: &[PathBuf], wanted: &[&OsStr]) -> PathBuf {
     if fs::symlink_metadata(folder.join(picture)).is_ok() {
         return picture.into();
