@@ -3,7 +3,6 @@
 //!
 //! Compiled for WebAssembly it runs in a browser, or under Node.js by `run.mjs`, with the same bytes.
 
-use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Command};
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::load;
@@ -19,12 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = options.in_edition(loaded.choice.edition);
     let renderer = Renderer::new(loaded, Meshes::Kept)?;
     let request = options.request();
-    let prepared = match options.structure {
-        Structure::Grid(grid) if options.visualize_grid => {
-            renderer.prepare_cells(grid, request.camera_rays(), options.tracing())
-        }
-        structure => renderer.prepare_for(structure, &request, options.tracing()),
-    }?;
+    let prepared = options.prepare(&renderer, &request, options.tracing())?;
     let mut output = stdout().lock();
     for picture in prepared.render(&request)? {
         let [width, height] = picture.size;

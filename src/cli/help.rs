@@ -1,8 +1,9 @@
 //! The help: about the usual flags, all flags, one of them, or those with a word.
 
-use super::error::CliError;
+use super::error::of_clap;
 use super::flags::{command, find, meant};
 use super::words::single;
+use crate::diagnostic::Diagnostic;
 use clap::{Arg, Id};
 use std::ffi::OsString;
 
@@ -30,7 +31,7 @@ tolerance, and 130, 143 or 129 for a run stopped by Ctrl-C, SIGTERM or SIGHUP.
 
 /// Returns the help that `words` ask for, which have clap's dashes. The first is `--h` or `--help`, and the next may
 /// tell what about.
-pub(super) fn text(words: &[OsString]) -> Result<String, CliError> {
+pub(super) fn text(words: &[OsString]) -> Result<String, Diagnostic> {
     let topic = words.get(1).map(|word| word.to_string_lossy());
     match topic.filter(|word| !word.starts_with('-') || known(bare(word)).is_some()) {
         Some(topic) => about(bare(&topic)),
@@ -63,7 +64,7 @@ fn summary(flag: &Arg) -> String {
 }
 
 /// All about the flag of this name, or the one that other programs call so; otherwise the flags with the word.
-fn about(name: &str) -> Result<String, CliError> {
+fn about(name: &str) -> Result<String, Diagnostic> {
     if let Some(flag) = known(name) {
         let mut some = only(|other| other.get_id() == flag.get_id()).term_width(WIDTH + ROOM);
         return Ok(single_dashes(&some.render_long_help().to_string()));
@@ -80,7 +81,7 @@ fn about(name: &str) -> Result<String, CliError> {
     // The error for an unknown flag has a suggestion.
     let words = [OsString::from(format!("--{name}"))];
     let parsed = command().try_get_matches_from(&words);
-    parsed.map(|_| String::new()).map_err(|error| CliError::of(error, &words))
+    parsed.map(|_| String::new()).map_err(|error| of_clap(error, &words))
 }
 
 fn bare(word: &str) -> &str {

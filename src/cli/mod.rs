@@ -11,24 +11,26 @@ mod flags;
 mod help;
 mod options;
 mod outputs;
-mod runs;
 mod values;
 mod words;
 
 pub use commands::parse_commands;
-pub use error::CliError;
 pub use flags::command;
 pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
 pub use outputs::Output;
-pub use runs::{Converting, ErrorReporting, Grading, Merging, References};
 pub use words::{command_of_merge, command_of_rest};
 
+use crate::diagnostic::Diagnostic;
+use crate::render::Window;
+use crate::tools::compare::Tolerance;
 use clap::FromArgMatches;
 use clap::error::ErrorKind;
-use error::fail;
+use error::{fail, of_clap};
 use flags::Flags;
+use options::{region, tolerance};
 use outputs::output_of_bytes;
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 /// The action that the command line requests.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,11 +44,76 @@ pub enum Command {
     Print(String),
 }
 
+/// A folder with a folder of pictures for every name, and what they are to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grading {
+    pub folder: PathBuf,
+    pub references: References,
+    /// The page, whose name ends in `.html`.
+    pub report: Option<PathBuf>,
+    pub tolerance: Option<Tolerance>,
+    pub threads: Option<usize>,
+    pub progress: ShowProgress,
+}
+
+/// Where the reference pictures come from: the files of a folder, or command lines in a file that render them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum References {
+    Folder(PathBuf),
+    Commands(PathBuf),
+}
+
+/// Parts of a picture, and what they become.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Merging {
+    /// The parts, of which there is at least one. They end in `.tga` or `.png`.
+    pub parts: Vec<PathBuf>,
+    /// Where the picture goes. Its format is one of bytes.
+    pub output: Output,
+    /// The part of the picture that they become; none for the whole.
+    pub region: Option<Window>,
+    pub progress: ShowProgress,
+}
+
+/// A picture, and where it goes in another format, which is one of bytes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Converting {
+    pub picture: PathBuf,
+    pub output: Output,
+    pub progress: ShowProgress,
+}
+
+/// A report on what settings cost and buy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorReporting {
+    /// The scene and what is asked for. There is a scene.
+    pub options: Options,
+    /// Where the report is written. The folder need not exist.
+    pub folder: PathBuf,
+    /// The error to reach, in levels, not negative.
+    pub target: Option<f64>,
+}
+
+impl Grading {
+    /// The page and the table beside it, if they are written.
+    pub fn report_files(&self) -> Option<[PathBuf; 2]> {
+        let page = self.report.as_ref()?;
+        Some([page.clone(), page.with_extension("csv")])
+    }
+}
+
+impl ErrorReporting {
+    /// The page and the table.
+    pub fn report_files(&self) -> [PathBuf; 2] {
+        ["report.html", "report.csv"].map(|name| self.folder.join(name))
+    }
+}
+
 /// Parses a command line. The first word of `argv` is the program's name.
 ///
 /// No file is accessed. `-h` and `-help` take precedence over all errors, and `-version` over those later in the line.
 /// Errors: the first error found.
-pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliError> {
+pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, Diagnostic> {
     let words: Vec<OsString> = argv.into_iter().skip(1).map(|word| words::double(&word)).collect();
     if let Some(place) = words.iter().position(|word| word == "--h" || word == "--help") {
         return help::text(&words[place..]).map(Command::Print);
@@ -56,17 +123,27 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, CliErr
         Err(error) if error.kind() == ErrorKind::DisplayVersion => {
             return Ok(Command::Print(error.to_string()));
         }
-        matches => matches.map_err(|error| CliError::of(error, &words))?,
+        matches => matches.map_err(|error| of_clap(error, &words))?,
     };
-    let flags = Flags::from_arg_matches(&matches).map_err(|error| CliError::of(error, &words))?;
+    let flags = Flags::from_arg_matches(&matches).map_err(|error| of_clap(error, &words))?;
+    let progress = ShowProgress::new(&flags);
     if let Some(folder) = flags.grade.clone() {
-        return Grading::new(folder, &flags).map(Command::Grade);
+        let tolerance = tolerance(&flags)?;
+        let references = match (flags.reference, flags.commands) {
+            (Some(folder), _) => References::Folder(folder),
+            (None, Some(commands)) => References::Commands(commands),
+            (None, None) => return fail("-grade needs -reference or -commands"),
+        };
+        let Flags { report, threads, .. } = flags;
+        return Ok(Command::Grade(Grading { folder, references, report, tolerance, threads, progress }));
     }
     if let Some(parts) = flags.merge.clone() {
-        return Merging::new(parts, &flags).map(Command::Merge);
+        let region = flags.region.as_deref().map(region).transpose()?;
+        let output = output_of_bytes(&flags)?;
+        return Ok(Command::Merge(Merging { parts, output, region, progress }));
     }
     if let Some(picture) = flags.convert.clone() {
-        let (output, progress) = (output_of_bytes(&flags)?, ShowProgress::new(&flags));
+        let output = output_of_bytes(&flags)?;
         return Ok(Command::Convert(Converting { picture, output, progress }));
     }
     let (report, target) = (flags.error_report.clone(), flags.target);

@@ -1,10 +1,13 @@
 //! The options of a run that renders or compares: the flags, checked together.
 
-use super::error::{CliError, fail};
+use super::error::fail;
 use super::flags::{Flags, MAX_INT};
 use super::outputs::{Output, outputs};
 use super::values::{NOT_NEGATIVE, Sides, json_target, lossy_or_null, number, picture, value};
+use crate::base::memory::Bytes;
 use crate::caster::choose::{Resolution, Structure};
+use crate::diagnostic::Diagnostic;
+use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::{REDUCTION, reduced};
@@ -111,7 +114,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    fn new(flags: &Flags) -> Result<Option<Self>, CliError> {
+    fn new(flags: &Flags) -> Result<Option<Self>, Diagnostic> {
         if flags.compare.is_none() && flags.reference.is_none() {
             return Ok(None);
         }
@@ -149,7 +152,7 @@ impl ShowProgress {
 
 impl Options {
     /// Checks what depends on more than one flag. `words` are the flags that the live page begins with.
-    pub(super) fn new(flags: Flags, words: Vec<String>) -> Result<Self, CliError> {
+    pub(super) fn new(flags: Flags, words: Vec<String>) -> Result<Self, Diagnostic> {
         let triples = flags.edition != Some(Edition::Y2019);
         let size = size(&flags.size)?;
         let options = Self {
@@ -215,7 +218,7 @@ impl Options {
         Hints { edition: self.edition, shows_places: self.uv }
     }
 
-    fn check_together(&self) -> Result<(), CliError> {
+    fn check_together(&self) -> Result<(), Diagnostic> {
         let [width, height] = self.picture_size();
         if width == 0 || height == 0 {
             return fail("-filter: a third of the picture's width or height is no pixel");
@@ -238,28 +241,21 @@ impl Options {
                  compared then, or write only one of them",
             );
         }
-        let streams = self.written().filter(|file| *file == Path::new("-")).count();
-        if streams + usize::from(self.prints_json()) > 1 {
+        if self.written().filter(|file| *file == Path::new("-")).count() > 1 {
             return fail("only one of the pictures and -json can go to standard output");
         }
         Ok(())
     }
 
-    /// Returns true if a picture goes to standard output, so that text has to go elsewhere.
-    pub fn has_standard_output(&self) -> bool {
-        self.outputs.iter().any(Output::is_standard_output)
-    }
-
-    /// The names of all files to write, where `-` is standard output.
-    pub fn written(&self) -> impl Iterator<Item = &Path> {
+    /// The names of the pictures to write, where `-` is standard output.
+    pub fn pictures(&self) -> impl Iterator<Item = &Path> {
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
-        let pictures = self.outputs.iter().map(|output| output.file.as_path());
-        pictures.chain(difference).chain(self.json_file())
+        self.outputs.iter().map(|output| output.file.as_path()).chain(difference)
     }
 
-    /// The file of the JSON document, if it is not printed.
-    pub fn json_file(&self) -> Option<&Path> {
-        self.json.as_deref().filter(|_| !self.prints_json())
+    /// The names of all files to write.
+    pub fn written(&self) -> impl Iterator<Item = &Path> {
+        self.pictures().chain(self.json.as_deref())
     }
 
     /// Returns true if the JSON document is printed in place of the text.
@@ -267,17 +263,39 @@ impl Options {
         self.json.as_deref() == Some(Path::new("-"))
     }
 
-    /// Returns true if anything is written to standard output.
-    pub fn needs_standard_output(&self) -> bool {
+    /// Returns true if there is a text to print.
+    pub fn has_text(&self) -> bool {
         let counts = self.tracing() == Tracing::Counted;
-        let prints = counts || self.repeat.is_some() || self.pixel.is_some() || self.comparison.is_some();
-        prints || self.prints_json() || self.has_standard_output()
+        counts || self.repeat.is_some() || self.pixel.is_some() || self.comparison.is_some()
     }
 
     /// How the picture is traced: counted where counts are shown.
     pub fn tracing(&self) -> Tracing {
         let counts = self.stats || self.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_)));
         if counts { Tracing::Counted } else { Tracing::Fast }
+    }
+
+    /// Prepares the scene for a request, or the cells of the grid that are drawn in its place.
+    pub fn prepare<'r>(
+        &self,
+        renderer: &'r Renderer,
+        request: &Request,
+        tracing: Tracing,
+    ) -> Result<Prepared<'r>, Diagnostic> {
+        let prepared = match self.structure {
+            Structure::Grid(grid) if self.visualize_grid => {
+                renderer.prepare_cells(grid, request.camera_rays(), tracing)
+            }
+            structure => renderer.prepare_for(structure, request, tracing),
+        };
+        prepared.map_err(|error| match self.structure {
+            Structure::Grid(Resolution::Cells(cells)) => {
+                // Each cell has an entry, and a few lists are of the same length while the grid is built.
+                let bytes = cells.iter().fold(4u64, |bytes, &n| bytes.saturating_mul(n as u64));
+                Diagnostic::error(format!("{error}; the entries of its cells alone are {}", Bytes(bytes)))
+            }
+            _ => error.into(),
+        })
     }
 
     /// The layer that a comparison takes from the rendering: that of the only picture that is written, or else the
@@ -322,7 +340,7 @@ impl Options {
 }
 
 /// Returns the edition that is named, or the one that has a flag.
-fn edition(flags: &Flags) -> Result<Option<Edition>, CliError> {
+fn edition(flags: &Flags) -> Result<Option<Edition>, Diagnostic> {
     let flags_of_editions = [
         ("jitter", flags.jitter, Edition::Y2012A5),
         ("filter", flags.filter, Edition::Y2012A5),
@@ -342,14 +360,14 @@ fn edition(flags: &Flags) -> Result<Option<Edition>, CliError> {
     Ok(named)
 }
 
-fn size(values: &[Sides]) -> Result<[usize; 2], CliError> {
+fn size(values: &[Sides]) -> Result<[usize; 2], Diagnostic> {
     match values.concat()[..] {
         [width, height] => Ok([width, height]),
         ref sides => fail(format!("-size takes 2 values, as in '-size 200 200'; {} given", sides.len())),
     }
 }
 
-pub(super) fn region(values: &[u16]) -> Result<Window, CliError> {
+pub(super) fn region(values: &[u16]) -> Result<Window, Diagnostic> {
     match *values {
         [x, y, width, height] if width > 0 && height > 0 => {
             let [x, y, width, height] = [x, y, width, height].map(usize::from);
@@ -374,7 +392,7 @@ fn sampler(flags: &Flags, triples: bool) -> Sampler {
     }
 }
 
-pub(super) fn tolerance(flags: &Flags) -> Result<Option<Tolerance>, CliError> {
+pub(super) fn tolerance(flags: &Flags) -> Result<Option<Tolerance>, Diagnostic> {
     let Some([levels, pixels]) = flags.tolerance.as_deref() else { return Ok(None) };
     Ok(Some(Tolerance {
         levels: value("tolerance", levels, value_parser!(u8))?,
@@ -382,7 +400,7 @@ pub(super) fn tolerance(flags: &Flags) -> Result<Option<Tolerance>, CliError> {
     }))
 }
 
-fn adaptive(flags: &Flags) -> Result<Option<Adaptive>, CliError> {
+fn adaptive(flags: &Flags) -> Result<Option<Adaptive>, Diagnostic> {
     let Some([most, error]) = flags.adaptive_samples.as_deref() else { return Ok(None) };
     let counts = i64::from(Adaptive::BASE)..=i64::from(Adaptive::LIMIT);
     Ok(Some(Adaptive {
@@ -398,7 +416,7 @@ fn filter(flags: &Flags) -> Filter {
     tent.or(gaussian).or(mitchell).unwrap_or(Filter::Box { radius: flags.box_filter })
 }
 
-fn structure(values: &[OsString]) -> Result<Structure, CliError> {
+fn structure(values: &[OsString]) -> Result<Structure, Diagnostic> {
     let [x, y, z] = match values {
         [word] if word == "auto" => return Ok(Structure::Grid(Resolution::Auto)),
         [word] if word == "none" => return Ok(Structure::List),

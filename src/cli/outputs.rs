@@ -1,8 +1,9 @@
 //! The pictures to write: what each shows, and where it goes.
 
-use super::error::{CliError, fail};
+use super::error::{fail, invalid, unexpected};
 use super::flags::Flags;
 use super::values::{FINITE, NOT_BYTES, NOT_PICTURE, SIDES, lossy, number, value};
+use crate::diagnostic::Diagnostic;
 use crate::image_io::Format;
 use crate::render::{Cost, Layer};
 use clap::value_parser;
@@ -26,18 +27,20 @@ pub struct Output {
 impl Output {
     /// Reads a file's name, and the name of the format after it if the file's has no ending of a picture. `-` and
     /// `/dev/stdout` are standard output. The layers are those of a picture of bytes and of floating-point numbers.
-    fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, CliError> {
+    fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, Diagnostic> {
         let name = values.first().cloned().unwrap_or_default();
         let is_standard_output = name == "-" || name == "/dev/stdout";
         let format = match (Format::of(Path::new(&name)), values.get(1)) {
             (Some(format), None) => format,
-            (Some(_), Some(word)) => return Err(CliError::unexpected(word)),
-            (None, Some(word)) => Format::named(&word.to_string_lossy())
-                .ok_or_else(|| CliError::value(flag, word, "none of tga, png, bmp, ppm, pfm and exr"))?,
+            (Some(_), Some(word)) => return unexpected(word),
+            (None, Some(word)) => match Format::named(&word.to_string_lossy()) {
+                Some(format) => format,
+                None => return invalid(flag, word, "none of tga, png, bmp, ppm, pfm and exr"),
+            },
             (None, None) => {
                 let needed = "needs its format after it, as in '- png'";
                 let problem = if is_standard_output { needed } else { NOT_PICTURE };
-                return Err(CliError::value(flag, name, problem));
+                return invalid(flag, name, problem);
             }
         };
         let file = if is_standard_output { "-".into() } else { PathBuf::from(name) };
@@ -45,8 +48,8 @@ impl Output {
     }
 
     /// Refuses a picture in floating point.
-    fn of_bytes(self, flag: &str) -> Result<Self, CliError> {
-        if self.format.is_float() { Err(CliError::value(flag, &self.file, NOT_BYTES)) } else { Ok(self) }
+    fn of_bytes(self, flag: &str) -> Result<Self, Diagnostic> {
+        if self.format.is_float() { invalid(flag, &self.file, NOT_BYTES) } else { Ok(self) }
     }
 
     /// Returns true if it goes to standard output.
@@ -56,7 +59,7 @@ impl Output {
 }
 
 /// The pictures that the flags ask for, in the order of the help. `size` is that of the picture.
-pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, CliError> {
+pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, Diagnostic> {
     let normals = [Layer::Normals, Layer::SignedNormals];
     let all = [
         flags.output.as_deref().map(colors),
@@ -70,15 +73,15 @@ pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, Cl
 }
 
 /// The picture of bytes that `-output` asks for, which clap has required.
-pub(super) fn output_of_bytes(flags: &Flags) -> Result<Output, CliError> {
+pub(super) fn output_of_bytes(flags: &Flags) -> Result<Output, Diagnostic> {
     colors(flags.output.as_deref().unwrap_or_default())?.of_bytes("output")
 }
 
-fn colors(values: &[OsString]) -> Result<Output, CliError> {
+fn colors(values: &[OsString]) -> Result<Output, Diagnostic> {
     Output::new("output", values, [Layer::Color; 2])
 }
 
-fn depth(values: &[OsString]) -> Result<Output, CliError> {
+fn depth(values: &[OsString]) -> Result<Output, Diagnostic> {
     let (ends, picture) = values.split_at(2);
     let end = |index: usize| value("depth", &ends[index], number(FINITE));
     let (near, far) = (end(0)?, end(1)?);
@@ -92,10 +95,10 @@ fn depth(values: &[OsString]) -> Result<Output, CliError> {
     Output::new("depth", picture, [Layer::Depth { near, far }, Layer::Distance])
 }
 
-fn enlarged(flag: &str, values: &[OsString], size: [usize; 2]) -> Result<Output, CliError> {
+fn enlarged(flag: &str, values: &[OsString], size: [usize; 2]) -> Result<Output, Diagnostic> {
     let (picture, last) = values.split_at(values.len() - 1);
     if picture.len() > 1 && Format::of(Path::new(&picture[0])).is_some() {
-        return Err(CliError::unexpected(&last[0]));
+        return unexpected(&last[0]);
     }
     let zoom = usize::from(value(flag, &last[0], value_parser!(u16).range(1..))?);
     let layer = if flag == "render_samples" { Layer::Samples { zoom } } else { Layer::Filter { zoom } };
@@ -105,12 +108,12 @@ fn enlarged(flag: &str, values: &[OsString], size: [usize; 2]) -> Result<Output,
     Output::new(flag, picture, [layer; 2])
 }
 
-fn cost_map(values: &[OsString]) -> Result<Output, CliError> {
+fn cost_map(values: &[OsString]) -> Result<Output, Diagnostic> {
     let cost = match values[0].to_str() {
         Some("rays") => Cost::Rays,
         Some("tests") => Cost::Tests,
         Some("cells") => Cost::Cells,
-        _ => return Err(CliError::value("cost_map", &values[0], "none of rays, tests, cells")),
+        _ => return invalid("cost_map", &values[0], "none of rays, tests, cells"),
     };
     // A picture in false colours has nothing beyond bytes.
     Output::new("cost_map", &values[1..], [Layer::Cost(cost); 2])?.of_bytes("cost_map")

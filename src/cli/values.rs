@@ -1,6 +1,7 @@
 //! Parsers of values, which clap calls, and which the flags call whose values are of different kinds.
 
-use super::error::CliError;
+use super::error::of_clap;
+use crate::diagnostic::Diagnostic;
 use crate::image_io::Format;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue};
@@ -28,10 +29,14 @@ pub(super) const NOT_PART: &str = "neither .tga nor .png, as parts are";
 pub(super) type Sides = Vec<usize>;
 
 /// Parses one value of a flag that has values of several kinds.
-pub(super) fn value<P: TypedValueParser>(flag: &str, word: &OsStr, parser: P) -> Result<P::Value, CliError> {
+pub(super) fn value<P: TypedValueParser>(
+    flag: &str,
+    word: &OsStr,
+    parser: P,
+) -> Result<P::Value, Diagnostic> {
     parser.parse_ref(&clap::Command::new(""), None, word).map_err(|mut error| {
         error.insert(ContextKind::InvalidArg, ContextValue::String(format!("-{flag}")));
-        CliError::of(error, &[])
+        of_clap(error, &[])
     })
 }
 

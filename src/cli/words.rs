@@ -67,21 +67,21 @@ fn given(
 
 /// Returns the given flags that shape the colour picture, with their values.
 pub(super) fn shaping_words(flags: &clap::Command, matches: &ArgMatches) -> Vec<String> {
-    let words = |(flag, values): (Arg, Vec<OsString>)| {
-        let values = values.into_iter().map(|value| value.to_string_lossy().into_owned());
-        std::iter::once(format!("-{}", flag.get_id())).chain(values)
-    };
-    given(flags, matches, shapes).into_iter().flat_map(words).collect()
+    let mut words = vec![];
+    for (flag, values) in given(flags, matches, shapes) {
+        words.push(format!("-{}", flag.get_id()));
+        words.extend(values.iter().map(|value| value.to_string_lossy().into_owned()));
+    }
+    words
 }
 
 /// Returns the command line that renders this region with all else as in `argv`, whose first word is the program's
 /// name. The pictures get names of their own.
 pub fn command_of_rest(argv: &[OsString], region: Window, shell: Shell) -> String {
     let Some((program, words)) = argv.split_first() else { return String::new() };
-    let flags = command();
-    let Ok(matches) = flags.clone().try_get_matches_from(words.iter().map(|word| double(word))) else {
-        return String::new();
-    };
+    let mut flags = command();
+    let words = words.iter().map(|word| double(word));
+    let Ok(matches) = flags.try_get_matches_from_mut(words) else { return String::new() };
     let is_kept = |flag: &Arg| flag.get_id() != "region" && !NOT_OF_PARTS.contains(&flag.get_id().as_str());
     let mut given = given(&flags, &matches, is_kept);
     given.sort_by_key(|(flag, _)| matches.index_of(flag.get_id().as_str()));

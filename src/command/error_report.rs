@@ -1,16 +1,16 @@
 //! Measures what settings cost and buy, and writes the page and the table of it.
 
 use super::log::Log;
+use super::outputs::prepare_report;
 use super::progress::ProgressLine;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
 use cpu_time::ProcessTime;
-use rayon::ThreadPool;
 use raytracer::base::escape::quoted;
 use raytracer::base::shell::Shell;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{OutputFile, Written, check_distinct, put_in_place};
+use raytracer::image_io::{Written, check_distinct, put_in_place};
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::scene::load;
@@ -24,18 +24,32 @@ use std::time::{Duration, Instant};
 
 /// Measures and writes.
 pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
-    let ErrorReporting { options, target, .. } = reporting;
+    let ErrorReporting { options, folder, target } = reporting;
     let many = threads::pool(options.threads, options.size[1])?;
     let one = threads::pool(Some(1), 1)?;
 
+    // Load the scene and settle the options.
     let start = Instant::now();
-    let (renderer, settled) = open(reporting, &many, log)?;
-    let options = &settled;
+    let input = options.input.as_deref().unwrap_or(Path::new(""));
+    let loaded = many.install(|| load::load_with(input, &options.hints()))?;
+    let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
+    let read = [("scene", input.to_owned())].into_iter().chain(loaded.files());
+    check_distinct(written, read).map_err(refused)?;
+    let remarks = [no_lights(&loaded.scene), loaded.choice.remark()];
+    remarks.into_iter().flatten().for_each(|found| log.tell(found));
+    let options = &options.in_edition(loaded.choice.edition);
+
+    // Prepare. Other octaves are other scenes with the same meshes.
+    let renderer = many.install(|| Renderer::new(loaded, Meshes::Kept))?;
     let reading = start.elapsed();
+    // A file that cannot be written is no reason to wait for the measurements.
+    let unwritable = |error| Diagnostic::error(format!("cannot make the folder {}: {error}", quoted(folder)));
+    fs::create_dir_all(folder).map_err(unwritable)?;
+    let [page_file, csv_file] = prepare_report(reporting.report_files())?;
+
+    // Measure.
     let request = options.request();
     let clock = || ProcessTime::now().as_duration();
-    // A file that cannot be written is no reason to wait for the measurements.
-    let [page_file, csv_file] = prepare(reporting)?;
     signals.note_first();
     let line = ProgressLine::new(options.progress);
     let watch = |progress: SweepProgress| {
@@ -44,11 +58,11 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
     let own = Setting::of(&request, options.structure, options.edition.unwrap_or_default());
-    let report = Sweep::new(&renderer, &request, own, bench).run();
-    line.end();
-    let mut report = report?;
+    let mut report = Sweep::new(&renderer, &request, own, bench).run()?;
+    drop(line);
     report.stages.insert(0, ("reading the scene", reading));
 
+    // Report.
     let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
     let command = |setting: &Setting| command(options, setting);
     let asked_for = command(&own).join(" ");
@@ -68,30 +82,6 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let outcome = Outcome::of_text(text(&report, &answers, Shell::OF_SYSTEM));
     Ok(Outcome { passes, ..outcome.tell_of(reporting.report_files(), options.progress) })
-}
-
-/// The page and the table in a folder, which is made if there is none.
-fn prepare(reporting: &ErrorReporting) -> Result<[OutputFile; 2], Diagnostic> {
-    let folder = &reporting.folder;
-    let unwritable = |error| Diagnostic::error(format!("cannot make the folder {}: {error}", quoted(folder)));
-    fs::create_dir_all(folder).map_err(unwritable)?;
-    let [page, table] = reporting.report_files().map(|file| OutputFile::prepare(&file));
-    Ok([page?, table?])
-}
-
-fn open(reporting: &ErrorReporting, threads: &ThreadPool, log: &Log) -> Result<(Renderer, Options), End> {
-    let options = &reporting.options;
-    let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = threads.install(|| load::load_with(input, &options.hints()))?;
-    let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
-    check_distinct(written, [("scene", input.to_owned())].into_iter().chain(loaded.files()))
-        .map_err(refused)?;
-    let said = [no_lights(&loaded.scene), loaded.choice.note(), loaded.choice.doubt()];
-    said.into_iter().flatten().for_each(|found| log.tell(found));
-    let options = options.in_edition(loaded.choice.edition);
-    // Other octaves are other scenes with the same meshes.
-    let renderer = threads.install(|| Renderer::new(loaded, Meshes::Kept));
-    Ok((renderer?, options))
 }
 
 /// How far a sweep has come after this time, and how long the rest takes at this speed.

@@ -1,12 +1,12 @@
 //! The JSON document of a run: everything that it reports, in the form that `docs/json.md` describes.
 
 use super::compare::ComparisonResult;
-use super::render::Rendered;
+use super::report::Report;
 use raytracer::cli::Options;
 use raytracer::render::Tracing;
 use raytracer::render::renderer::Renderer;
 use raytracer::scene::material::{Material, Pattern, Texture};
-use raytracer::scene::{Light, Object, Scene};
+use raytracer::scene::{Light, Object};
 use raytracer::tools::compare::Tolerance;
 use raytracer::tools::explain::{CostReport, PixelTree};
 use raytracer::world::shape::Shape;
@@ -18,53 +18,56 @@ use serde_json::{Value, json};
 const FORMAT: u32 = 1;
 
 /// Returns the document in one line. Numbers have all their digits; those that JSON does not have are null.
-pub fn document(
-    options: &Options,
-    warnings: &[String],
-    rendered: Option<&Rendered>,
-    compared: Option<&ComparisonResult>,
-) -> String {
-    let report = rendered.map(|rendered| &rendered.report);
+pub fn document(report: &Report, options: &Options, warnings: &[String]) -> String {
+    let statistics = report.statistics.as_ref();
     let is_counted = options.tracing() == Tracing::Counted;
     let document = json!({
         "format": FORMAT,
         "version": env!("CARGO_PKG_VERSION"),
         "options": options,
         "threads": rayon::current_num_threads(),
-        "written": written(options),
+        "written": options.pictures().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
         "warnings": warnings,
-        "scene": rendered.map(|rendered| scene(rendered.renderer)),
-        "grid": report.and_then(|report| report.grid).map(|cells| json!({ "cells": cells })),
-        "timings": report.map(|report| &report.timings),
-        "repeats": rendered.and_then(|rendered| rendered.repeats.as_ref()),
-        "statistics": report.filter(|_| is_counted).map(|report| &report.counts),
-        "standard_error": report.and_then(|report| report.standard_error),
-        "cost_map": rendered.and_then(|rendered| rendered.costs.as_ref()).map(cost_map),
-        "pixel": rendered.and_then(|rendered| rendered.pixel.as_ref()).map(pixel),
-        "comparison": compared.map(|compared| comparison(compared, options)),
+        "scene": report.renderer.map(scene),
+        "grid": statistics.and_then(|found| found.grid).map(|cells| json!({ "cells": cells })),
+        "timings": statistics.map(|found| &found.timings),
+        "repeats": report.repeats,
+        "statistics": statistics.filter(|_| is_counted).map(|found| &found.counts),
+        "standard_error": statistics.and_then(|found| found.standard_error),
+        "cost_map": report.costs.as_ref().map(cost_map),
+        "pixel": report.pixel.as_ref().map(pixel),
+        "comparison": report.comparison.as_ref().map(comparison),
     });
     format!("{document}\n")
 }
 
-/// The pictures that are written.
-fn written(options: &Options) -> Vec<String> {
-    let pictures = options.outputs.iter().map(|output| &output.file);
-    let difference = options.comparison.as_ref().and_then(|comparison| comparison.difference.as_ref());
-    pictures.chain(difference).map(|file| file.to_string_lossy().into_owned()).collect()
-}
-
-/// What a scene is made of, in numbers.
+/// Counts the parts of a scene.
 fn scene(renderer: &Renderer) -> Value {
     let (scene, world) = (&renderer.scene, renderer.world());
-    let spheres = count(&world.shapes, |shape| matches!(shape, Shape::Sphere(_)));
+    let spheres = world.shapes.iter().filter(|shape| matches!(shape, Shape::Sphere(_))).count();
     json!({
         "file": renderer.source.path.to_string_lossy(),
-        "lights": {
-            "directional": count(&scene.lights, |light| matches!(light, Light::Directional { .. })),
-            "point": count(&scene.lights, |light| matches!(light, Light::Point { .. })),
-        },
-        "materials": materials(scene),
-        "objects": objects(scene),
+        "lights": counts(&scene.lights, &[
+            ("directional", |one| matches!(one, Light::Directional { .. })),
+            ("point", |one| matches!(one, Light::Point { .. })),
+        ]),
+        "materials": counts(&scene.materials, &[
+            ("phong", |one| matches!(one, Material::Phong(_) | Material::Painted(..))),
+            ("checkerboard", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Checkerboard, .. }))),
+            ("noise", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Noise { .. }, .. }))),
+            ("marble", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Marble { .. }, .. }))),
+            ("wood", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Wood { .. }, .. }))),
+        ]),
+        // The nodes of the tree.
+        "objects": counts(&scene.objects, &[
+            ("groups", |one| matches!(one, Object::Group(_))),
+            ("transforms", |one| matches!(one, Object::Transform { .. })),
+            ("spheres", |one| matches!(one, Object::Sphere { .. })),
+            ("planes", |one| matches!(one, Object::Plane { .. })),
+            ("triangles", |one| matches!(one, Object::Triangle { .. })),
+            ("boxes", |one| matches!(one, Object::Box { .. })),
+            ("meshes", |one| matches!(one, Object::Mesh { .. } | Object::Grid { .. })),
+        ]),
         "primitives": {
             "triangles": world.triangles.len(),
             "spheres": spheres,
@@ -75,39 +78,13 @@ fn scene(renderer: &Renderer) -> Value {
     })
 }
 
-fn materials(scene: &Scene) -> Value {
-    let of_kind = |is: fn(&Material) -> bool| count(&scene.materials, is);
-    let with_pattern = |is: fn(&Pattern) -> bool| {
-        count(
-            &scene.materials,
-            |material| matches!(material, Material::Texture(Texture { pattern, .. }) if is(pattern)),
-        )
-    };
-    json!({
-        "phong": of_kind(|material| matches!(material, Material::Phong(_) | Material::Painted(..))),
-        "checkerboard": with_pattern(|pattern| matches!(pattern, Pattern::Checkerboard)),
-        "noise": with_pattern(|pattern| matches!(pattern, Pattern::Noise { .. })),
-        "marble": with_pattern(|pattern| matches!(pattern, Pattern::Marble { .. })),
-        "wood": with_pattern(|pattern| matches!(pattern, Pattern::Wood { .. })),
-    })
-}
+/// The name of a kind, and a test for it.
+type Kind<T> = (&'static str, fn(&T) -> bool);
 
-/// The nodes of the object tree.
-fn objects(scene: &Scene) -> Value {
-    let of_kind = |is: fn(&Object) -> bool| count(&scene.objects, is);
-    json!({
-        "groups": of_kind(|object| matches!(object, Object::Group(_))),
-        "transforms": of_kind(|object| matches!(object, Object::Transform { .. })),
-        "spheres": of_kind(|object| matches!(object, Object::Sphere { .. })),
-        "planes": of_kind(|object| matches!(object, Object::Plane { .. })),
-        "triangles": of_kind(|object| matches!(object, Object::Triangle { .. })),
-        "boxes": of_kind(|object| matches!(object, Object::Box { .. })),
-        "meshes": of_kind(|object| matches!(object, Object::Mesh { .. } | Object::Grid { .. })),
-    })
-}
-
-fn count<T>(all: &[T], is: impl Fn(&T) -> bool) -> usize {
-    all.iter().filter(|one| is(one)).count()
+/// Counts each kind, by its name.
+fn counts<T>(all: &[T], kinds: &[Kind<T>]) -> Value {
+    let count = |is: fn(&T) -> bool| all.iter().filter(|one| is(one)).count();
+    kinds.iter().map(|&(name, is)| (name.to_owned(), Value::from(count(is)))).collect()
 }
 
 fn cost_map(CostReport { map, cells }: &CostReport) -> Value {
@@ -130,11 +107,11 @@ fn pixel(tree: &PixelTree) -> Value {
     joined(tree, json!({ "counts": tree.counts(), "close_channels": close }))
 }
 
-fn comparison(ComparisonResult { comparison, cause, passes }: &ComparisonResult, options: &Options) -> Value {
+fn comparison(result: &ComparisonResult) -> Value {
+    let ComparisonResult { comparison, cause, tolerance } = result;
     let above = |levels| comparison.pixels_differing_by_more_than(levels);
-    let tolerance = options.comparison.as_ref().and_then(|wanted| wanted.tolerance);
-    let check = |(tolerance, passes): (Tolerance, bool)| {
-        joined(&tolerance, json!({ "pixels_above": above(tolerance.levels), "passes": passes }))
+    let check = |tolerance: &Tolerance| {
+        joined(tolerance, json!({ "pixels_above": above(tolerance.levels), "passes": result.passes() }))
     };
     json!({
         "size": comparison.size,
@@ -147,7 +124,7 @@ fn comparison(ComparisonResult { comparison, cause, passes }: &ComparisonResult,
         "psnr": comparison.psnr(),
         "mean_flip": comparison.mean_flip,
         "differing_beside_an_edge": comparison.differing_near_edges,
-        "tolerance": tolerance.zip(*passes).map(check),
+        "tolerance": tolerance.as_ref().map(check),
         "cause": cause.map(|cause| joined(&cause, json!({ "text": cause.to_string() }))),
     })
 }

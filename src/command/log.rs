@@ -4,7 +4,7 @@ use raytracer::base::escape::quoted;
 use raytracer::diagnostic::Diagnostic;
 use std::cell::RefCell;
 use std::io::{IsTerminal, Write, stderr};
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// The diagnostics of a run.
@@ -14,11 +14,8 @@ pub struct Log(RefCell<Vec<String>>);
 impl Log {
     /// Writes a diagnostic to standard error, in colour on a terminal.
     pub fn tell(&self, found: Diagnostic) {
-        let plain = found.to_string();
-        match has_reader() && has_color() {
-            true => self.say(&found.colored()),
-            false => self.say(&plain),
-        }
+        let (plain, colored) = (found.to_string(), found.colored());
+        self.say(if has_reader() && has_color() { &colored } else { &plain });
         self.0.borrow_mut().push(plain);
     }
 
@@ -28,9 +25,10 @@ impl Log {
     }
 
     /// Tells a person at a terminal which files a run wrote in this time.
-    pub fn tell_written(&self, written: &[impl AsRef<Path>], took: Duration) {
+    pub fn tell_written(&self, written: &[PathBuf], took: Duration) {
         if has_reader() && !written.is_empty() {
-            self.say(&finished(written, took));
+            let files: Vec<String> = written.iter().map(quoted).collect();
+            self.say(&format!("wrote {} in {}", files.join(", "), time(took)));
         }
     }
 
@@ -69,16 +67,8 @@ fn understands_sequences() -> bool {
 
 /// Whether the user wants colours (no-color.org).
 fn has_color() -> bool {
-    let is_set = |name: &str, refusing: fn(&str) -> bool| {
-        std::env::var_os(name).is_some_and(|value| refusing(&value.to_string_lossy()))
-    };
-    !is_set("NO_COLOR", |value| !value.is_empty()) && !is_set("TERM", |value| value == "dumb")
-}
-
-/// Returns the line for a finished run.
-fn finished(written: &[impl AsRef<Path>], took: Duration) -> String {
-    let files: Vec<String> = written.iter().map(|file| quoted(file.as_ref())).collect();
-    format!("wrote {} in {}", files.join(", "), time(took))
+    let variable = |name| std::env::var_os(name).unwrap_or_default();
+    variable("NO_COLOR").is_empty() && variable("TERM") != "dumb"
 }
 
 /// A time in the unit in which people read it.
@@ -99,8 +89,8 @@ mod tests {
 
     #[test]
     fn times_have_the_unit_in_which_people_read_them() {
-        let shown = [12, 1_500, 61_000, 3_723_000].map(|ms| time(Duration::from_millis(ms)));
-        assert_eq!(shown, ["12 ms", "1.5 s", "1 min 1 s", "1 h 2 min"]);
-        assert_eq!(finished(&["a.png", "b c"], Duration::from_micros(7)), "wrote `a.png`, `b c` in 1 ms");
+        let shown =
+            [7, 12_000, 1_500_000, 61_000_000, 3_723_000_000].map(|us| time(Duration::from_micros(us)));
+        assert_eq!(shown, ["1 ms", "12 ms", "1.5 s", "1 min 1 s", "1 h 2 min"]);
     }
 }

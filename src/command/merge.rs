@@ -1,6 +1,6 @@
 //! Puts parts of a picture together.
 
-use super::complete_files::{CompleteFiles, prepare};
+use super::outputs::{Outputs, prepare};
 use super::progress::{ProgressLine, rows_text};
 use super::signals::Signals;
 use super::{End, Outcome, refused};
@@ -10,25 +10,18 @@ use raytracer::render::Progress;
 
 /// Reads the parts and writes the picture.
 pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
-    let output = &options.output;
-    check_distinct(
-        [Written::Named(output.file.clone())],
-        options.parts.iter().map(|part| ("part", part.clone())),
-    )
-    .map_err(refused)?;
-    let file = prepare(output)?;
-    let merge = Merge::open(&options.parts, options.region)?;
+    let Merging { parts, output, region, progress } = options;
+    let read = parts.iter().map(|part| ("part", part.clone()));
+    check_distinct([Written::Named(output.file.clone())], read).map_err(refused)?;
+    let file = prepare(&output.file)?;
+    let merge = Merge::open(parts, *region)?;
     let mut writer = file.begin(output.format, merge.size(), Content::Colors, merge.part.as_ref())?;
-    let progress = ProgressLine::new(options.progress);
-    let watch = |done| {
+    let line = ProgressLine::new(*progress);
+    merge.write(&mut writer, &|done| {
         let rows = Progress { done, rows: merge.size()[1], rays: 0 };
-        progress.show(|passed| rows_text("merging", rows, passed));
-    };
-    let merged = merge.write(&mut writer, &watch);
-    progress.end();
-    merged?;
-    let files = CompleteFiles::default();
-    files.add(writer.complete()?)?;
-    files.finish(signals)?;
-    Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], options.progress))
+        line.show(|passed| rows_text("merging", rows, passed));
+    })?;
+    drop(line);
+    Outputs::new(vec![writer.complete()?], signals)?.name_all()?;
+    Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], *progress))
 }

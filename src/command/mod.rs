@@ -5,15 +5,14 @@ mod signals;
 mod log;
 mod progress;
 mod threads;
-mod complete_files;
+mod outputs;
 mod warnings;
-mod fingerprint;
+mod parts;
 mod products;
-mod stopped;
 mod json;
 mod report;
-mod compare;
 mod live;
+mod compare;
 mod render;
 mod merge;
 mod convert;
@@ -21,11 +20,12 @@ mod grade;
 mod error_report;
 
 use log::Log;
-use raytracer::cli::{self, Command, Options, ShowProgress};
+use outputs::Outputs;
+use raytracer::cli::{self, Command, ShowProgress};
 use raytracer::diagnostic::Diagnostic;
+use raytracer::image_io::OutputFile;
 use signals::Signals;
 use std::ffi::OsString;
-use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -38,26 +38,27 @@ const DIFFERENT: u8 = 3;
 /// Why a run ends before it is complete.
 #[derive(Debug)]
 pub struct End {
-    errors: Vec<Diagnostic>,
+    /// The error to tell; none if there is nothing more to say.
+    error: Option<Diagnostic>,
     status: u8,
 }
 
 impl End {
     /// The end by a signal, with the status that shells give it.
     fn by_signal(signal: i32) -> Self {
-        Self { errors: vec![], status: (128 + signal) as u8 }
+        Self { error: None, status: (128 + signal) as u8 }
     }
 }
 
 impl<E: Into<Diagnostic>> From<E> for End {
     fn from(error: E) -> Self {
-        Self { errors: vec![error.into()], status: 1 }
+        Self { error: Some(error.into()), status: 1 }
     }
 }
 
 /// The end of a run whose command line asks for something that is not done.
 fn refused(error: impl Into<Diagnostic>) -> End {
-    End { errors: vec![error.into()], status: REFUSED }
+    End { status: REFUSED, ..End::from(error) }
 }
 
 /// The result of a complete run.
@@ -88,8 +89,8 @@ pub fn run(argv: &[OsString]) -> ExitCode {
     match run_command(argv, &log) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(DIFFERENT),
-        Err(End { errors, status }) => {
-            errors.into_iter().for_each(|error| log.tell(error));
+        Err(End { error, status }) => {
+            error.into_iter().for_each(|error| log.tell(error));
             ExitCode::from(status)
         }
     }
@@ -102,40 +103,22 @@ fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
     let command = cli::parse(argv.iter().cloned()).map_err(refused)?;
     let Outcome { text, written, passes } = match &command {
         Command::Print(text) => Outcome::of_text(text.clone()),
-        Command::Render(options) => render_or_compare(options, argv, &signals, log)?,
+        Command::Render(options) => {
+            live::note(options).iter().for_each(|note| log.tell(Diagnostic::note(*note)));
+            match &options.input {
+                Some(input) => render::run(options, input, argv, &signals, log)?,
+                None => compare::run(options, &signals, log)?,
+            }
+        }
         Command::Grade(options) => grade::run(options, &signals, log)?,
         Command::Merge(options) => merge::run(options, &signals)?,
         Command::Convert(options) => convert::run(options, &signals, log)?,
         Command::ReportErrors(options) => error_report::run(options, &signals, log)?,
     };
-    print(&text)?;
+    Outputs::default().add(OutputFile::standard_output().text(&text)?)?;
     log.tell_written(&written, start.elapsed());
     if let Command::Render(options) = &command {
         live::show(options, &signals, log)?;
     }
     Ok(passes)
-}
-
-fn render_or_compare(
-    options: &Options,
-    argv: &[OsString],
-    signals: &Signals,
-    log: &Log,
-) -> Result<Outcome, End> {
-    live::note(options).iter().for_each(|note| log.tell(Diagnostic::note(*note)));
-    match &options.input {
-        Some(input) => render::run(options, input, argv, signals, log),
-        None => compare::run(options, signals, log),
-    }
-}
-
-/// Prints a text to standard output. A reader that went away has seen enough.
-fn print(text: &str) -> Result<(), Diagnostic> {
-    let mut output = io::stdout();
-    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Diagnostic::error(format!("cannot write to standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
 }

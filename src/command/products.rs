@@ -1,10 +1,12 @@
 //! What becomes of the rows of each layer: a file, a picture that is kept, or a map of costs.
 
+use super::parts::{part, window};
 use raytracer::base::memory::with_room;
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, Part, PictureWriter};
+use raytracer::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, PictureWriter};
 use raytracer::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
-use raytracer::render::{Cost, Layer, Request};
+use raytracer::render::renderer::Prepared;
+use raytracer::render::{Layer, Request, Window};
 use raytracer::scene::Scene;
 use raytracer::scene::model::{NormalColors, Shows};
 use raytracer::tools::explain::CostMap;
@@ -12,15 +14,17 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Takes the rows of a render.
-pub struct Products {
+pub struct Products<'r> {
+    prepared: &'r Prepared<'r>,
+    request: &'r Request,
     /// One for each layer of the request.
     layers: Vec<Product>,
     /// The time that taking the rows has taken.
     pub encoding: Duration,
-    /// For each layer the colour where nothing is hit, unless the layer shows something else.
+    /// For each layer the colour where nothing is hit, unless the layer or the scene has nothing to hit.
     blank: Vec<Option<Color>>,
-    /// Whether all rows so far have only that colour.
-    is_blank: bool,
+    /// True if every pixel of a picture of the scene so far is as if nothing had been hit.
+    pub is_blank: bool,
 }
 
 enum Product {
@@ -28,60 +32,53 @@ enum Product {
     File(Box<PictureWriter>),
     /// Width and height in pixels, and the bytes of a picture.
     Kept([usize; 2], Vec<u8>),
-    /// What each pixel costs; the file gets the finished map.
-    Costs(OutputFile, Format, Cost, Vec<u64>),
+    /// The costs of pixels; the file gets the finished map.
+    Costs(OutputFile, Format, CostMap),
 }
 
-/// The file with the complete rows of a picture, if there is one.
-pub type KeptPart = Option<PathBuf>;
-
-/// What is left of a render when all rows are taken.
+/// The results of a render whose rows are all taken.
 #[derive(Default)]
-pub struct FinishedLayers {
+pub struct Finished {
     pub files: Vec<CompleteFile>,
-    pub kept: Option<Picture>,
     pub costs: Option<CostMap>,
+    /// The last layer without a file, or else the picture of the costs.
+    pub picture: Option<Picture>,
 }
 
-impl Products {
-    /// The files of the first layers of a request. `part` tells of each layer's picture which part of the whole it is.
+impl<'r> Products<'r> {
+    /// Begins the files of the first layers of a request. The picture of a layer without a file is kept.
     pub fn begin(
         files: Vec<(OutputFile, Format)>,
-        request: &Request,
-        part: &dyn Fn(Layer) -> Option<Part>,
+        prepared: &'r Prepared<'r>,
+        request: &'r Request,
     ) -> Result<Self, Diagnostic> {
-        let begin = |((file, format), layer): ((OutputFile, Format), &Layer)| match *layer {
-            Layer::Cost(cost) => {
-                let [width, height] = request.window_size();
-                Ok(Product::Costs(file, format, cost, with_room(width * height)?))
-            }
-            layer => {
-                let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
-                let part = part(layer);
-                let writer = file.begin(format, request.layer_size(&layer), content, part.as_ref());
-                Ok(Product::File(Box::new(writer?)))
-            }
+        let mut files = files.into_iter();
+        let begin = |&layer: &Layer| {
+            let size @ [width, height] = request.layer_size(&layer);
+            Ok(match (files.next(), layer) {
+                (None, _) => Product::Kept(size, with_room(width * height * CHANNELS)?),
+                (Some((file, format)), Layer::Cost(cost)) => {
+                    Product::Costs(file, format, CostMap { cost, size, counts: with_room(width * height)? })
+                }
+                (Some((file, format)), layer) => {
+                    let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
+                    let part = request.window.and_then(|window| part(prepared, request, window, layer));
+                    Product::File(Box::new(file.begin(format, size, content, part.as_ref())?))
+                }
+            })
         };
-        let layers = files.into_iter().zip(&request.layers).map(begin).collect::<Result<_, Diagnostic>>()?;
-        Ok(Self { layers, encoding: Duration::ZERO, blank: vec![], is_blank: false })
-    }
-
-    /// Watches whether the pictures show nothing but what rays show that hit nothing. In a scene that `is_empty` they do.
-    pub fn watch_for_blank(&mut self, request: &Request, scene: &Scene, is_empty: bool) {
-        self.blank = request.layers.iter().map(|layer| blank(layer, scene)).collect();
+        let layers = request.layers.iter().map(begin).collect::<Result<_, Diagnostic>>()?;
+        let (scene, world) = (&prepared.renderer().scene, prepared.renderer().world());
+        let mut blank: Vec<_> = request.layers.iter().map(|layer| blank(layer, scene)).collect();
         // A part of a picture may well show nothing.
-        self.is_blank = request.window.is_none() && self.blank.iter().any(Option::is_some);
-        if is_empty {
-            self.blank.fill(None);
+        let is_blank = request.window.is_none() && blank.iter().any(Option::is_some);
+        if world.finite_count() == 0 && world.planes.is_empty() {
+            blank.fill(None);
         }
+        Ok(Self { prepared, request, layers, encoding: Duration::ZERO, blank, is_blank })
     }
 
-    /// Keeps one more layer, whose picture has this width and height in pixels.
-    pub fn keep(&mut self, size @ [width, height]: [usize; 2]) -> Result<(), Diagnostic> {
-        self.layers.push(Product::Kept(size, with_room(width * height * CHANNELS)?));
-        Ok(())
-    }
-
+    /// Takes the next row of a layer.
     pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), Diagnostic> {
         let start = Instant::now();
         if self.is_blank
@@ -96,40 +93,13 @@ impl Products {
                 bytes.resize(before + row.len() * CHANNELS, 0);
                 truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
             }
-            Product::Costs(_, _, _, counts) => counts.extend(row.iter().map(|cost| cost.x as u64)),
+            Product::Costs(_, _, map) => map.counts.extend(row.iter().map(|cost| cost.x as u64)),
         }
         self.encoding += start.elapsed();
         Ok(())
     }
 
-    /// Writes the complete rows of a render that was cancelled, for each layer of the request. `part` tells which
-    /// part of the whole they are.
-    pub fn keep_parts(
-        self,
-        request: &Request,
-        part: &dyn Fn(Layer) -> Option<Part>,
-    ) -> Result<Vec<KeptPart>, Diagnostic> {
-        let keep = |(product, &layer): (Product, &Layer)| match (product, part(layer)) {
-            (Product::File(writer), Some(part)) => Ok(writer.write_part(&part)?),
-            // The picture of a filter is complete before the first row is rendered. Nobody is waited for.
-            (Product::File(writer), None) if matches!(layer, Layer::Filter { .. }) => {
-                let file = writer.complete()?;
-                if !file.is_stream() {
-                    file.put_in_place()?;
-                }
-                Ok(None)
-            }
-            _ => Ok(None),
-        };
-        self.layers.into_iter().zip(&request.layers).map(keep).collect()
-    }
-
-    /// Whether a picture of the scene was taken in which every pixel is as if nothing had been hit.
-    pub fn shows_nothing(&self) -> bool {
-        self.is_blank
-    }
-
-    /// The colours so far that the files do not show as they are.
+    /// Returns the colours so far that the files do not show as they are.
     pub fn exceptional(&self) -> Exceptional {
         let mut all = Exceptional::default();
         for product in &self.layers {
@@ -140,21 +110,39 @@ impl Products {
         all
     }
 
-    /// Completes the files. `size` is the width and height of a map of costs in pixels.
-    pub fn finish(self, size: [usize; 2]) -> Result<FinishedLayers, Diagnostic> {
-        let mut finished = FinishedLayers::default();
+    /// Writes the rows of a render that was cancelled after this number of them. Returns the file of each layer's part.
+    pub fn keep_parts(self, rows: usize) -> Result<Vec<Option<PathBuf>>, Diagnostic> {
+        let Self { prepared, request, layers, .. } = self;
+        let upper = Window { height: rows, ..window(request) };
+        let keep =
+            |(product, &layer): (Product, &Layer)| match (product, part(prepared, request, upper, layer)) {
+                (Product::File(writer), Some(part)) => Ok(writer.write_part(&part)?),
+                // The picture of a filter is complete before the first row is rendered. A pipe may have no reader.
+                (Product::File(writer), None) if matches!(layer, Layer::Filter { .. }) => {
+                    let file = writer.complete()?;
+                    if !file.is_stream() {
+                        file.put_in_place()?;
+                    }
+                    Ok(None)
+                }
+                _ => Ok(None),
+            };
+        layers.into_iter().zip(&request.layers).map(keep).collect()
+    }
+
+    /// Completes the files.
+    pub fn finish(self) -> Result<Finished, Diagnostic> {
+        let mut finished = Finished::default();
         for product in self.layers {
             match product {
                 Product::File(writer) => finished.files.push(writer.complete()?),
-                Product::Kept(size, bytes) => {
-                    let [width, height] = size.map(|n| n as u32);
-                    finished.kept = Some(Picture::from_rgb(width, height, bytes));
+                Product::Kept([width, height], bytes) => {
+                    finished.picture = Some(Picture::from_rgb(width as u32, height as u32, bytes));
                 }
-                Product::Costs(file, format, cost, counts) => {
-                    let map = CostMap { cost, size, counts };
+                Product::Costs(file, format, map) => {
                     let picture = map.draw()?;
                     finished.files.push(file.picture(format, &picture)?);
-                    finished.costs = Some(map);
+                    (finished.costs, finished.picture) = (Some(map), Some(picture));
                 }
             }
         }

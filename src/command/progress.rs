@@ -7,29 +7,35 @@ use std::io::{Write, stderr};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Erases the line and returns to its start.
-const ERASE: &str = "\r\x1b[2K";
-
-/// The time after which a terminal shows the line, so that short runs have none.
-const DELAY: Duration = Duration::from_secs(1);
-/// The time between two texts of the line on a terminal.
-const INTERVAL: Duration = Duration::from_millis(200);
-/// The time between two lines elsewhere.
-const LINE_INTERVAL: Duration = Duration::from_secs(10);
-
-/// Where the line goes.
+/// How texts are shown one after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sink {
-    Nothing,
-    /// One line, which is written again and again.
-    Terminal,
-    /// A line after the other.
-    Lines,
+struct Style {
+    /// The time before the first text.
+    delay: Duration,
+    /// The time between two texts.
+    interval: Duration,
+    /// Comes before a text, and after the last one.
+    before: &'static str,
+    /// Comes after each text.
+    after: &'static str,
 }
 
-/// The line that tells how far a run has come.
+/// One line, which is written again and again. Short runs have none.
+const TERMINAL: Style = Style {
+    delay: Duration::from_secs(1),
+    interval: Duration::from_millis(200),
+    // Erases the line and returns to its start.
+    before: "\r\x1b[2K",
+    after: "",
+};
+/// A line after the other.
+const LINES: Style =
+    Style { delay: Duration::from_secs(10), interval: Duration::from_secs(10), before: "", after: "\n" };
+
+/// The line that tells how far a run has come, until it is dropped.
 pub struct ProgressLine {
-    sink: Sink,
+    /// None shows nothing.
+    style: Option<Style>,
     start: Instant,
     /// When there is to be another text.
     next: Mutex<Duration>,
@@ -38,59 +44,44 @@ pub struct ProgressLine {
 impl ProgressLine {
     /// The progress of work that starts now.
     pub fn new(wish: ShowProgress) -> Self {
-        let sink = Sink::of(wish, has_reader());
-        let next = Mutex::new(if sink == Sink::Lines { LINE_INTERVAL } else { DELAY });
-        Self { sink, start: Instant::now(), next }
+        Self::styled(style(wish, has_reader()), Instant::now())
+    }
+
+    fn styled(style: Option<Style>, start: Instant) -> Self {
+        Self { style, start, next: Mutex::new(style.map_or(Duration::MAX, |style| style.delay)) }
     }
 
     /// Shows the text for the time that has passed, if it is time for another one. The text must be escaped.
     pub fn show(&self, text: impl FnOnce(Duration) -> String) {
-        if self.sink == Sink::Nothing {
-            return;
-        }
+        let Some(style) = self.style else { return };
         let passed = self.start.elapsed();
         if let Ok(mut next) = self.next.try_lock()
             && passed >= *next
         {
-            *next = passed + self.sink.interval();
-            self.print(&text(passed));
-        }
-    }
-
-    /// Erases the line.
-    pub fn end(&self) {
-        if self.sink == Sink::Terminal && self.next.lock().is_ok_and(|next| *next > DELAY) {
-            write(ERASE);
-        }
-    }
-
-    fn print(&self, text: &str) {
-        match self.sink {
-            Sink::Nothing => {}
-            Sink::Terminal => write(&format!("{ERASE}{text}")),
-            Sink::Lines => write(&format!("{text}\n")),
+            *next = passed + style.interval;
+            let text = [style.before, &text(passed), style.after].concat();
+            // An error is ignored: there may be no reader.
+            let _ = stderr().write_all(text.as_bytes());
         }
     }
 }
 
-impl Sink {
-    fn of(wish: ShowProgress, is_terminal: bool) -> Self {
-        match (wish, is_terminal) {
-            (ShowProgress::Never, _) | (ShowProgress::OnTerminal, false) => Self::Nothing,
-            (_, true) => Self::Terminal,
-            (ShowProgress::Always, false) => Self::Lines,
+impl Drop for ProgressLine {
+    fn drop(&mut self) {
+        if let (Some(style), Ok(next)) = (self.style, self.next.get_mut())
+            && *next > style.delay
+        {
+            let _ = stderr().write_all(style.before.as_bytes());
         }
-    }
-
-    fn interval(self) -> Duration {
-        if self == Self::Lines { LINE_INTERVAL } else { INTERVAL }
     }
 }
 
-/// Where nobody reads it there is nobody to tell.
-fn write(text: &str) {
-    let mut terminal = stderr();
-    let _ = terminal.write_all(text.as_bytes()).and_then(|()| terminal.flush());
+fn style(wish: ShowProgress, is_terminal: bool) -> Option<Style> {
+    match (wish, is_terminal) {
+        (ShowProgress::Never, _) | (ShowProgress::OnTerminal, false) => None,
+        (_, true) => Some(TERMINAL),
+        (ShowProgress::Always, false) => Some(LINES),
+    }
 }
 
 /// How far work on rows has come after this time, how long all of it takes at this speed, and how many rays are cast in
@@ -114,6 +105,7 @@ fn clock(time: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
     #[test]
     fn the_line_tells_the_share_the_row_the_time_and_the_speed() {
@@ -134,35 +126,29 @@ mod tests {
     #[test]
     fn the_line_is_for_terminals_unless_it_is_asked_for() {
         use ShowProgress::{Always, Never, OnTerminal};
-        for (wish, on_terminal, elsewhere) in [
-            (OnTerminal, Sink::Terminal, Sink::Nothing),
-            (Always, Sink::Terminal, Sink::Lines),
-            (Never, Sink::Nothing, Sink::Nothing),
-        ] {
-            assert_eq!([true, false].map(|is| Sink::of(wish, is)), [on_terminal, elsewhere], "{wish:?}");
+        for (wish, on_terminal, elsewhere) in
+            [(OnTerminal, Some(TERMINAL), None), (Always, Some(TERMINAL), Some(LINES)), (Never, None, None)]
+        {
+            assert_eq!([true, false].map(|is| style(wish, is)), [on_terminal, elsewhere], "{wish:?}");
         }
     }
 
     #[test]
     fn texts_come_after_a_delay_and_then_at_intervals() {
-        let told = Mutex::new(0);
-        let count = |progress: &ProgressLine| {
-            progress.show(|_| {
-                *told.lock().unwrap() += 1;
-                String::new()
-            });
-            *told.lock().unwrap()
+        let count = |style: Option<Style>, start: Instant| {
+            let told = AtomicUsize::new(0);
+            let progress = ProgressLine::styled(style, start);
+            for _ in 0..2 {
+                progress.show(|_| told.fetch_add(1, Relaxed).to_string());
+            }
+            told.into_inner()
         };
-        for (sink, first) in [(Sink::Terminal, DELAY), (Sink::Lines, LINE_INTERVAL)] {
-            *told.lock().unwrap() = 0;
-            let Some(start) = Instant::now().checked_sub(first) else { return };
-            let next = |wait| Mutex::new(wait);
-            let late = ProgressLine { sink, start, next: next(first) };
-            assert_eq!([count(&late), count(&late)], [1, 1], "{sink:?}");
-            let early = ProgressLine { sink, start, next: next(first + Duration::from_secs(3600)) };
-            assert_eq!(count(&early), 1);
+        let now = Instant::now();
+        for style in [TERMINAL, LINES] {
+            let Some(start) = now.checked_sub(style.delay) else { return };
+            assert_eq!(count(Some(Style { interval: Duration::from_secs(3600), ..style }), start), 1);
+            assert_eq!(count(Some(Style { delay: Duration::from_secs(3600), ..style }), start), 0);
         }
-        let silent = ProgressLine { sink: Sink::Nothing, start: Instant::now(), next: Mutex::default() };
-        assert_eq!(count(&silent), 1);
+        assert_eq!(count(None, now), 0);
     }
 }

@@ -1,33 +1,28 @@
 //! Renders a scene, with everything that is written and printed of it.
 
-use super::compare::{self, Pair};
-use super::complete_files::{self, CompleteFiles};
-use super::fingerprint;
+use super::compare::{Files, Pair};
 use super::log::Log;
-use super::products::{FinishedLayers, Products};
+use super::outputs::{self, Outputs};
+use super::parts;
+use super::products::{Finished, Products};
 use super::progress::{ProgressLine, rows_text};
 use super::report::Report;
 use super::signals::Signals;
-use super::stopped::{self, upper};
-use super::{End, Outcome, refused, threads, warnings};
-use raytracer::base::memory::Bytes;
-use raytracer::caster::choose::{Resolution, Structure};
+use super::{End, Outcome, threads, warnings};
 use raytracer::cli::{Options, Output};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{
-    CompleteFile, Exceptional, Format, OutputFile, ReadFile, Written, check_distinct, part_beside,
-};
+use raytracer::image_io::Exceptional;
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::scene::edition::Edition;
-use raytracer::scene::load::{LoadedScene, load_with};
+use raytracer::scene::load::load_with;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
 use raytracer::tools::warnings::{lights_without_effect, nothing_visible};
 use std::ffi::OsString;
-use std::fmt::Display;
+use std::iter;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -49,16 +44,17 @@ pub fn run(
     threads::start(options.threads, options.size[1])?;
 
     // Load the scene.
-    let mut clock = Clock(Instant::now());
+    let mut last = Instant::now();
+    let mut lap = || {
+        let now = Instant::now();
+        now - std::mem::replace(&mut last, now)
+    };
     let mut loaded = load_with(input, &options.hints())?;
 
     // Settle the options.
     let options = &options.in_edition(loaded.choice.edition);
-    check_distinct(written(options), read(input, options, &loaded)).map_err(refused)?;
-    if let Some(note) = loaded.choice.note() {
-        log.tell(note);
-    }
-    let reading = clock.lap();
+    outputs::check(options, iter::once(("scene", input.to_owned())).chain(loaded.files()))?;
+    let reading = lap();
     let pair = Pair::open(options, log)?;
 
     // Prepare.
@@ -69,220 +65,133 @@ pub fn run(
     }
     let warn = |doubts: Vec<Diagnostic>| warnings::say(doubts, options, &renderer.source, log);
     warn(doubts)?;
-    let compared = options.comparison.as_ref().filter(|wanted| wanted.needs_scene());
-    let compared = compared.and_then(|_| options.compared_layer());
-    // A map of costs is drawn again when it is complete.
-    let kept = compared.filter(|layer| !matches!(layer, Layer::Cost(_)));
-    let mut request = options.request();
-    request.layers.extend(kept);
-    let prepared = prepare(options, &renderer, &request, options.tracing())?;
-    let building = clock.lap();
+    let request = request(options);
+    let prepared = options.prepare(&renderer, &request, options.tracing())?;
+    let building = lap();
 
     // Open the outputs.
-    let open = |output: &Output| Ok((complete_files::prepare(output)?, output.format));
+    let open = |output: &Output| Ok((outputs::prepare(&output.file)?, output.format));
     let pictures = options.outputs.iter().map(open).collect::<Result<_, Diagnostic>>()?;
-    let difference = compare::open_difference(options)?;
-    let document = options.json_file().map(OutputFile::prepare).transpose()?;
-    let mut products = begin(pictures, kept, &prepared, &request)?;
+    let files = Files::open(options)?;
+    let mut products = Products::begin(pictures, &prepared, &request)?;
 
     // Render rows.
-    let run = Run { options, argv, prepared: &prepared, request: &request, signals, log };
-    let counts = match run.render_rows(&mut products)? {
+    let counts = match render_rows(options, &prepared, &request, &mut products, signals)? {
         Ok(counts) => counts,
-        Err(rows) => return Err(run.stop(products, rows)),
+        Err(rows) => {
+            let kept = products.keep_parts(rows)?;
+            parts::lines(argv, options, rows, &kept).iter().for_each(|line| log.say(line));
+            return Err(signals.received().unwrap_or_else(|| End::from(Stopped::Cancelled { rows })));
+        }
     };
-    let rendering = clock.lap() - products.encoding;
+    let rendering = lap() - products.encoding;
 
     // Finish.
-    if products.shows_nothing() && !options.visualize_grid {
-        warn(run.nothing_visible().into_iter().collect())?;
+    if products.is_blank && !options.visualize_grid {
+        let watch = |_| signals.goes_on();
+        warn(nothing_visible(&prepared, &request, &watch).into_iter().collect())?;
     }
     warn(not_shown(&products.exceptional()))?;
     let encoding = products.encoding;
-    let FinishedLayers { files: finished, kept, costs } = products.finish(options.picture_size())?;
-    let files = CompleteFiles::default();
-    let (streams, regular): (Vec<_>, Vec<_>) = finished.into_iter().partition(CompleteFile::is_stream);
-    regular.into_iter().try_for_each(|file| files.add(file))?;
-    files.before_waiting(signals)?;
-    streams.into_iter().try_for_each(|stream| files.add(stream))?;
+    let Finished { files: pictures, costs, picture } = products.finish()?;
+    let outputs = Outputs::new(pictures, signals)?;
+    let timings = Timings { reading, building, rendering, writing: encoding + lap() };
 
     // Report.
-    let timings = Timings { reading, building, rendering, writing: encoding + clock.lap() };
-    let report = stats::Report { standard_error: run.standard_error()?, ..run.report(counts, timings) };
-    let repeats = options.repeat.map(|count| run.repeated(count, rendering)).transpose()?;
-    let picture = match (compared, &costs) {
-        (Some(Layer::Cost(_)), Some(map)) => Some(map.draw()?),
-        _ => kept,
-    };
+    let statistics = statistics(options, &prepared, &request, counts, timings)?;
+    let repeats =
+        options.repeat.map(|count| repeated(options, &prepared, &request, count, rendering)).transpose()?;
     let costs = costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
     let pixel =
         options.pixel.map(|pixel| explanation(options, &renderer, prepared, pixel)).transpose()?.flatten();
-    let compare = |pair: Pair| pair.compare(options, (Some(&renderer), picture.as_ref()), difference, &files);
-    let compared = pair.map(compare).transpose()?;
-    let rendered = Some(Rendered { renderer: &renderer, report, repeats, costs, pixel });
-    Report { rendered, compared }.finish(options, document, files, signals, log)
+    let compare = |pair: Pair| pair.compare(Some(&renderer), picture.as_ref(), files.difference, &outputs);
+    let comparison = pair.map(compare).transpose()?;
+    let renderer = Some(&renderer);
+    let report = Report { renderer, statistics: Some(statistics), repeats, costs, pixel, comparison };
+    report.finish(options, files.document, &outputs, log)
 }
 
-/// What a rendering found out.
-pub struct Rendered<'r> {
-    pub renderer: &'r Renderer,
-    pub report: stats::Report,
-    /// The times of all renderings, if there are several.
-    pub repeats: Option<Repeats>,
-    /// What the pixels of a cost map have cost, if one is drawn.
-    pub costs: Option<CostReport>,
-    /// What is behind the pixel in question, if there is one.
-    pub pixel: Option<PixelTree>,
-}
-
-impl Rendered<'_> {
-    /// What there is to print.
-    pub fn text(&self, options: &Options) -> String {
-        let blocks: [Option<&dyn Display>; 4] = [
-            options.stats.then_some(&self.report),
-            self.repeats.as_ref().map(|repeats| repeats as _),
-            self.costs.as_ref().map(|costs| costs as _),
-            self.pixel.as_ref().map(|pixel| pixel as _),
-        ];
-        blocks.into_iter().flatten().map(ToString::to_string).collect()
+/// The layers that are written, and the one that is compared. A map of costs is drawn when it is complete.
+fn request(options: &Options) -> Request {
+    let mut request = options.request();
+    if options.comparison.as_ref().is_some_and(|wanted| wanted.needs_scene()) {
+        request.layers.extend(options.compared_layer().filter(|layer| !matches!(layer, Layer::Cost(_))));
     }
+    request
 }
 
-/// The files that a rendering writes. Of a picture there may be a part if the run is stopped.
-fn written(options: &Options) -> impl Iterator<Item = Written> {
-    let picture = |output: &Output| Written::Named(output.file.clone());
-    let part = |output: &Output| {
-        let has_parts =
-            !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
-        let part = part_beside(&output.file, output.format).filter(|_| has_parts)?;
-        Some(Written::PartOf { picture: output.file.clone(), part })
-    };
-    let pictures = options.outputs.iter().map(picture);
-    pictures.chain(compare::written(options)).chain(options.outputs.iter().filter_map(part))
-}
-
-/// The files that a rendering of this scene reads.
-fn read(input: &Path, options: &Options, loaded: &LoadedScene) -> impl Iterator<Item = ReadFile> {
-    std::iter::once(("scene", input.to_owned())).chain(compare::read(options)).chain(loaded.files())
-}
-
-/// Starts the pictures of a request. The one that is `kept` has no file.
-fn begin(
-    files: Vec<(OutputFile, Format)>,
-    kept: Option<Layer>,
+/// Returns what was counted, or the number of complete rows if a signal came.
+fn render_rows(
+    options: &Options,
     prepared: &Prepared,
     request: &Request,
-) -> Result<Products, Diagnostic> {
-    let part = |layer| fingerprint::part(prepared, request, request.window?, layer);
-    let mut products = Products::begin(files, request, &part)?;
-    if let Some(layer) = kept {
-        products.keep(request.layer_size(&layer))?;
+    products: &mut Products,
+    signals: &Signals,
+) -> Result<Result<Counts, usize>, Diagnostic> {
+    let mut failure = None;
+    let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => {
+            failure = Some(error);
+            ControlFlow::Break(())
+        }
+    };
+    signals.note_first();
+    let progress = ProgressLine::new(options.progress);
+    let watch = |rows| {
+        progress.show(|passed| rows_text("rendering", rows, passed));
+        signals.goes_on()
+    };
+    match (prepared.render_rows(request, &watch, &mut take_row), failure) {
+        (_, Some(error)) => Err(error.into()),
+        (Err(Stopped::Cancelled { rows }), None) => Ok(Err(rows)),
+        (rendered, None) => Ok(Ok(rendered?)),
     }
-    let renderer = prepared.renderer();
-    let is_empty = renderer.world().finite_count() == 0 && renderer.world().planes.is_empty();
-    products.watch_for_blank(request, &renderer.scene, is_empty);
-    Ok(products)
 }
 
-/// A prepared rendering.
-struct Run<'r> {
-    options: &'r Options,
-    argv: &'r [OsString],
-    prepared: &'r Prepared<'r>,
-    request: &'r Request,
-    signals: &'r Signals,
-    log: &'r Log,
+fn statistics(
+    options: &Options,
+    prepared: &Prepared,
+    request: &Request,
+    counts: Counts,
+    timings: Timings,
+) -> Result<stats::Report, Diagnostic> {
+    let estimates = options.stats && has_standard_error(request);
+    let estimate = || standard_error(prepared, request, &|_| ControlFlow::Continue(()));
+    let edition = options.edition.filter(|&edition| edition != Edition::default());
+    Ok(stats::Report {
+        size: request.window_size(),
+        bounds: prepared.renderer().bounds(),
+        grid: prepared.cells(),
+        counts,
+        timings,
+        threads: rayon::current_num_threads(),
+        standard_error: if estimates { estimate()? } else { None },
+        edition: edition.map(Edition::name),
+    })
 }
 
-impl Run<'_> {
-    /// Returns what was counted, or the number of complete rows if a signal came.
-    fn render_rows(&self, products: &mut Products) -> Result<Result<Counts, usize>, Diagnostic> {
-        let mut failure = None;
-        let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                failure = Some(error);
-                ControlFlow::Break(())
-            }
-        };
-        let signals = self.signals;
-        signals.note_first();
-        let progress = ProgressLine::new(self.options.progress);
+/// Returns the times of `count` renderings, of which the first took this time. The others leave nothing behind.
+fn repeated(
+    options: &Options,
+    prepared: &Prepared,
+    request: &Request,
+    count: u32,
+    first: Duration,
+) -> Result<Repeats, Diagnostic> {
+    let progress = ProgressLine::new(options.progress);
+    let mut times = vec![first];
+    for number in 2..=count {
+        let doing = format!("rendering {number} of {count}");
         let watch = |rows| {
-            progress.show(|passed| rows_text("rendering", rows, passed));
-            signals.goes_on()
+            progress.show(|passed| rows_text(&doing, rows, passed));
+            ControlFlow::Continue(())
         };
-        let rendered = self.prepared.render_rows(self.request, &watch, &mut take_row);
-        progress.end();
-        match (failure, rendered) {
-            (Some(error), _) => Err(error),
-            (None, Err(Stopped::Cancelled { rows })) => Ok(Err(rows)),
-            (None, rendered) => Ok(Ok(rendered?)),
-        }
+        let start = Instant::now();
+        prepared.render_rows(request, &watch, &mut |_, _| ControlFlow::Continue(()))?;
+        times.push(start.elapsed());
     }
-
-    /// Keeps the complete rows of a run that a signal stopped, and tells how to make the rest.
-    fn stop(&self, products: Products, rows: usize) -> End {
-        // No command line renders a part of these.
-        let has_parts = !self.options.jitter && !self.options.reduced;
-        let window = upper(self.request, rows);
-        let part =
-            |layer| fingerprint::part(self.prepared, self.request, window, layer).filter(|_| has_parts);
-        match products.keep_parts(self.request, &part) {
-            Ok(kept) => {
-                let lines = stopped::lines(self.argv, self.options, rows, &kept);
-                lines.iter().for_each(|line| self.log.say(line));
-                self.signals
-                    .received()
-                    .unwrap_or_else(|| Diagnostic::error("the rendering was stopped").into())
-            }
-            Err(error) => error.into(),
-        }
-    }
-
-    fn nothing_visible(&self) -> Option<Diagnostic> {
-        let signals = self.signals;
-        nothing_visible(self.prepared, self.request, &|_| signals.goes_on())
-    }
-
-    fn report(&self, counts: Counts, timings: Timings) -> stats::Report {
-        let edition = self.options.edition.filter(|&edition| edition != Edition::default());
-        stats::Report {
-            size: self.request.window_size(),
-            bounds: self.prepared.renderer().bounds(),
-            grid: self.prepared.cells(),
-            counts,
-            timings,
-            threads: rayon::current_num_threads(),
-            standard_error: None,
-            edition: edition.map(Edition::name),
-        }
-    }
-
-    fn standard_error(&self) -> Result<Option<f64>, Diagnostic> {
-        if !self.options.stats || !has_standard_error(self.request) {
-            return Ok(None);
-        }
-        Ok(standard_error(self.prepared, self.request, &|_| ControlFlow::Continue(()))?)
-    }
-
-    /// Returns the times of `count` renderings, of which the first took this time. The others leave nothing behind.
-    fn repeated(&self, count: u32, first: Duration) -> Result<Repeats, Diagnostic> {
-        let progress = ProgressLine::new(self.options.progress);
-        let mut times = vec![first];
-        for number in 2..=count {
-            let doing = format!("rendering {number} of {count}");
-            let watch = |rows| {
-                progress.show(|passed| rows_text(&doing, rows, passed));
-                ControlFlow::Continue(())
-            };
-            let start = Instant::now();
-            self.prepared.render_rows(self.request, &watch, &mut |_, _| ControlFlow::Continue(()))?;
-            times.push(start.elapsed());
-        }
-        progress.end();
-        Repeats::of(times).ok_or_else(|| Diagnostic::error("nothing was rendered"))
-    }
+    Repeats::of(times).ok_or_else(|| Diagnostic::error("nothing was rendered"))
 }
 
 /// Warns about pixels that the files do not show as they are.
@@ -307,7 +216,7 @@ fn meshes(options: &Options) -> Meshes {
     if keeps { Meshes::Kept } else { Meshes::Moved }
 }
 
-/// What is behind a pixel. It is traced and counted as by the course's program, like all that is counted.
+/// Returns the rays behind a pixel, traced and counted as by the course's program, like all that is counted.
 fn explanation(
     options: &Options,
     renderer: &Renderer,
@@ -317,45 +226,12 @@ fn explanation(
     let request = options.request();
     let prepared = match prepared.tracing() {
         Tracing::Counted => prepared,
-        Tracing::Fast => prepare(options, renderer, &request, Tracing::Counted)?,
+        Tracing::Fast => options.prepare(renderer, &request, Tracing::Counted)?,
     };
     let explainer = Explainer::new(&prepared)?;
     let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
     match explainer.pixel(&request, pixel, &stop) {
         Err(ExplainError::Outside) => Ok(None),
         explained => Ok(Some(explained?)),
-    }
-}
-
-fn prepare<'r>(
-    options: &Options,
-    renderer: &'r Renderer,
-    request: &Request,
-    tracing: Tracing,
-) -> Result<Prepared<'r>, Diagnostic> {
-    let prepared = match options.structure {
-        Structure::Grid(grid) if options.visualize_grid => {
-            renderer.prepare_cells(grid, request.camera_rays(), tracing)
-        }
-        structure => renderer.prepare_for(structure, request, tracing),
-    };
-    prepared.map_err(|error| match options.structure {
-        Structure::Grid(Resolution::Cells(cells)) => {
-            // Each cell has an entry, and a few lists are of the same length while the grid is built.
-            let bytes = cells.iter().fold(4u64, |bytes, &n| bytes.saturating_mul(n as u64));
-            Diagnostic::error(format!("{error}; the entries of its cells alone are {}", Bytes(bytes)))
-        }
-        _ => error.into(),
-    })
-}
-
-/// Measures one stage after the other.
-struct Clock(Instant);
-
-impl Clock {
-    /// Returns the time since the last lap.
-    fn lap(&mut self) -> Duration {
-        let now = Instant::now();
-        now - std::mem::replace(&mut self.0, now)
     }
 }

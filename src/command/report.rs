@@ -1,21 +1,30 @@
-//! The end of a run that renders or compares: the JSON document and the text.
+//! The end of a run that renders or compares: what it found out, as a text and as a JSON document.
 
 use super::compare::ComparisonResult;
-use super::complete_files::CompleteFiles;
 use super::log::Log;
-use super::render::Rendered;
-use super::signals::Signals;
+use super::outputs::Outputs;
 use super::{End, Outcome, json};
-use raytracer::cli::Options;
+use raytracer::cli::{Options, Output};
 use raytracer::image_io::OutputFile;
+use raytracer::render::renderer::Renderer;
+use raytracer::stats::{self, Repeats};
+use raytracer::tools::explain::{CostReport, PixelTree};
+use std::fmt::Display;
 use std::io::{Write, stderr};
 use std::path::Path;
 
-/// What a run found out.
+/// The results of a run. A comparison of two files has no scene.
 #[derive(Default)]
-pub struct Report<'a> {
-    pub rendered: Option<Rendered<'a>>,
-    pub compared: Option<ComparisonResult>,
+pub struct Report<'r> {
+    pub renderer: Option<&'r Renderer>,
+    pub statistics: Option<stats::Report>,
+    /// The times of all renderings, if there are several.
+    pub repeats: Option<Repeats>,
+    /// The costs of a cost map's pixels.
+    pub costs: Option<CostReport>,
+    /// The rays behind the pixel in question.
+    pub pixel: Option<PixelTree>,
+    pub comparison: Option<ComparisonResult>,
 }
 
 impl Report<'_> {
@@ -24,29 +33,31 @@ impl Report<'_> {
         &self,
         options: &Options,
         document: Option<OutputFile>,
-        files: CompleteFiles,
-        signals: &Signals,
+        outputs: &Outputs,
         log: &Log,
     ) -> Result<Outcome, End> {
-        let json =
-            || json::document(options, &log.messages(), self.rendered.as_ref(), self.compared.as_ref());
         if let Some(file) = document {
-            files.add(file.text(&json())?)?;
+            outputs.add(file.text(&json::document(self, options, &log.messages()))?)?;
         }
-        let mut text = if options.prints_json() { json() } else { self.text(options) };
-        files.finish(signals)?;
-        if options.has_standard_output() {
+        outputs.name_all()?;
+        let mut text = if options.prints_json() { String::new() } else { self.text(options) };
+        if options.outputs.iter().any(Output::is_standard_output) {
             let _ = stderr().write_all(text.as_bytes());
             text.clear();
         }
-        let passes = self.compared.as_ref().is_none_or(|compared| compared.passes != Some(false));
+        let passes = self.comparison.as_ref().is_none_or(|compared| compared.passes() != Some(false));
         let outcome = Outcome::of_text(text).tell_of(options.written().map(Path::to_owned), options.progress);
         Ok(Outcome { passes, ..outcome })
     }
 
-    /// Returns the blocks of the rendering, then the block of the comparison.
     fn text(&self, options: &Options) -> String {
-        let rendered = self.rendered.as_ref().map(|rendered| rendered.text(options));
-        rendered.into_iter().chain(self.compared.as_ref().map(ComparisonResult::text)).collect()
+        let blocks: [Option<&dyn Display>; 5] = [
+            self.statistics.as_ref().filter(|_| options.stats).map(|statistics| statistics as _),
+            self.repeats.as_ref().map(|repeats| repeats as _),
+            self.costs.as_ref().map(|costs| costs as _),
+            self.pixel.as_ref().map(|pixel| pixel as _),
+            self.comparison.as_ref().map(|comparison| comparison as _),
+        ];
+        blocks.into_iter().flatten().map(ToString::to_string).collect()
     }
 }

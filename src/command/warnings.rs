@@ -10,25 +10,25 @@ use raytracer::scene::load::{LoadedScene, Source};
 use raytracer::tools::warnings;
 use raytracer::trace::Effects;
 
-/// Tells these warnings. With `-strict` they are the errors that end the run.
-pub fn say(found: Vec<Diagnostic>, options: &Options, source: &Source, log: &Log) -> Result<(), End> {
-    let locate = |found: Diagnostic| if found.places.is_empty() { found } else { source.locate(found) };
-    let found = found.into_iter().map(locate);
-    if options.strict {
-        let errors: Vec<_> = found.map(|found| Diagnostic { severity: Severity::Error, ..found }).collect();
-        return if errors.is_empty() { Ok(()) } else { Err(End { errors, status: 1 }) };
+/// Tells these notes and warnings. With `-strict` warnings are errors, and end the run.
+pub fn say(all: Vec<Diagnostic>, options: &Options, source: &Source, log: &Log) -> Result<(), End> {
+    let mut ends = false;
+    for mut found in all {
+        if options.strict && found.severity != Severity::Note {
+            (found.severity, ends) = (Severity::Error, true);
+        }
+        log.tell(if found.places.is_empty() { found } else { source.locate(found) });
     }
-    found.for_each(|found| log.tell(found));
-    Ok(())
+    if ends { Err(End { error: None, status: 1 }) } else { Ok(()) }
 }
 
-/// Returns the warnings about a scene and the flags that it is rendered with.
+/// Returns the notes and warnings about a scene and the flags that it is rendered with.
 pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
     let scene = &loaded.scene;
     // The user has not asked for the bounces of an edition.
     let effects = &Effects { bounces: options.given.bounces.unwrap_or(0), ..options.effects };
     let mut found = std::mem::take(&mut loaded.warnings);
-    found.extend(loaded.choice.doubt());
+    found.extend(loaded.choice.remark());
     let no_lights = warnings::no_lights(scene);
     found.extend(match options.strict {
         true => no_lights.map(|_| Diagnostic::error("the scene has no lights")),
@@ -57,7 +57,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     found
 }
 
-/// Whether the colours of pixels are computed for anything that the run leaves behind, or shows.
+/// Returns true if the colours of pixels are computed for anything that the run leaves behind, or shows.
 fn shows_colors(options: &Options) -> bool {
     let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
     options.outputs.iter().any(|output| has_layer(&output.layer))
@@ -68,9 +68,7 @@ fn shows_colors(options: &Options) -> bool {
         || options.outputs.is_empty()
 }
 
-/// Whether a run would leave nothing behind.
+/// Returns true if a run would leave nothing behind.
 fn asks_for_nothing(options: &Options) -> bool {
-    let prints =
-        options.stats || options.repeat.is_some() || options.pixel.is_some() || options.json.is_some();
-    options.outputs.is_empty() && options.comparison.is_none() && !prints && !options.preview
+    options.written().next().is_none() && !options.has_text() && !options.preview
 }

@@ -349,7 +349,7 @@ fn description(OpenScene { revision, choice, renderer, .. }: &OpenScene) -> Valu
         "bounds": renderer.bounds(),
         "is_unlit": scene.lights.is_empty(),
         "edition": edition,
-        "note": choice.note().or(choice.doubt()).map(|found| found.in_one_line()),
+        "note": choice.remark().map(|found| found.in_one_line()),
         "defaults": { "bounces": edition.default_bounces(), "weight": edition.default_weight() },
     })
 }

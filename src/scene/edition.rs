@@ -66,22 +66,18 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// Returns a note on an edition that the scene's words have told.
-    pub fn note(&self) -> Option<Diagnostic> {
-        let because = self.because.as_ref().filter(|_| self.others.is_empty())?;
-        let taken =
-            format!("the scene is taken as one of the edition {}, because of {because}", self.edition);
-        Some(Diagnostic::note(taken + "; `-edition` names another"))
-    }
-
-    /// Returns a warning if the words leave the edition open.
-    pub fn doubt(&self) -> Option<Diagnostic> {
-        let (edition, because) = (self.edition, self.because.as_ref().filter(|_| !self.others.is_empty())?);
-        let others: Vec<_> = self.others.iter().map(|edition| format!("`-edition {edition}`")).collect();
-        let problem =
-            format!("the scene is taken as one of the edition {edition}, but {because} may be of others");
+    /// Returns a note on an edition that the scene's words have told, or a warning if they leave it open.
+    pub fn remark(&self) -> Option<Diagnostic> {
+        let (edition, because) = (self.edition, self.because.as_ref()?);
+        let taken = format!("the scene is taken as one of the edition {edition}");
+        if self.others.is_empty() {
+            return Some(Diagnostic::note(format!(
+                "{taken}, because of {because}; `-edition` names another"
+            )));
+        }
+        let others: Vec<String> = self.others.iter().map(|other| format!("`-edition {other}`")).collect();
         let hint = format!("add `-edition {edition}`, or {} for another picture", others.join(" or "));
-        Some(Diagnostic::warning(problem).with_hint(hint))
+        Some(Diagnostic::warning(format!("{taken}, but {because} may be of others")).with_hint(hint))
     }
 }
 

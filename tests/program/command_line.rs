@@ -1,7 +1,8 @@
 //! Tables of valid command lines, each with its options.
 
 use raytracer::caster::choose::{Resolution, Structure};
-use raytracer::cli::{CliError, Command, Comparison, Given, LivePage, Options, Output, ShowProgress, parse};
+use raytracer::cli::{Command, Comparison, Given, LivePage, Options, Output, ShowProgress, parse};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::Format;
 use raytracer::render::{Layer, Window};
 use raytracer::sampling::adaptive::Adaptive;
@@ -16,7 +17,7 @@ use std::os::unix::ffi::OsStringExt;
 use std::path::{Path, PathBuf};
 
 /// Parses a line in the course's style, without the program's name.
-pub fn parse_line(line: &str) -> Result<Command, CliError> {
+pub fn parse_line(line: &str) -> Result<Command, Diagnostic> {
     parse(["raytracer"].into_iter().chain(line.split_whitespace()).map(OsString::from))
 }
 

@@ -191,7 +191,7 @@ const FAULTS: &[(&str, &str)] = &[
 fn each_invalid_line_has_its_message() {
     let mut wrong = String::new();
     for (line, expected) in FAULTS {
-        let shown = parse_line(line).map_err(|error| format!("error: {error}"));
+        let shown = parse_line(line).map_err(|error| error.to_string());
         if !shown.as_ref().is_err_and(|message| says(message, expected)) {
             wrong += &format!("{line}\n  expected {expected}\n  actual   {shown:?}\n");
         }
@@ -209,11 +209,12 @@ fn empty_arguments_are_errors() {
 }
 
 #[test]
-fn a_message_is_one_line_whatever_the_argument_contains() {
+fn a_message_and_its_hint_are_a_line_each_whatever_the_argument_contains() {
     for word in ["-a\nb\x1b[1m", "a\nb\r", "shadows\n"] {
         let argv = ["raytracer", "-input", "s.txt", word].map(OsString::from);
-        let shown = parse(argv).map_err(|error| error.to_string());
-        assert!(shown.as_ref().is_err_and(|line| !line.contains(char::is_control)), "{shown:?}");
+        let error = parse(argv).unwrap_err();
+        let lines = [Some(error.message), error.hint].map(Option::unwrap_or_default);
+        assert!(lines.iter().all(|line| !line.contains(char::is_control)), "{lines:?}");
     }
 }
 

@@ -137,7 +137,7 @@ fn pictures_of_other_sizes_are_an_error_that_names_both() {
     assert_eq!(
         folder.run("-input s.txt -size 3 3 -compare o.tga").message(1),
         "error: cannot compare `o.tga` with the rendered picture: the pictures differ in size: 40 x 30 pixels \
-         against 3 x 3; -size 40 30 renders that size\n"
+         against 3 x 3\n  hint: -size 40 30 renders that size\n"
     );
 }
 

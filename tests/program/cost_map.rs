@@ -45,6 +45,15 @@ fn the_costs_of_all_pixels_are_those_of_the_statistics() {
 }
 
 #[test]
+fn a_map_has_all_pixels_of_which_a_reduced_picture_is_made() {
+    let scene = SCENE.replace("reflectiveColor .5 .5 .5", "").replace("Material {", "PhongMaterial {");
+    let folder = Folder::with_scene(&scene);
+    folder.run("-input s.txt -edition 2012a5 -size 24 18 -cost_map rays whole.tga").ok();
+    folder.run("-input s.txt -edition 2012a5 -size 24 18 -filter -cost_map rays reduced.tga").ok();
+    assert_eq!(folder.read("whole.tga"), folder.read("reduced.tga"));
+}
+
+#[test]
 fn counting_by_pixels_changes_neither_counters_nor_pictures() {
     let folder = Folder::with_scene(SCENE);
     for samples in ["-jittered_samples 7", "-adaptive_samples 40 1"] {

@@ -430,13 +430,17 @@ fn what_cannot_be_read_or_written_ends_the_run() {
         ("-grade class -reference none", "error: cannot read the folder `none`: "),
         ("-grade class -reference hollow", "error: there is no picture to grade by"),
         ("-grade class -commands ref", "error: cannot read the commands `ref`: it is not a regular file"),
-        ("-grade class -commands bad.txt", "error: `bad.txt`, line 2: unexpected argument '-sise' found"),
         ("-grade class -commands idle.txt", "error: there is no picture to grade by"),
         ("-grade class -reference ref -report none/p.html", "error: cannot write `none/p.html`: "),
     ] {
         let message = with(line);
         assert!(only_line(&message).starts_with(start), "{line}: {message}");
     }
+    let message = with("-grade class -commands bad.txt");
+    assert_eq!(
+        message,
+        "error: `bad.txt`, line 2: unexpected argument '-sise' found\n  hint: did you mean '-size'?\n"
+    );
     // The table cannot be written, so that the page is not either.
     make(&folder, "page.csv");
     with("-grade class -reference ref -report page.html");

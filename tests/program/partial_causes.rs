@@ -52,7 +52,7 @@ fn what_became_of_a_file_is_known_without_a_scene() {
 fn the_hint_for_another_size_names_it() {
     let folder = folder();
     folder.run("-input s.txt -size 48 36 -output a.png").ok();
-    let hint = "; -size 48 36 renders that size\n";
+    let hint = "\n  hint: -size 48 36 renders that size\n";
     for line in ["-input s.txt -compare a.png", "-input s.txt -reference a.png"] {
         let run = folder.run(line);
         assert!(run.stderr.ends_with(hint), "{}", run.stderr);

@@ -4,7 +4,7 @@ use crate::support::{CAMERA, Folder, finish, nobody, only_line, program, says, s
 use raytracer::image_io;
 
 #[test]
-fn a_faulty_command_line_is_status_2_and_one_line() {
+fn a_faulty_command_line_is_status_2_and_a_line_with_a_hint() {
     let folder = Folder::with_scene(&sphere());
     for (line, expected) in [
         ("", "-input ... -h"),

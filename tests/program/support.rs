@@ -143,10 +143,13 @@ pub fn sphere_in_perspective() -> String {
     sphere().replace(CAMERA, "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 20 }\n")
 }
 
-/// Returns true if `message` is an error in one line that has all these parts, between which ` ... ` stands.
+/// Returns true if `message` is an error in one line, and perhaps a hint in another one, which have all these parts,
+/// between which ` ... ` stands.
 pub fn says(message: &str, parts: &str) -> bool {
-    let is_error = message.starts_with("error: ") && message.lines().count() == 1;
-    is_error && parts.split(" ... ").all(|part| message.contains(part))
+    let mut rest = message.lines().skip(1);
+    let is_error =
+        message.starts_with("error: ") && rest.next().is_none_or(|hint| hint.starts_with("  hint: "));
+    is_error && rest.next().is_none() && parts.split(" ... ").all(|part| message.contains(part))
 }
 
 /// The only line of `message`, without the newline.

@@ -1,12 +1,11 @@
 //! A folder that has a folder of pictures for every name.
 
-use super::references::References;
 use raytracer::base::escape::quoted;
 use raytracer::base::memory;
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{Format, load_picture};
 use raytracer::picture::CHANNELS;
-use raytracer::tools::grade::{Column, Submission};
+use raytracer::tools::grade::Submission;
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::ErrorKind;
@@ -19,11 +18,11 @@ const NAMED: usize = 10;
 pub struct Folder {
     path: PathBuf,
     /// In order.
-    names: Vec<OsString>,
-    /// The pictures in the folder of each, at any depth, by their paths in it.
-    pictures: Vec<Vec<PathBuf>>,
-    /// What is not a folder.
-    others: Vec<OsString>,
+    pub names: Vec<OsString>,
+    /// For each wanted picture, the file that is taken for it in the folder of each name, by its path there.
+    pub taken: Vec<Vec<PathBuf>>,
+    /// What is in the folder and is not graded, a line each.
+    pub notes: Vec<String>,
 }
 
 /// How deep pictures are looked for.
@@ -32,84 +31,73 @@ const DEEPEST: usize = 6;
 const MOST: usize = 10_000;
 
 impl Folder {
-    /// Lists the folder.
-    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
-        let (folders, others) = entries(path)?.into_iter().partition(|name| path.join(name).is_dir());
-        let folders: Vec<OsString> = folders;
-        let pictures = folders.iter().map(|name| pictures(&path.join(name))).collect();
-        let folder = Self { path: path.to_owned(), names: folders, pictures, others };
-        match folder.names.is_empty() {
-            true => Err(Diagnostic::error(format!("{} has no folder of pictures in it", quoted(path)))),
-            false => Ok(folder),
+    /// Looks for pictures of the wanted names in the folders among these entries of a folder.
+    pub fn new(path: &Path, entries: Vec<OsString>, wanted: &[&OsStr]) -> Result<Self, Diagnostic> {
+        let is_folder = |name: &OsString| path.join(name).is_dir();
+        let (names, others): (Vec<_>, Vec<_>) = entries.into_iter().partition(is_folder);
+        if names.is_empty() {
+            return Err(Diagnostic::error(format!("{} has no folder of pictures in it", quoted(path))));
         }
+        let mut taken = vec![vec![]; wanted.len()];
+        let mut notes: Vec<String> =
+            others.iter().map(|name| format!("{}: not a folder", name.to_string_lossy())).collect();
+        for name in &names {
+            let folder = path.join(name);
+            let files = pictures(&folder);
+            let own: Vec<PathBuf> =
+                wanted.iter().map(|picture| taken_for(picture, &folder, &files, wanted)).collect();
+            let others = others_in(&folder, &own, wanted);
+            notes.extend(others.map(|others| format!("{}: {others}", name.to_string_lossy())));
+            taken.iter_mut().zip(own).for_each(|(all, file)| all.push(file));
+        }
+        Ok(Self { path: path.to_owned(), names, taken, notes })
     }
 
-    pub fn len(&self) -> usize {
-        self.names.len()
-    }
-
-    /// The names as text.
-    pub fn shown_names(&self) -> Vec<String> {
-        self.names.iter().map(|name| name.to_string_lossy().into_owned()).collect()
-    }
-
-    /// The files that are read for this picture. A link is not read.
-    pub fn files(&self, picture: &OsStr, references: &References) -> impl Iterator<Item = PathBuf> {
-        let files = self.taken(picture, references).into_iter().zip(&self.names);
-        let files = files.map(|(taken, name)| self.path.join(name).join(taken));
+    /// The files that are read. A link is not read.
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let files = (0..self.taken.len()).flat_map(|index| self.files_for(index));
         files.filter(|file| fs::symlink_metadata(file).is_ok_and(|found| found.is_file()))
     }
 
-    /// The path of the file that is taken for this picture in the folder of each name: that of the picture's name, or
-    /// else one whose name has another ending or case, or that lies in a folder in it.
-    pub fn taken(&self, picture: &OsStr, references: &References) -> Vec<PathBuf> {
-        let taken = |(name, files): (&OsString, &Vec<PathBuf>)| {
-            let exact = PathBuf::from(picture);
-            if fs::symlink_metadata(self.path.join(name).join(&exact)).is_ok() {
-                return exact;
-            }
-            let others = files.iter().filter_map(|file| Some((likeness(file, picture, references)?, file)));
-            others.min().map_or(exact, |(_, file)| file.clone())
-        };
-        self.names.iter().zip(&self.pictures).map(taken).collect()
-    }
-
-    /// Reads what each name handed in as this picture, which is of this width and height, in the files that are taken.
-    pub fn submissions<'f>(
-        &'f self,
-        taken: &'f [PathBuf],
+    /// Reads what each name handed in as a wanted picture, which is of this width and height.
+    pub fn submissions(
+        &self,
+        index: usize,
         size: [u32; 2],
-    ) -> impl Iterator<Item = Result<Submission, Diagnostic>> + 'f {
-        let files = self.names.iter().zip(taken).map(|(name, taken)| self.path.join(name).join(taken));
-        files.map(move |file| submission(&file, size))
+    ) -> impl Iterator<Item = Result<Submission, Diagnostic>> {
+        self.files_for(index).map(move |file| submission(&file, size))
     }
 
-    /// What is in the folder and is not graded, a line each.
-    pub fn notes(&self, references: &References, columns: &[Column]) -> Vec<String> {
-        let others = self.others.iter().map(|name| format!("{}: not a folder", name.to_string_lossy()));
-        let extra = |(row, name): (usize, &OsString)| self.extra(row, name, references, columns);
-        others.chain(self.names.iter().enumerate().filter_map(extra)).collect()
+    /// The files that are taken for a wanted picture.
+    fn files_for(&self, index: usize) -> impl Iterator<Item = PathBuf> {
+        self.names.iter().zip(&self.taken[index]).map(|(name, taken)| self.path.join(name).join(taken))
     }
+}
 
-    /// The pictures of a name that no reference names, and that are not taken for another.
-    fn extra(&self, row: usize, name: &OsStr, references: &References, columns: &[Column]) -> Option<String> {
-        let shown = name.to_string_lossy();
-        let mut extra = match entries(&self.path.join(name)) {
-            Ok(files) => files,
-            Err(error) => return Some(format!("{shown}: {error}")),
-        };
-        let is_taken = |file: &OsString| {
-            let shown = file.to_string_lossy();
-            columns.iter().any(|column| column.found_as[row].as_deref() == Some(&*shown))
-        };
-        extra.retain(|file| {
-            Format::of_input(Path::new(file)).is_some() && !references.has(file) && !is_taken(file)
-        });
-        let named: Vec<_> = extra.iter().take(NAMED).map(|file| file.to_string_lossy()).collect();
-        let more = extra.len().saturating_sub(NAMED);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        (!extra.is_empty()).then(|| format!("{shown}: no reference for {}{more}", named.join(", ")))
+/// Returns the path of the file that is taken for this picture in a folder with these files: the picture's own name, or
+/// else a file whose name has another ending or case, or that lies in a folder in it.
+fn taken_for(picture: &OsStr, folder: &Path, files: &[PathBuf], wanted: &[&OsStr]) -> PathBuf {
+    if fs::symlink_metadata(folder.join(picture)).is_ok() {
+        return picture.into();
     }
+    let alike = files.iter().filter_map(|file| Some((likeness(file, picture, wanted)?, file)));
+    alike.min().map_or(picture.into(), |(_, file)| file.clone())
+}
+
+/// Names the pictures in a folder that are neither wanted nor taken for one that is, if there are any.
+fn others_in(folder: &Path, taken: &[PathBuf], wanted: &[&OsStr]) -> Option<String> {
+    let mut others = match entries(folder) {
+        Ok(files) => files,
+        Err(error) => return Some(error.to_string()),
+    };
+    others.retain(|file| {
+        let is_taken = taken.iter().any(|other| other == file);
+        Format::of_input(Path::new(file)).is_some() && !wanted.contains(&&**file) && !is_taken
+    });
+    let named: Vec<_> = others.iter().take(NAMED).map(|file| file.to_string_lossy()).collect();
+    let more = others.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    (!others.is_empty()).then(|| format!("no reference for {}{more}", named.join(", ")))
 }
 
 /// The pictures in a folder and the folders in it, by their paths from there. What cannot be read is left out, and so
@@ -134,11 +122,11 @@ fn pictures(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// How much a file is like a picture of this name, where less is more alike: how deep it lies, whether its name has
-/// another case, and another ending. None where it is another picture, or stands where another reference has its own.
-fn likeness(file: &Path, picture: &OsStr, references: &References) -> Option<(usize, bool, bool)> {
+/// another case, and another ending. None where it is another picture, or stands where another wanted one has its own.
+fn likeness(file: &Path, picture: &OsStr, wanted: &[&OsStr]) -> Option<(usize, bool, bool)> {
     let name = file.file_name()?;
     let depth = file.components().count() - 1;
-    if depth == 0 && references.has(name) || name != picture && references.has(name) {
+    if wanted.contains(&name) && (depth == 0 || name != picture) {
         return None;
     }
     let stem = |name: &OsStr| Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());

@@ -1,24 +1,22 @@
 //! What pictures are graded by: files, or what command lines render.
 
+use super::super::compare::shows_scene;
 use super::folder::entries;
 use raytracer::base::escape::quoted;
 use raytracer::caster::choose::Structure;
 use raytracer::cli::{self, Options, parse_commands};
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{Format, ReadFile, read_picture};
-use raytracer::picture::{FloatPicture, Picture};
+use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::load;
-use raytracer::scene::model::Shows;
 use raytracer::tools::causes::{Cause, Finding, FinishedPicture, Original};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-/// The references, each of which is made when it is needed.
-pub struct References {
-    all: Vec<(OsString, Origin)>,
-}
+/// The names of references, in order, each of which is made when it is needed.
+pub struct References(Vec<(OsString, Origin)>);
 
 /// Where a reference comes from.
 enum Origin {
@@ -26,34 +24,13 @@ enum Origin {
     Rendered(Box<Options>, Layer),
 }
 
+/// Finds why each of some wrong pictures differs from the reference, which comes second.
+type Explain<'r> = Box<dyn FnMut(&[Picture], &Picture) -> Vec<Finding> + 'r>;
+
 /// A reference, and how differences from it are explained.
 pub struct Reference<'r> {
     pub picture: Picture,
-    pub source: Source<'r>,
-}
-
-/// What is known of a reference.
-pub enum Source<'r> {
-    /// The scene.
-    Scene(Box<Original<'r>>),
-    /// The colours, which are not those of a scene.
-    Colors(FloatPicture),
-    /// The picture alone.
-    File,
-}
-
-impl Source<'_> {
-    /// Why each wrong picture differs from the reference.
-    pub fn explain(&mut self, wrong: &[Picture], reference: &Picture) -> Vec<Option<Finding>> {
-        let finished = match self {
-            Self::Scene(original) => {
-                return original.explain_parts(wrong, reference).into_iter().map(Some).collect();
-            }
-            Self::Colors(colors) => FinishedPicture::of_colors(colors.clone()),
-            Self::File => FinishedPicture::of_picture(reference),
-        };
-        finished.explain(wrong).into_iter().map(Some).collect()
-    }
+    pub explain: Explain<'r>,
 }
 
 impl References {
@@ -66,13 +43,13 @@ impl References {
         };
         match all.is_empty() {
             true => Err(Diagnostic::error("there is no picture to grade by")),
-            false => Ok(Self { all }),
+            false => Ok(Self(all)),
         }
     }
 
     /// The files that are read for them: pictures, or scenes with their meshes.
     pub fn files(&self) -> impl Iterator<Item = ReadFile> {
-        self.all.iter().flat_map(|(_, origin)| match origin {
+        self.0.iter().flat_map(|(_, origin)| match origin {
             Origin::File(path) => vec![("picture", path.clone())],
             Origin::Rendered(options, _) => {
                 let scenes = options.input.iter();
@@ -83,17 +60,9 @@ impl References {
         })
     }
 
-    pub fn len(&self) -> usize {
-        self.all.len()
-    }
-
-    /// The files' names, in order.
+    /// The names of the pictures, in order.
     pub fn names(&self) -> impl Iterator<Item = &OsStr> {
-        self.all.iter().map(|(name, _)| name.as_os_str())
-    }
-
-    pub fn has(&self, name: &OsStr) -> bool {
-        self.names().any(|other| other == name)
+        self.0.iter().map(|(name, _)| name.as_os_str())
     }
 
     /// Makes a reference, and does some work with it or with the reason why there is none.
@@ -102,58 +71,45 @@ impl References {
         index: usize,
         work: impl FnOnce(Result<Reference, String>) -> Result<T, Diagnostic>,
     ) -> Result<T, Diagnostic> {
-        match &self.all[index].1 {
+        match &self.0[index].1 {
             Origin::File(path) => match read_picture(path) {
-                Ok(picture) => work(Ok(Reference { picture, source: Source::File })),
                 Err(error) => work(Err(error.in_one_line())),
+                Ok(picture) => {
+                    let explain =
+                        |wrong: &[_], picture: &_| FinishedPicture::of_picture(picture).explain(wrong);
+                    work(Ok(Reference { picture, explain: Box::new(explain) }))
+                }
             },
-            Origin::Rendered(options, layer) => match renderer(options) {
+            Origin::Rendered(options, layer) => match open(options) {
                 Ok((renderer, options)) => work(render(&renderer, &options, *layer)),
-                Err(error) => work(Err(error)),
+                Err(error) => work(Err(error.headline())),
             },
         }
     }
 }
 
 /// The scene, and the options as its edition settles them.
-fn renderer(options: &Options) -> Result<(Renderer, Options), String> {
-    let input = options.input.as_deref().ok_or("there is no scene")?;
-    let loaded = load::load_with(input, &options.hints());
-    let renderer = loaded.and_then(|loaded| {
-        let options = options.in_edition(loaded.choice.edition);
-        Ok((Renderer::new(loaded, Meshes::Kept)?, options))
-    });
-    renderer.map_err(|error| error.headline())
+fn open(options: &Options) -> Result<(Renderer, Options), Diagnostic> {
+    let loaded = load::load_with(options.input.as_deref().unwrap_or(Path::new("")), &options.hints())?;
+    let options = options.in_edition(loaded.choice.edition);
+    Ok((Renderer::new(loaded, Meshes::Kept)?, options))
 }
 
 fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, String> {
+    const NO_MEMORY: &str = "there is no memory for the picture";
     let request = Request { layers: vec![layer], ..options.request() };
-    let shows_scene = !options.visualize_grid && renderer.scene.model.shows == Shows::Scene;
-    let source = if layer.is_of_scene() && shows_scene {
-        let original = Original::new(renderer, Structure::Any, &request);
-        Source::Scene(Box::new(original.ok_or("there is no memory for the picture")?))
-    } else {
-        Source::Colors(colors(renderer, options, &request)?)
-    };
-    let picture = match &source {
-        Source::Scene(original) => original.picture(Cause::Unchanged),
-        Source::Colors(colors) => Some(colors.to_picture()),
-        Source::File => None,
-    };
-    let picture = picture.ok_or("there is no memory for the picture")?;
-    Ok(Reference { picture, source })
-}
-
-/// The colours of a layer that is not the picture of a scene.
-fn colors(renderer: &Renderer, options: &Options, request: &Request) -> Result<FloatPicture, String> {
-    let prepared = match options.structure {
-        Structure::Grid(grid) if options.visualize_grid => {
-            renderer.prepare_cells(grid, request.camera_rays(), Tracing::Fast)
-        }
-        _ => renderer.prepare_for(Structure::Any, request, Tracing::Fast),
-    };
-    let pictures = prepared.map_err(|error| error.to_string())?.render(request);
-    pictures.map_err(|error| error.to_string())?.pop().ok_or_else(|| "nothing is rendered".into())
+    if shows_scene(options, renderer, layer) {
+        let mut original = Original::new(renderer, Structure::Any, &request).ok_or(NO_MEMORY)?;
+        let picture = original.picture(Cause::Unchanged).ok_or(NO_MEMORY)?;
+        let explain = move |wrong: &[_], picture: &_| original.explain_parts(wrong, picture);
+        return Ok(Reference { picture, explain: Box::new(explain) });
+    }
+    let prepared = options.prepare(renderer, &request, Tracing::Fast).map_err(|error| error.message)?;
+    let colors = prepared.render(&request).map_err(|error| error.to_string())?;
+    let colors = colors.into_iter().next().ok_or("nothing is rendered")?;
+    let picture = colors.to_picture();
+    let finished = FinishedPicture::of_colors(colors);
+    Ok(Reference { picture, explain: Box::new(move |wrong, _| finished.explain(wrong)) })
 }
 
 /// The pictures in a folder.
@@ -172,7 +128,8 @@ fn rendered(file: &Path) -> Result<Vec<(OsString, Origin)>, Diagnostic> {
     let text = std::fs::read_to_string(file);
     let text =
         text.map_err(|error| Diagnostic::error(format!("cannot read the commands {shown}: {error}")))?;
-    let commands = parse_commands(&text).map_err(|error| Diagnostic::error(format!("{shown}, {error}")))?;
+    let in_file = |error: Diagnostic| Diagnostic { message: format!("{shown}, {}", error.message), ..error };
+    let commands = parse_commands(&text).map_err(in_file)?;
     let mut all: Vec<(OsString, Origin)> = Vec::new();
     for options in commands {
         for output in &options.outputs {

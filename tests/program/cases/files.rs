@@ -76,7 +76,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input s.txt -size 4 4 -shade_back -compare wide.tga",
         1,
-        "error: cannot compare `wide.tga` with the rendered picture: the pictures differ in size: 5 x 4 pixels against 4 x 4; -size 5 4 renders that size",
+        "error: cannot compare `wide.tga` with the rendered picture: the pictures differ in size: 5 x 4 pixels against 4 x 4\n  hint: -size 5 4 renders that size",
     ),
     ("r -grade gone -reference class", 1, "error: cannot read the folder `gone`: No such file or directory"),
     ("r -grade s.txt -reference class", 1, "error: cannot read the folder `s.txt`: Not a directory"),
@@ -89,7 +89,7 @@ pub const CASES: &[Case] = &[
     (
         "r -grade class -commands c-bad.txt",
         1,
-        "error: `c-bad.txt`, line 1: unexpected argument '-shadow' found; did you mean '-shadows'?",
+        "error: `c-bad.txt`, line 1: unexpected argument '-shadow' found\n  hint: did you mean '-shadows'?",
     ),
     (
         "r -grade class -commands c.txt -report gone/p.html",

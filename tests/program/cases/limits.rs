@@ -16,7 +16,7 @@ pub const CASES: &[Case] = &[
     (
         "(ulimit -v 400000; r -input s.txt -size 65535 65535 -compare b.tga)",
         1,
-        "error: cannot compare `b.tga` with the rendered picture: the pictures differ in size: 4 x 4 pixels against 65535 x 65535; -size 4 4 renders that size",
+        "error: cannot compare `b.tga` with the rendered picture: the pictures differ in size: 4 x 4 pixels against 65535 x 65535\n  hint: -size 4 4 renders that size",
     ),
     (
         "(ulimit -v 400000; r -input s.txt -size 65535 65535 -output o.tga -compare o.tga)",

@@ -1,0 +1,170 @@
+//! Parts of pictures: what each says about the whole, and the lines that tell what a stopped run kept of which.
+
+use raytracer::base::escape::escape;
+use raytracer::base::shell::Shell;
+use raytracer::cli::{Options, command_of_merge, command_of_rest};
+use raytracer::image_io::Part;
+use raytracer::render::renderer::Prepared;
+use raytracer::render::{Layer, Request, Window};
+use raytracer::sampling::sampler::Sampler;
+use siphasher::sip128::{Hasher128, SipHasher13};
+use std::ffi::{OsStr, OsString};
+use std::hash::Hasher;
+use std::path::{Path, PathBuf};
+
+/// Returns the part in this window of a layer's picture. `None` if the layer has no parts, because it shows the
+/// filter, is scaled by the most expensive pixel, or comes from a request of which no command line renders a part.
+pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
+    let is_whole = request.is_reduced || request.sampler == Sampler::DISPLACED;
+    if is_whole || matches!(layer, Layer::Filter { .. } | Layer::Cost(_)) {
+        return None;
+    }
+    let pixels = |pair: [usize; 2]| layer.size(pair).map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+    let fingerprint = fingerprint(prepared, request, layer);
+    Some(Part { whole: pixels(request.size), at: pixels([window.x, window.y]), fingerprint })
+}
+
+/// Returns a hash of all that the bytes of a layer's whole picture depend on: the version of the program, the text of
+/// the scene and what it means, its meshes and pictures, and those of the flags that change the layer.
+///
+/// It is SipHash-1-3 with 128 bits and a key of zeros, which is the same on every machine and in every version of its
+/// crate. It tells apart what was mixed up by mistake, not by malice.
+fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
+    let (scene, world) = (&prepared.renderer().scene, prepared.renderer().world());
+    let Request { size, effects, sampler, adaptive, filter, .. } = request;
+    let sampling = matches!(layer, Layer::Color | Layer::Samples { .. }).then_some((sampler, adaptive));
+    let shading = sampling.map(|_| (effects, filter, prepared.drawn_cells()));
+    // These values have no maps and no errors of their own, so that they can always be written.
+    let flags = serde_json::to_vec(&(size, layer, sampling, shading)).unwrap_or_default();
+    let mut hasher = SipHasher13::new();
+    // Bytes with their number, so that no two lists of blocks are the same bytes.
+    let mut write = |bytes: &[u8]| {
+        hasher.write(&(bytes.len() as u64).to_le_bytes());
+        hasher.write(bytes);
+    };
+    write(env!("CARGO_PKG_VERSION").as_bytes());
+    write(prepared.renderer().source.text.as_bytes());
+    write(&flags);
+    write(format!("{:?}", scene.model).as_bytes());
+    scene.images.iter().for_each(|image| write(&image.texels.rgb));
+    world.vertices.iter().for_each(|vertex| write(vertex.to_array().map(f64::to_le_bytes).as_flattened()));
+    world.triangles.iter().for_each(|corners| write(corners.map(u32::to_le_bytes).as_flattened()));
+    for mesh in &scene.meshes {
+        write(&mesh.vertices.to_le_bytes());
+        let corners = mesh.texture_coordinates.iter().flatten().flatten();
+        corners.for_each(|corner| write(corner.to_array().map(f64::to_le_bytes).as_flattened()));
+    }
+    hasher.finish128().as_u128()
+}
+
+/// Returns the window of a request, which may be the whole picture.
+pub fn window(request: &Request) -> Window {
+    let [width, height] = request.size;
+    request.window.unwrap_or(Window { x: 0, y: 0, width, height })
+}
+
+/// Returns the lines after this number of rows: what was kept of each picture, and how to make the rest.
+pub fn lines(argv: &[OsString], options: &Options, rows: usize, kept: &[Option<PathBuf>]) -> Vec<String> {
+    let all = window(&options.request());
+    let stopped = format!("stopped at row {rows} of {}", all.height);
+    let (mut written, mut lost, mut merges) = (vec![], String::new(), vec![]);
+    let program = argv.first().map_or(OsStr::new("raytracer"), OsString::as_os_str);
+    for (output, part) in options.outputs.iter().zip(kept) {
+        if let Some(part) = part {
+            written.push(shown(part));
+            let region = options.region.map(|region| enlarged(region, output.layer));
+            let merge = command_of_merge(program, [part, &output.file], region, Shell::OF_SYSTEM);
+            merges.push(format!("then: {merge}"));
+        } else if !matches!(output.layer, Layer::Filter { .. }) {
+            // The picture of a filter is complete, and was written.
+            lost += &format!(", nothing of {}", shown(&output.file));
+        }
+    }
+    if written.is_empty() {
+        return vec![format!("{stopped}; wrote nothing")];
+    }
+    let rest = Window { y: all.y + rows, height: all.height - rows, ..all };
+    let rest = command_of_rest(argv, rest, Shell::OF_SYSTEM);
+    let first = format!("{stopped}; wrote {}{lost}; the rest: {rest}", written.join(", "));
+    [vec![first], merges].concat()
+}
+
+/// The part of a layer's picture that shows this part of the scene's.
+fn enlarged(Window { x, y, width, height }: Window, layer: Layer) -> Window {
+    let ([x, y], [width, height]) = (layer.size([x, y]), layer.size([width, height]));
+    Window { x, y, width, height }
+}
+
+fn shown(path: &Path) -> String {
+    escape(&path.to_string_lossy())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raytracer::cli::{Command, parse};
+
+    fn lines_of(line: &str, rows: usize, kept: &[Option<&str>]) -> Vec<String> {
+        let argv: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+        let Ok(Command::Render(options)) = parse(argv.iter().cloned()) else { panic!("{line}") };
+        let kept: Vec<_> = kept.iter().map(|part| part.map(PathBuf::from)).collect();
+        lines(&argv, &options, rows, &kept)
+    }
+
+    #[test]
+    fn the_lines_tell_what_is_there_and_how_the_rest_is_made() {
+        assert_eq!(
+            lines_of(
+                "raytracer -input s.txt -size 4000 4000 -output long.tga -shadows",
+                1480,
+                &[Some("long.partial.tga")]
+            ),
+            [
+                "stopped at row 1480 of 4000; wrote long.partial.tga; the rest: raytracer -input s.txt -size 4000 4000 \
+                 -output long.rest.tga -shadows -region 0 1480 4000 2520",
+                "then: raytracer -merge long.partial.tga long.rest.tga -output long.tga",
+            ]
+        );
+        assert_eq!(
+            lines_of("rt -input s.txt -output o.tga", 0, &[None]),
+            ["stopped at row 0 of 100; wrote nothing"]
+        );
+        assert_eq!(lines_of("rt -input s.txt -stats", 7, &[]), ["stopped at row 7 of 100; wrote nothing"]);
+    }
+
+    #[test]
+    fn the_rest_of_a_region_is_a_region() {
+        let line = "rt -input s.txt -region 10 20 30 40 -output o.tga -normals n.png";
+        assert_eq!(
+            lines_of(line, 5, &[Some("o.partial.tga"), Some("n.partial.png")]),
+            [
+                "stopped at row 5 of 40; wrote o.partial.tga, n.partial.png; the rest: rt -input s.txt \
+                 -output o.rest.tga -normals n.rest.png -region 10 25 30 35",
+                "then: rt -merge o.partial.tga o.rest.tga -output o.tga -region 10 20 30 40",
+                "then: rt -merge n.partial.png n.rest.png -output n.png -region 10 20 30 40",
+            ]
+        );
+    }
+
+    #[test]
+    fn the_region_of_an_enlarged_picture_is_enlarged() {
+        let line = "rt -input s.txt -region 10 20 30 40 -output o.tga -render_samples s.png 3";
+        assert_eq!(
+            lines_of(line, 5, &[Some("o.partial.tga"), Some("s.partial.png")])[1..],
+            [
+                "then: rt -merge o.partial.tga o.rest.tga -output o.tga -region 10 20 30 40",
+                "then: rt -merge s.partial.png s.rest.png -output s.png -region 30 60 90 120",
+            ]
+        );
+    }
+
+    #[test]
+    fn what_has_no_parts_is_told() {
+        let line = "rt -input s.txt -output o.tga -render_filter f.tga 2 -cost_map rays c.tga";
+        assert_eq!(
+            lines_of(line, 5, &[Some("o.partial.tga"), None, None])[0],
+            "stopped at row 5 of 100; wrote o.partial.tga, nothing of c.tga; the rest: rt -input s.txt \
+             -output o.rest.tga -region 0 5 100 95"
+        );
+    }
+}
