@@ -2,13 +2,12 @@
 //! after the other.
 //!
 //! Each [`Cause`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
-//! or by the tracer with a rule broken. The one that makes the picture in question is the cause.
+//! or by a student's tracer with a switch for each mistake. The one that makes the picture in question is the cause.
 
 #[cfg(test)]
 mod confusion;
 mod finding;
 mod finished;
-mod mistaken;
 mod object_space;
 mod paint;
 mod pixels;
@@ -17,6 +16,7 @@ mod rotations;
 mod rules;
 mod scenes;
 mod speckles;
+mod student;
 mod transform_order;
 mod window;
 
@@ -28,6 +28,7 @@ pub(crate) use requests::has_secondary_rays;
 pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
 pub use rules::{Rule, SelfHitting};
 pub use scenes::{OppositeFaces, SceneChange};
+pub(crate) use student::Hits;
 
 use crate::caster::choose::{Rays, Structure};
 use crate::picture::{Color, FloatPicture, Picture};

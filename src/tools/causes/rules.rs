@@ -1,10 +1,10 @@
 //! Mistakes in how rays are generated, traced and shaded.
 
 use super::Original;
-use super::mistaken::{self, Mistaken};
 use super::object_space::ObjectSpaces;
 use super::paint::paint;
 use super::requests::{has, has_secondary_rays};
+use super::student::{Departure, Hits, Student};
 use crate::math::ray::Ray;
 use crate::picture::{BadSize, CHANNELS, Color, FloatPicture, Picture};
 use crate::render::renderer::Renderer;
@@ -14,8 +14,7 @@ use crate::sampling::sampler::Sampler;
 use crate::scene::material::{Material, Pattern};
 use crate::scene::model::{Highlight, Split};
 use crate::scene::{Light, Object, Scene};
-use crate::stats::Quiet;
-use crate::trace::{ByModel, Departure, Rules, Shadows, Tracer};
+use crate::trace::Shadows;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 use std::fmt;
@@ -117,7 +116,7 @@ impl SelfHitting {
     pub(super) fn includes(self, why: Departure) -> bool {
         match why {
             Departure::Shadow => self != Self::Secondary,
-            Departure::Secondary(_) => self != Self::Shadow,
+            Departure::Reflected | Departure::Refracted => self != Self::Shadow,
             Departure::Onwards => false,
         }
     }
@@ -257,41 +256,33 @@ fn has_pattern(scene: &Scene, is_meant: impl Fn(Pattern) -> bool) -> bool {
     scene.materials.iter().any(is_meant)
 }
 
-/// The colours of the first layer by the tracer with these rules, of which one is broken or none. The
-/// renderer must have kept the meshes. The rest is black as soon as `is_over` says so.
+/// The colours of the first layer by a student with this mistake, or none. The renderer must have kept the meshes. The
+/// rest is black as soon as `is_over` says so.
 pub fn colors(
     renderer: &Renderer,
     request: &Request,
-    right: &impl Rules,
-    rule: Option<Rule>,
+    hits: &dyn Hits,
+    mistake: Option<Rule>,
     is_over: &(dyn Fn() -> bool + Sync),
 ) -> Result<FloatPicture, BadSize> {
-    let spaces = ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
-    let rules = Mistaken { right, rule, spaces: &spaces, lights: &renderer.scene.lights };
-    let tracer = Tracer { rules: &rules, effects: request.effects };
-    let shift = rule.map_or(DVec2::ZERO, Rule::shift);
+    let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+    let (effects, lights) = (request.effects, &renderer.scene.lights);
+    let student = Student { hits, effects, mistake, spaces, lights, starts: None };
+    let shift = mistake.map_or(DVec2::ZERO, Rule::shift);
     let camera = renderer.camera(request);
-    let seen = |ray: &Ray| {
-        let visible = rules.nearest(ray, None, &mut Quiet);
-        visible.map(|visible| (rules.hit(ray, visible).t, rules.surface(ray, visible)))
-    };
     let model = renderer.scene.model;
     let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
     match request.layers.first() {
         Some(&Layer::Depth { near, far }) => {
-            let depth = |ray: &Ray| {
-                seen(ray).map_or(Color::ZERO, |(t, _)| Color::splat(model.depths.grey(t, [near, far])))
-            };
+            let grey = |(t, _)| Color::splat(model.depths.grey(t, [near, far]));
+            let depth = |ray: &Ray| student.seen(ray).map_or(Color::ZERO, grey);
             paint(&camera, &centers(), shift, &depth, is_over)
         }
         Some(Layer::Normals) => {
-            let normal = |ray: &Ray| {
-                let normal = seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
-                model.normal_colors.color(normal)
-            };
-            paint(&camera, &centers(), shift, &normal, is_over)
+            let normal = |ray: &Ray| student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
+            paint(&camera, &centers(), shift, &|ray| model.normal_colors.color(normal(ray)), is_over)
         }
-        _ => paint(&camera, request, shift, &|ray| mistaken::color(&tracer, ray), is_over),
+        _ => paint(&camera, request, shift, &|ray| student.color(ray), is_over),
     }
 }
 
@@ -299,12 +290,9 @@ pub fn colors(
 pub fn picture(original: &Original, rule: Option<Rule>) -> Option<Picture> {
     let Original { prepared, request, .. } = original;
     let renderer = prepared.renderer();
-    let caster = prepared.caster();
     let is_over = || original.is_cancelled();
-    let colors = renderer.on_own_threads(|| match caster.world.is_of_course() {
-        true => colors(renderer, request, caster, rule, &is_over).ok(),
-        false => colors(renderer, request, &ByModel(caster), rule, &is_over).ok(),
-    })?;
+    let colors = renderer.on_own_threads(|| colors(renderer, request, prepared.caster(), rule, &is_over));
+    let colors = colors.ok()?;
     Some(if rule == Some(Rule::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
 }
 

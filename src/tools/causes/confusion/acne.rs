@@ -1,45 +1,35 @@
 //! Tracers without an epsilon: some of their rays hit the surface that they leave.
 
 use super::{Case, named};
-use crate::math::ray::{Ray, Visible};
+use crate::math::ray::Ray;
 use crate::render::Request;
-use crate::stats::{Probe, Quiet};
+use crate::tools::causes::object_space::ObjectSpaces;
 use crate::tools::causes::paint::paint;
+use crate::tools::causes::student::{Departure, Start, Student};
 use crate::tools::causes::{Cause, Finding, Rule, SelfHitting};
-use crate::trace::{Departure, Effects, Rules, Shadows, Tracer};
-use crate::world::{SurfacePoint, World};
+use crate::trace::{Effects, Shadows};
+use crate::world::SurfacePoint;
 use glam::{DVec2, DVec3};
 
-/// The right rules, but for rays that start on either side of the surface that they leave, as they do by the roundings
-/// of a tracer without an epsilon.
-struct Rounded<'a, R> {
-    right: &'a R,
-    rays: SelfHitting,
-    /// How many of the rays start on the wrong side.
+/// Starts a ray on either side of the surface that it leaves, as it does by the roundings of a tracer without an epsilon:
+/// this share of the rays on the wrong side.
+fn rounded_start(
     density: f64,
-}
-
-impl<R: Rules> Rules for Rounded<'_, R> {
-    fn world(&self) -> &World {
-        self.right.world()
+    rays: SelfHitting,
+    why: Departure,
+    surface: &SurfacePoint,
+    direction: DVec3,
+) -> Option<Start> {
+    let bits = (surface.position + 0.37 * direction).to_array().map(f64::to_bits);
+    let hash = bits
+        .iter()
+        .fold(0_u64, |hash, bits| (hash ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29));
+    let random = (hash.wrapping_mul(0xd134_2543_de82_ef95) >> 11) as f64 / (1_u64 << 53) as f64;
+    if why == Departure::Onwards || !rays.includes(why) || random >= density {
+        return None;
     }
-
-    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
-        self.right.nearest(ray, leaves, probe)
-    }
-
-    fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
-        let bits = (surface.position + 0.37 * direction).to_array().map(f64::to_bits);
-        let hash = bits
-            .iter()
-            .fold(0_u64, |hash, bits| (hash ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29));
-        let random = (hash.wrapping_mul(0xd134_2543_de82_ef95) >> 11) as f64 / (1_u64 << 53) as f64;
-        if why == Departure::Onwards || !self.rays.includes(why) || random >= self.density {
-            return self.right.departing(why, surface, direction);
-        }
-        let side = -surface.normal.dot(direction).signum();
-        (Ray::new(surface.position + 1e-7 * side * surface.normal, direction), None)
-    }
+    let side = -surface.normal.dot(direction).signum();
+    Some((Ray::new(surface.position + 1e-7 * side * surface.normal, direction), None))
 }
 
 #[test]
@@ -62,10 +52,23 @@ fn speckles_are_known_at_any_density() {
         // Of glass few pixels are away from edges.
         let least = if name.contains("glass") { 0.1 } else { 0.02 };
         for density in [least, 0.1, 0.3, 0.5, 0.7, 0.8, 0.95, 1.0] {
-            let rules = Rounded { right: prepared.caster(), rays, density };
-            let tracer = Tracer { rules: &rules, effects };
+            let starts = |why, surface: &SurfacePoint, direction| {
+                rounded_start(density, rays, why, surface, direction)
+            };
+            let student = Student {
+                hits: prepared.caster(),
+                effects,
+                mistake: None,
+                spaces: &ObjectSpaces::new(
+                    &case.renderer.scene,
+                    case.renderer.meshes(),
+                    case.renderer.world(),
+                ),
+                lights: &case.renderer.scene.lights,
+                starts: Some(&starts),
+            };
             let camera = case.renderer.camera(&case.request);
-            let color = |ray: &Ray| tracer.color(ray, &mut Quiet);
+            let color = |ray: &Ray| student.color(ray);
             let wrong = paint(&camera, &case.request, DVec2::ZERO, &color, &|| false).unwrap().to_picture();
             let found = original.explain(&wrong, &right);
             println!("{name} {rays:?} {density}: {found}");
