@@ -135,8 +135,12 @@ impl Student<'_> {
                 let mut mixture = Mixture::default();
                 let material = self.material(surface, &mut mixture);
                 let arrival = Arrival { way, surface, material };
-                let color = self.sum(self.shade(&arrival), self.refraction(&arrival));
-                self.sum(color, self.reflection(&arrival))
+                let branches = [self.mirrored_way(&arrival), self.refracted_way(&arrival)];
+                let mut color = self.shade(&arrival);
+                for (tint, way) in branches.into_iter().rev().flatten() {
+                    color = self.sum(color, tint * self.trace(&way));
+                }
+                color
             }
             None if way.bounces > 0 && self.makes(Rule::BackgroundForCameraOnly) => Color::ZERO,
             None => self.sum(Color::ZERO, self.world().background_along(way.ray.direction)),
@@ -228,9 +232,13 @@ impl Student<'_> {
         for (index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
+            // As in the course's program, a ray starts even where the light has no effect.
+            let has_ray = self.effects.shadows != Shadows::None;
+            let start = has_ray.then(|| self.departing(Departure::Shadow, surface, light.direction));
             if material.shows(model.highlight, &light, cosine) {
                 let view = View { cosine, normal, to_viewer: -way.ray.direction };
-                let lit = self.passed(surface, &light, index) * self.reflect(material, &light, index, &view);
+                let lit = start.map_or(Color::ONE, |start| self.passed(start, surface, &light, index))
+                    * self.reflect(material, &light, index, &view);
                 color = self.sum(color, self.clamped_by(Rule::LightsClamped, lit));
             }
         }
@@ -277,14 +285,16 @@ impl Student<'_> {
     ///
     /// The surfaces that the light lies on are left behind at the light if the ray was within an object before. So it
     /// does not matter which of them the ray meets by its roundings. One that is opaque lets nothing through.
-    fn passed(&self, surface: &SurfacePoint, light: &Incident, index: usize) -> Color {
+    fn passed(
+        &self,
+        (mut ray, mut leaves): Start,
+        surface: &SurfacePoint,
+        light: &Incident,
+        index: usize,
+    ) -> Color {
         let is_tinted = self.effects.shadows == Shadows::Transparent;
         let is_unshadowed = self.makes(Rule::GlassWithoutShadows);
-        if self.effects.shadows == Shadows::None {
-            return Color::ONE;
-        }
         let at_light = self.world().primitives_at_light(index);
-        let (mut ray, mut leaves) = self.departing(Departure::Shadow, surface, light.direction);
         ray.t_max = if self.makes(Rule::ShadowsFromBehindLight) { f64::INFINITY } else { light.distance };
         if !is_tinted && !is_unshadowed {
             let is_blocked = !at_light.is_empty() || self.hits.nearest(&ray, leaves).is_some();
@@ -336,14 +346,14 @@ impl Student<'_> {
         material_at(&world.materials, material, &position.into(), LEVEL, &mut mixture).phong.transparent
     }
 
-    /// Returns what the mirrored ray adds; black if none is followed.
-    fn reflection(&self, arrival: &Arrival) -> Color {
+    /// Returns the mirrored ray and what its colour is multiplied by, if one is followed.
+    fn mirrored_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
         let Arrival { way, surface, material } = arrival;
         let color = match self.world().model.split {
             Split::Colors => material.phong.reflective,
             Split::Schlick => material.phong.reflective * self.mirrored(arrival),
         };
-        let Some(weight) = self.weight(way, color) else { return Color::ZERO };
+        let weight = self.weight(way, color)?;
         let direction = match self.mistake {
             Some(Rule::NormalFlippedInReflection) => reflected_by_sum(way.ray.direction, surface.normal),
             Some(Rule::ReflectionReversed) => -reflected(way.ray.direction, surface.normal),
@@ -352,17 +362,17 @@ impl Student<'_> {
         let (ray, leaves) = self.departing(Departure::Reflected, surface, direction);
         let is_untinted = self.makes(Rule::ReflectionWithoutColor);
         let next = Way { ray, leaves, weight, bounces: way.bounces + 1, index: way.index };
-        tint(color, is_untinted) * self.trace(&next)
+        Some((tint(color, is_untinted), next))
     }
 
-    /// Returns what the refracted ray adds; black if none is followed.
-    fn refraction(&self, arrival: &Arrival) -> Color {
+    /// Returns the refracted ray and what its colour is multiplied by, if one is followed.
+    fn refracted_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
         let Arrival { way, surface, material } = arrival;
         let color = match self.world().model.split {
             Split::Colors => material.phong.transparent,
             Split::Schlick => material.phong.transparent * (1.0 - self.mirrored(arrival)),
         };
-        let Some(weight) = self.weight(way, color) else { return Color::ZERO };
+        let weight = self.weight(way, color)?;
         let (direction, normal) = (way.ray.direction, surface.normal);
         let is_entering = direction.dot(normal) < 0.0;
         let against = if is_entering { normal } else { -normal };
@@ -376,12 +386,12 @@ impl Student<'_> {
         let (direction, index) = match refracted_between(direction, against, indices, sine) {
             Some(refracted) => (refracted, if is_entering { indices[1] } else { 1.0 }),
             None if self.makes(Rule::TotalReflectionAdded) => (reflected(direction, normal), way.index),
-            None => return Color::ZERO,
+            None => return None,
         };
         let (ray, leaves) = self.departing(Departure::Refracted, surface, direction);
         let is_untinted = self.makes(Rule::RefractionWithoutColor);
         let next = Way { ray, leaves, weight, bounces: way.bounces + 1, index };
-        tint(color, is_untinted) * self.trace(&next)
+        Some((tint(color, is_untinted), next))
     }
 
     /// Returns the weight of a secondary ray of this colour, if it is followed.
