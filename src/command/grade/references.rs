@@ -11,7 +11,7 @@ use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::load;
 use raytracer::scene::model::Shows;
-use raytracer::tools::causes::{Cause, Finding, FinishedPicture, Original};
+use raytracer::tools::causes::{Finding, FinishedPicture, Mistake, Original};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -138,7 +138,7 @@ fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result
         Source::Colors(colors(renderer, options, &request)?)
     };
     let picture = match &source {
-        Source::Scene(original) => original.picture(Cause::Unchanged),
+        Source::Scene(original) => original.picture(Mistake::Unchanged),
         Source::Colors(colors) => Some(colors.to_picture()),
         Source::File => None,
     };

@@ -4,10 +4,10 @@
 //! come about this way, one for each choice of the rays that hit what they leave. The pixels that have one of them are
 //! strewn among others that are right, whereas those of another mistake make regions.
 
+use super::Original;
+use super::changes::has_secondary_rays;
 use super::object_space::ObjectSpaces;
-use super::requests::has_secondary_rays;
-use super::student::{Student, from_other_side};
-use super::{Original, SelfHitting};
+use super::student::{Departure, SelfHitting, Student, from_other_side};
 use crate::math::ray::Ray;
 use crate::picture::Picture;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
@@ -118,7 +118,7 @@ fn is_made(student: &Student, ray: &Ray, color: Rgb, rays: SelfHitting) -> bool 
     for _ in 0..MAX_CHOICES {
         let passed = AtomicU32::new(0);
         let starts = |why, surface: &SurfacePoint, direction| {
-            let number = rays.includes(why).then(|| passed.fetch_add(1, Ordering::Relaxed))?;
+            let number = Departure::is_one_of(why, rays).then(|| passed.fetch_add(1, Ordering::Relaxed))?;
             let is_chosen = number < MAX_RAYS && chosen >> number & 1 != 0;
             is_chosen.then(|| from_other_side(surface, direction))
         };

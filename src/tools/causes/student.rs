@@ -4,8 +4,8 @@
 //! colours are the tracer's. It asks a function for what a ray hits, so that it runs on a caster or on brute force, in
 //! either precision.
 
+use super::mistakes::Mistake;
 use super::object_space::ObjectSpaces;
-use super::rules::Rule;
 use crate::caster::Caster;
 use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
@@ -23,6 +23,7 @@ use crate::stats::Quiet;
 use crate::trace::{Effects, Shadows, mirrored_part, painted, reflected, refracted_between, transmittance};
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
+use serde::Serialize;
 
 /// The way in which a ray leaves a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +37,31 @@ pub enum Departure {
     /// It has passed a transparent surface on the way to a light.
     Onwards,
 }
+
+/// Which rays hit the surface that they leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SelfHitting {
+    /// Those to the lights.
+    Shadow,
+    /// Reflected and refracted ones.
+    Secondary,
+    /// All.
+    All,
+}
+
+impl Departure {
+    pub fn is_one_of(self, rays: SelfHitting) -> bool {
+        match self {
+            Self::Shadow => rays != SelfHitting::Secondary,
+            Self::Reflected | Self::Refracted => rays != SelfHitting::Shadow,
+            Self::Onwards => false,
+        }
+    }
+}
+
+/// Deeper recursion is not tried, for the sake of the stack.
+pub(crate) const MAX_BOUNCES: u32 = 100;
 
 /// A ray from a surface, and the primitive that it cannot hit again.
 pub type Start = (Ray, Option<u32>);
@@ -78,7 +104,7 @@ impl Hits for Caster<'_> {
 pub struct Student<'a> {
     pub hits: &'a dyn Hits,
     pub effects: Effects,
-    pub mistake: Option<Rule>,
+    pub mistake: Option<Mistake>,
     /// What the matrices of the scene have done to the normals.
     pub spaces: &'a ObjectSpaces<'a>,
     /// The lights as the scene has them.
@@ -107,8 +133,8 @@ struct Arrival<'m> {
 }
 
 impl Student<'_> {
-    fn makes(&self, rule: Rule) -> bool {
-        self.mistake == Some(rule)
+    fn makes(&self, mistake: Mistake) -> bool {
+        self.mistake == Some(mistake)
     }
 
     fn world(&self) -> &World {
@@ -118,7 +144,7 @@ impl Student<'_> {
     /// Returns the colour along a ray from the camera.
     pub fn color(&self, ray: &Ray) -> Color {
         let way = Way { ray: *ray, leaves: None, weight: 1.0, bounces: 0, index: 1.0 };
-        self.clamped_by(Rule::SamplesClamped, self.trace(&way))
+        self.clamped_by(Mistake::SamplesClamped, self.trace(&way))
     }
 
     /// Returns what a camera ray hits first: its distance and its surface.
@@ -142,18 +168,18 @@ impl Student<'_> {
                 }
                 color
             }
-            None if way.bounces > 0 && self.makes(Rule::BackgroundForCameraOnly) => Color::ZERO,
+            None if way.bounces > 0 && self.makes(Mistake::BackgroundForCameraOnly) => Color::ZERO,
             None => self.sum(Color::ZERO, self.world().background_along(way.ray.direction)),
         };
-        self.clamped_by(Rule::RaysClamped, color)
+        self.clamped_by(Mistake::RaysClamped, color)
     }
 
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
         let surface = self.hits.surface(ray, visible);
         let object_normal = || self.spaces.normal(visible.primitive, surface.normal);
         let normal = match self.mistake {
-            Some(Rule::NormalsByMatrix) => unit(self.spaces.matrix(visible.primitive) * object_normal()),
-            Some(Rule::NormalsOfObjectSpace) => unit(object_normal()),
+            Some(Mistake::NormalsByMatrix) => unit(self.spaces.matrix(visible.primitive) * object_normal()),
+            Some(Mistake::NormalsOfObjectSpace) => unit(object_normal()),
             _ => return surface,
         };
         if normal.is_finite() { SurfacePoint { normal, ..surface } } else { surface }
@@ -169,7 +195,7 @@ impl Student<'_> {
                 mixture.start(&Phong { diffuse, ..*phong }, 1.0);
                 mixture.material()
             }
-            (Material::Texture(_), Some(Rule::CheckerboardCut | Rule::NoiseHalved)) => {
+            (Material::Texture(_), Some(Mistake::CheckerboardCut | Mistake::NoiseHalved)) => {
                 self.mix(surface.material, surface.position, mixture);
                 mixture.material()
             }
@@ -201,12 +227,12 @@ impl Student<'_> {
     fn first_weight(&self, texture: &Texture, point: DVec3) -> f64 {
         let in_texture = || texture.world_to_texture.map.transform_point3(point);
         match (self.mistake, texture.pattern) {
-            (Some(Rule::CheckerboardCut), Pattern::Checkerboard) => {
+            (Some(Mistake::CheckerboardCut), Pattern::Checkerboard) => {
                 // The coordinates are cut to whole numbers, towards zero.
                 let cells = in_texture().to_array().map(|q| q as i64);
                 f64::from(cells.iter().filter(|&cell| cell % 2 != 0).count() % 2 == 0)
             }
-            (Some(Rule::NoiseHalved), Pattern::Noise { octaves }) => {
+            (Some(Mistake::NoiseHalved), Pattern::Noise { octaves }) => {
                 (0.5 * turbulence(in_texture(), octaves, LEVEL) + 0.5).clamp(0.0, 1.0)
             }
             _ => first_weight(texture, &point.into(), LEVEL),
@@ -223,8 +249,8 @@ impl Student<'_> {
             return Color::ZERO;
         }
         let is_flipped = match self.mistake {
-            Some(Rule::NormalsNotFlipped) => false,
-            Some(Rule::NormalsFlipped) => is_back,
+            Some(Mistake::NormalsNotFlipped) => false,
+            Some(Mistake::NormalsFlipped) => is_back,
             _ => is_inside,
         };
         let normal = if is_flipped { -surface.normal } else { surface.normal };
@@ -237,9 +263,9 @@ impl Student<'_> {
             let start = has_ray.then(|| self.departing(Departure::Shadow, surface, light.direction));
             if material.shows(model.highlight, &light, cosine) {
                 let view = View { cosine, normal, to_viewer: -way.ray.direction };
-                let lit = start.map_or(Color::ONE, |start| self.passed(start, surface, &light, index))
-                    * self.reflect(material, &light, index, &view);
-                color = self.sum(color, self.clamped_by(Rule::LightsClamped, lit));
+                let passed = start.map_or(Color::ONE, |start| self.passed(start, surface, &light, index));
+                let lit = passed * self.reflect(material, &light, index, &view);
+                color = self.sum(color, self.clamped_by(Mistake::LightsClamped, lit));
             }
         }
         color
@@ -248,7 +274,7 @@ impl Student<'_> {
     fn ambient_factor(&self, arrival: &Arrival) -> Color {
         let diffuse = arrival.material.phong.diffuse;
         match self.mistake {
-            Some(Rule::AmbientWithoutDiffuse) => Color::ONE,
+            Some(Mistake::AmbientWithoutDiffuse) => Color::ONE,
             _ => self.world().ambient_color(arrival.surface, diffuse),
         }
     }
@@ -259,10 +285,12 @@ impl Student<'_> {
         let View { cosine, normal, .. } = *view;
         let to_light = light.direction * self.length_to(light, index);
         let (highlight, strength) = match self.mistake {
-            Some(Rule::HighlightsByReflection) => (Highlight::Phong, 1.0),
-            Some(Rule::HighlightsTimesCosine) => (highlight, cosine.max(0.0)),
-            Some(Rule::HighlightsOnlyWhereLit) => (highlight, f64::from(cosine > 0.0)),
-            Some(Rule::DirectionsNotNormalised | Rule::PointDirectionsNotNormalised) => (highlight, 1.0),
+            Some(Mistake::HighlightsByReflection) => (Highlight::Phong, 1.0),
+            Some(Mistake::HighlightsTimesCosine) => (highlight, cosine.max(0.0)),
+            Some(Mistake::HighlightsOnlyWhereLit) => (highlight, f64::from(cosine > 0.0)),
+            Some(Mistake::DirectionsNotNormalised | Mistake::PointDirectionsNotNormalised) => {
+                (highlight, 1.0)
+            }
             _ => return material.reflect(highlight, light, view),
         };
         let highlights = strength * material.highlights(alignment(highlight, to_light, view).max(0.0));
@@ -272,10 +300,10 @@ impl Student<'_> {
     /// Returns the length of the vector to a light, which may not have been divided by it.
     fn length_to(&self, light: &Incident, index: usize) -> f64 {
         match (self.mistake, self.lights.get(index)) {
-            (Some(Rule::DirectionsNotNormalised), Some(Light::Directional { direction, .. })) => {
+            (Some(Mistake::DirectionsNotNormalised), Some(Light::Directional { direction, .. })) => {
                 direction.length()
             }
-            (Some(Rule::PointDirectionsNotNormalised), Some(Light::Point { .. })) => light.distance,
+            (Some(Mistake::PointDirectionsNotNormalised), Some(Light::Point { .. })) => light.distance,
             _ => 1.0,
         }
     }
@@ -293,9 +321,9 @@ impl Student<'_> {
         index: usize,
     ) -> Color {
         let is_tinted = self.effects.shadows == Shadows::Transparent;
-        let is_unshadowed = self.makes(Rule::GlassWithoutShadows);
+        let is_unshadowed = self.makes(Mistake::GlassWithoutShadows);
         let at_light = self.world().primitives_at_light(index);
-        ray.t_max = if self.makes(Rule::ShadowsFromBehindLight) { f64::INFINITY } else { light.distance };
+        ray.t_max = if self.makes(Mistake::ShadowsFromBehindLight) { f64::INFINITY } else { light.distance };
         if !is_tinted && !is_unshadowed {
             let is_blocked = !at_light.is_empty() || self.hits.nearest(&ray, leaves).is_some();
             return if is_blocked { Color::ZERO } else { Color::ONE };
@@ -355,12 +383,12 @@ impl Student<'_> {
         };
         let weight = self.weight(way, color)?;
         let direction = match self.mistake {
-            Some(Rule::NormalFlippedInReflection) => reflected_by_sum(way.ray.direction, surface.normal),
-            Some(Rule::ReflectionReversed) => -reflected(way.ray.direction, surface.normal),
+            Some(Mistake::NormalFlippedInReflection) => reflected_by_sum(way.ray.direction, surface.normal),
+            Some(Mistake::ReflectionReversed) => -reflected(way.ray.direction, surface.normal),
             _ => reflected(way.ray.direction, surface.normal),
         };
         let (ray, leaves) = self.departing(Departure::Reflected, surface, direction);
-        let is_untinted = self.makes(Rule::ReflectionWithoutColor);
+        let is_untinted = self.makes(Mistake::ReflectionWithoutColor);
         let next = Way { ray, leaves, weight, bounces: way.bounces + 1, index: way.index };
         Some((tint(color, is_untinted), next))
     }
@@ -385,11 +413,11 @@ impl Student<'_> {
         };
         let (direction, index) = match refracted_between(direction, against, indices, sine) {
             Some(refracted) => (refracted, if is_entering { indices[1] } else { 1.0 }),
-            None if self.makes(Rule::TotalReflectionAdded) => (reflected(direction, normal), way.index),
+            None if self.makes(Mistake::TotalReflectionAdded) => (reflected(direction, normal), way.index),
             None => return None,
         };
         let (ray, leaves) = self.departing(Departure::Refracted, surface, direction);
-        let is_untinted = self.makes(Rule::RefractionWithoutColor);
+        let is_untinted = self.makes(Mistake::RefractionWithoutColor);
         let next = Way { ray, leaves, weight, bounces: way.bounces + 1, index };
         Some((tint(color, is_untinted), next))
     }
@@ -409,14 +437,14 @@ impl Student<'_> {
         let cosine = arrival.way.ray.direction.dot(arrival.surface.normal);
         let part = mirrored_part(cosine.abs(), self.indices(arrival.way, material, cosine < 0.0));
         // All is mirrored where nothing is refracted.
-        if self.makes(Rule::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part }
+        if self.makes(Mistake::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part }
     }
 
     /// Returns the indices of refraction in front of a surface and behind it.
     fn indices(&self, way: &Way, material: &Phong, is_entering: bool) -> [f64; 2] {
         match is_entering {
             true => [way.index, material.index_of_refraction],
-            false if self.makes(Rule::IndexNotInverted) => [1.0, material.index_of_refraction],
+            false if self.makes(Mistake::IndexNotInverted) => [1.0, material.index_of_refraction],
             false => [way.index, 1.0],
         }
     }
@@ -428,11 +456,15 @@ impl Student<'_> {
         }
         let beyond = |t_min| Ray { t_min, ..Ray::new(surface.position, direction) };
         match (self.mistake, why, self.world().model.epsilon) {
-            (Some(Rule::Epsilon { distance } | Rule::SmallerEpsilon { distance }), ..) => {
+            (Some(Mistake::Epsilon { distance } | Mistake::SmallerEpsilon { distance }), ..) => {
                 (beyond(distance), surface.triangle)
             }
-            (Some(Rule::ReflectionFromBelow), Departure::Reflected, _) => from_other_side(surface, direction),
-            (Some(Rule::NoEpsilon { rays }), ..) if rays.includes(why) => from_other_side(surface, direction),
+            (Some(Mistake::ReflectionFromBelow), Departure::Reflected, _) => {
+                from_other_side(surface, direction)
+            }
+            (Some(Mistake::NoEpsilon { rays }), ..) if why.is_one_of(rays) => {
+                from_other_side(surface, direction)
+            }
             (.., Some(epsilon)) => (beyond(epsilon), None),
             _ => {
                 let origin = offset_origin(surface.position, surface.normal, direction, surface.extent);
@@ -444,13 +476,13 @@ impl Student<'_> {
     /// Returns the sum of two colours, in the precision of the computation.
     fn sum(&self, one: Color, other: Color) -> Color {
         match self.mistake {
-            Some(Rule::SinglePrecision) => (one.as_vec3() + other.as_vec3()).as_dvec3(),
+            Some(Mistake::SinglePrecision) => (one.as_vec3() + other.as_vec3()).as_dvec3(),
             _ => one + other,
         }
     }
 
-    fn clamped_by(&self, rule: Rule, color: Color) -> Color {
-        if self.makes(rule) { color.clamp(Color::ZERO, Color::ONE) } else { color }
+    fn clamped_by(&self, mistake: Mistake, color: Color) -> Color {
+        if self.makes(mistake) { color.clamp(Color::ZERO, Color::ONE) } else { color }
     }
 }
 

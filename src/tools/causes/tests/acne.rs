@@ -6,7 +6,7 @@ use crate::render::Request;
 use crate::tools::causes::object_space::ObjectSpaces;
 use crate::tools::causes::paint::paint;
 use crate::tools::causes::student::{Departure, Start, Student};
-use crate::tools::causes::{Cause, Finding, Rule, SelfHitting};
+use crate::tools::causes::{Finding, Mistake, SelfHitting};
 use crate::trace::{Effects, Shadows};
 use crate::world::SurfacePoint;
 use glam::{DVec2, DVec3};
@@ -25,7 +25,7 @@ fn rounded_start(
         .iter()
         .fold(0_u64, |hash, bits| (hash ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29));
     let random = (hash.wrapping_mul(0xd134_2543_de82_ef95) >> 11) as f64 / (1_u64 << 53) as f64;
-    if why == Departure::Onwards || !rays.includes(why) || random >= density {
+    if why == Departure::Onwards || !why.is_one_of(rays) || random >= density {
         return None;
     }
     let side = -surface.normal.dot(direction).signum();
@@ -47,7 +47,7 @@ fn speckles_are_known_at_any_density() {
     for (name, effects, rays) in rows {
         let case = Case::new(name, picture(effects));
         let original = case.original();
-        let right = original.picture(Cause::Unchanged).unwrap();
+        let right = original.picture(Mistake::Unchanged).unwrap();
         let prepared = &original.prepared;
         // Of glass few pixels are away from edges.
         let least = if name.contains("glass") { 0.1 } else { 0.02 };
@@ -74,10 +74,7 @@ fn speckles_are_known_at_any_density() {
             println!("{name} {rays:?} {density}: {found}");
             let is_known = match found {
                 Finding::Speckles { .. } => true,
-                _ => matches!(
-                    named(found),
-                    Some(Cause::Rule(Rule::NoEpsilon { .. } | Rule::ReflectionFromBelow))
-                ),
+                _ => matches!(named(found), Some(Mistake::NoEpsilon { .. } | Mistake::ReflectionFromBelow)),
             };
             assert!(is_known, "{name} {rays:?} {density}: {found}");
         }
