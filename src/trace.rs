@@ -20,10 +20,12 @@ mod secondary;
 mod shadow;
 
 pub use observer::{Event, Observer, PathEnd, Secondary};
+pub(crate) use optics::refracted_between;
 pub use optics::{is_critical, reflected, refracted, transmittance};
 pub(crate) use patience::{MOST_WAITING, Patience};
+pub(crate) use rules::painted;
 pub use rules::{ByModel, Departure, Rules};
-pub(crate) use secondary::{Path, SecondaryRay};
+pub(crate) use secondary::{Path, SecondaryRay, mirrored_part};
 
 /// Which objects cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

@@ -224,7 +224,7 @@ impl Rules for Caster<'_> {
 }
 
 /// The diffuse colour of paint at a surface; none where it has none.
-fn painted(world: &World, paint: &Paint, surface: &SurfacePoint, level: Level) -> Option<Color> {
+pub(crate) fn painted(world: &World, paint: &Paint, surface: &SurfacePoint, level: Level) -> Option<Color> {
     match *paint {
         Paint::Image { image, .. } => world.image_color(image, surface),
         Paint::Pattern(pattern, colors) => Some(mixed_color(pattern, colors, surface.position, level)),

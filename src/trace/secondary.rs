@@ -140,7 +140,7 @@ impl<R: Rules> Tracer<'_, R> {
 /// How much of the light is mirrored at a transparent surface between two media, whose indices of refraction are that
 /// in front of it and that behind it, by Schlick's approximation ("An Inexpensive BRDF Model for Physically-based
 /// Rendering", Computer Graphics Forum 13(3), 1994). `cosine` is that of the angle in front.
-fn mirrored_part(cosine: f64, [front, behind]: [f64; 2]) -> f64 {
+pub(crate) fn mirrored_part(cosine: f64, [front, behind]: [f64; 2]) -> f64 {
     let ratio = front / behind;
     let refracted_square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
     if refracted_square < 0.0 {

@@ -7,7 +7,7 @@ use raytracer::image_io::OutputFile;
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::load;
-use raytracer::tools::causes::{Cause, Original, PixelChange, Rule};
+use raytracer::tools::causes::{Mistake, Original};
 
 /// A little of everything: both kinds of lights, textures, mirrors, glass, transforms, and something behind a light.
 pub const SCENE: &str = "
@@ -222,65 +222,45 @@ pub fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Origina
 fn broken_rules_are_named() {
     const SAMPLES: &str = "-size 48 36 -bounces 2 -jittered_samples 4 -gaussian_filter .6";
     let rows = [
-        (FLAGS, Cause::Pixels(PixelChange::Rounded), "with colours rounded to bytes instead of cut"),
-        (FLAGS, Cause::Pixels(PixelChange::Times256), "with colours times 256 instead of 255"),
-        (FLAGS, Cause::Pixels(PixelChange::GammaEncoded), "with a gamma of 2.2"),
-        (FLAGS, Cause::Pixels(PixelChange::GammaDecoded), "with an inverse gamma of 2.2"),
-        (FLAGS, Cause::Rule(Rule::ShadowsFromBehindLight), "with shadows from behind the light"),
-        (FLAGS, Cause::Rule(Rule::NormalFlippedInReflection), "with reflections from the flipped normal"),
-        (FLAGS, Cause::Rule(Rule::ReflectionReversed), "with reflected rays reversed"),
-        (FLAGS, Cause::Rule(Rule::ReflectionFromBelow), "with reflected rays that start below the surface"),
-        (
-            SAMPLES,
-            Cause::Rule(Rule::SamplesClamped),
-            "with the colours of samples clamped before they are summed",
-        ),
-        (FLAGS, Cause::Rule(Rule::RaysClamped), "with the colours of rays clamped before they are summed"),
+        (FLAGS, Mistake::Rounded, "with colours rounded to bytes instead of cut"),
+        (FLAGS, Mistake::Times256, "with colours times 256 instead of 255"),
+        (FLAGS, Mistake::GammaEncoded, "with a gamma of 2.2"),
+        (FLAGS, Mistake::GammaDecoded, "with an inverse gamma of 2.2"),
+        (FLAGS, Mistake::ShadowsFromBehindLight, "with shadows from behind the light"),
+        (FLAGS, Mistake::NormalFlippedInReflection, "with reflections from the flipped normal"),
+        (FLAGS, Mistake::ReflectionReversed, "with reflected rays reversed"),
+        (FLAGS, Mistake::ReflectionFromBelow, "with reflected rays that start below the surface"),
+        (SAMPLES, Mistake::SamplesClamped, "with the colours of samples clamped before they are summed"),
+        (FLAGS, Mistake::RaysClamped, "with the colours of rays clamped before they are summed"),
+        (FLAGS, Mistake::LightsClamped, "with the light of each source clamped before it is summed"),
+        (FLAGS, Mistake::BackgroundForCameraOnly, "with black where reflected or refracted rays hit nothing"),
         (
             FLAGS,
-            Cause::Rule(Rule::LightsClamped),
-            "with the light of each source clamped before it is summed",
-        ),
-        (
-            FLAGS,
-            Cause::Rule(Rule::BackgroundForCameraOnly),
-            "with black where reflected or refracted rays hit nothing",
-        ),
-        (
-            FLAGS,
-            Cause::Rule(Rule::NormalsByMatrix),
+            Mistake::NormalsByMatrix,
             "with normals transformed by the matrix instead of its inverse transpose",
         ),
-        (FLAGS, Cause::Rule(Rule::NormalsOfObjectSpace), "with normals that are not transformed"),
+        (FLAGS, Mistake::NormalsOfObjectSpace, "with normals that are not transformed"),
+        (FLAGS, Mistake::CheckerboardCut, "with checkerboards whose coordinates are cut instead of floored"),
         (
             FLAGS,
-            Cause::Rule(Rule::CheckerboardCut),
-            "with checkerboards whose coordinates are cut instead of floored",
-        ),
-        (
-            FLAGS,
-            Cause::Rule(Rule::Epsilon { distance: 0.3 }),
+            Mistake::Epsilon { distance: 0.3 },
             "with an epsilon of 0.3 for secondary rays, which is too large",
         ),
-        (FLAGS, Cause::Rule(Rule::SinglePrecision), "seen through single precision (f32)"),
+        (FLAGS, Mistake::SinglePrecision, "seen through single precision (f32)"),
         (
             FLAGS,
-            Cause::Rule(Rule::Shifted { half_pixels: [-1, -1] }),
+            Mistake::Shifted { half_pixels: [-1, -1] },
             "with rays through the lower left corners of the pixels instead of their centres",
         ),
         (
             SAMPLES,
-            Cause::Rule(Rule::Shifted { half_pixels: [-1, 1] }),
+            Mistake::Shifted { half_pixels: [-1, 1] },
             "with rays through the upper left corners of the pixels instead of their centres",
         ),
+        (FLAGS, Mistake::Shifted { half_pixels: [1, 0] }, "with rays half a pixel further to the right"),
         (
             FLAGS,
-            Cause::Rule(Rule::Shifted { half_pixels: [1, 0] }),
-            "with rays half a pixel further to the right",
-        ),
-        (
-            FLAGS,
-            Cause::Rule(Rule::Shifted { half_pixels: [2, -2] }),
+            Mistake::Shifted { half_pixels: [2, -2] },
             "with rays one pixel further down and to the right",
         ),
     ];

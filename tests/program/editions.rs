@@ -13,7 +13,7 @@ use raytracer::scene::load::load;
 use raytracer::scene::material::Material;
 use raytracer::scene::model::{FaceWeights, Highlight, MeshNormals, Screen};
 use raytracer::scene::{Light, Scene};
-use raytracer::tools::causes::{Cause, Original, Rule, SceneChange};
+use raytracer::tools::causes::{Mistake, Original};
 use raytracer::trace::{Effects, Shadows};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -579,22 +579,17 @@ fn highlights_of_the_assignment_before_are_found() {
 fn mistakes_in_depths_and_normals_are_found() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions/mirrors_2019.txt");
     let renderer = Renderer::new(load(&path).expect("a scene"), Meshes::Kept).expect("a scene");
-    let one_pixel_right = Cause::Rule(Rule::Shifted { half_pixels: [2, 0] });
+    let one_pixel_right = Mistake::Shifted { half_pixels: [2, 0] };
     for (layer, causes) in [
-        (Layer::Depth { near: 3.0, far: 9.0 }, vec![one_pixel_right, Cause::Scene(SceneChange::NearWhite)]),
+        (Layer::Depth { near: 3.0, far: 9.0 }, vec![one_pixel_right, Mistake::NearWhite]),
         (
             Layer::Normals,
-            vec![
-                one_pixel_right,
-                Cause::Scene(SceneChange::AbsoluteNormals),
-                Cause::Scene(SceneChange::FlatMeshes),
-                Cause::Rule(Rule::NormalsByMatrix),
-            ],
+            vec![one_pixel_right, Mistake::AbsoluteNormals, Mistake::FlatMeshes, Mistake::NormalsByMatrix],
         ),
     ] {
         let request = Request { layers: vec![layer], ..Request::new([60, 40]) };
         let original = Original::new(&renderer, Structure::Any, &request).expect("memory");
-        let right = original.picture(Cause::Unchanged).expect("a picture");
+        let right = original.picture(Mistake::Unchanged).expect("a picture");
         for cause in causes {
             let wrong = original.picture(cause).expect("a mistake that shows");
             let found = original.explain(&wrong, &right).to_string();
@@ -612,7 +607,7 @@ fn mistakes_in_depths_and_normals_are_found() {
         assert!(differing < 40 * 3 * 59 / 50, "{differing}");
     }
     let colors = Original::new(&renderer, Structure::Any, &Request::new([9, 9])).expect("memory");
-    assert_eq!(colors.picture(Cause::Scene(SceneChange::NearWhite)), None);
+    assert_eq!(colors.picture(Mistake::NearWhite), None);
 }
 
 /// The folder of the editions, from `EDITIONS_DIR`.

@@ -4,7 +4,7 @@ use crate::causes::{self, FLAGS, with_original};
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ};
 use crate::support::{Folder, finish, program, scene};
 use raytracer::scene::texels::FACES;
-use raytracer::tools::causes::{Cause, OppositeFaces, PixelChange, Rule, SceneChange, SelfHitting};
+use raytracer::tools::causes::{Mistake, OppositeFaces, SelfHitting};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -144,12 +144,12 @@ fn of_comparisons(documents: &mut Vec<Value>) {
     let folder = causes::folder();
     let compare = |more: &str| document(&folder, &format!("-input s.txt {FLAGS} -compare a.png {more}"));
     let rules = [
-        Rule::Shifted { half_pixels: [1, 0] },
-        Rule::Epsilon { distance: 0.3 },
-        Rule::NoEpsilon { rays: SelfHitting::All },
+        Mistake::Shifted { half_pixels: [1, 0] },
+        Mistake::Epsilon { distance: 0.3 },
+        Mistake::NoEpsilon { rays: SelfHitting::All },
     ];
     for rule in rules {
-        let wrong = with_original(&folder, FLAGS, |original| original.picture(Cause::Rule(rule)));
+        let wrong = with_original(&folder, FLAGS, |original| original.picture(rule));
         causes::write(&folder, &wrong.expect("a wrong picture"));
         documents.push(compare("-tolerance 3 5 -difference d.png"));
     }
@@ -193,7 +193,7 @@ fn of_a_cube_map(documents: &mut Vec<Value>) {
     for face in FACES.map(|face| format!("{face}.png")) {
         fs::copy(sky.join(&face), folder.path().join("sky").join(face)).expect("a copy");
     }
-    let swapped = Cause::Scene(SceneChange::CubeFacesSwapped { faces: OppositeFaces::LeftAndRight });
+    let swapped = Mistake::CubeFacesSwapped { faces: OppositeFaces::LeftAndRight };
     let wrong = with_original(&folder, "-size 48 36", |original| original.picture(swapped));
     causes::write(&folder, &wrong.expect("a wrong picture"));
     documents.push(document(&folder, "-input s.txt -size 48 36 -compare a.png"));
@@ -264,12 +264,11 @@ fn the_names_of_all_mistakes_are_listed() {
         let name = |name: &str| name.trim().trim_matches(['`', '.']).to_owned();
         names.split(',').map(move |one| (kind.to_owned(), name(one)))
     });
-    let name = |cause: Cause| {
-        let mistake = serde_json::to_value(cause).expect("a value");
-        let text = |member: &str| mistake[member].as_str().map(str::to_owned);
-        Some((text("kind")?, text("name")?))
+    let name = |mistake: Mistake| {
+        let value = serde_json::to_value(mistake).expect("a value");
+        (mistake.kind().to_owned(), value["name"].as_str().expect("a name").to_owned())
     };
     // A finished picture can be turned, too, where no camera is known.
-    let all = Cause::all().chain([Cause::Pixels(PixelChange::Turned)]);
-    assert_eq!(listed.collect::<BTreeSet<_>>(), all.filter_map(name).collect::<BTreeSet<_>>());
+    let all = Mistake::all().filter(|&mistake| mistake != Mistake::Unchanged).chain([Mistake::Turned]);
+    assert_eq!(listed.collect::<BTreeSet<_>>(), all.map(name).collect::<BTreeSet<_>>());
 }

@@ -11,7 +11,7 @@ use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::load;
-use raytracer::tools::causes::{Cause, Finding, FinishedPicture, Original};
+use raytracer::tools::causes::{Finding, FinishedPicture, Mistake, Original};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -100,7 +100,7 @@ fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result
     let request = Request { layers: vec![layer], ..options.request() };
     if shows_scene(options, renderer, layer) {
         let mut original = Original::new(renderer, Structure::Any, &request).ok_or(NO_MEMORY)?;
-        let picture = original.picture(Cause::Unchanged).ok_or(NO_MEMORY)?;
+        let picture = original.picture(Mistake::Unchanged).ok_or(NO_MEMORY)?;
         let explain = move |wrong: &[_], picture: &_| original.explain_parts(wrong, picture);
         return Ok(Reference { picture, explain: Box::new(explain) });
     }

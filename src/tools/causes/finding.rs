@@ -1,8 +1,10 @@
 //! The search for the causes of differences, and what it finds.
 
+use super::Original;
+use super::mistakes::{Mistake, with_kind};
 use super::speckles::{Speckles, can_show, speckles};
+use super::student::SelfHitting;
 use super::window::{part, telling_windows};
-use super::{Cause, Original, Rule, SelfHitting};
 use crate::picture::Picture;
 use crate::tools::compare::{colors, largest_channel_difference, sum_of_squares};
 use serde::Serialize;
@@ -15,16 +17,16 @@ pub enum Finding {
     /// The mistake makes the same picture, up to one level.
     Equal {
         /// The mistake.
-        #[serde(rename = "mistake")]
-        cause: Cause,
+        #[serde(rename = "mistake", serialize_with = "with_kind")]
+        cause: Mistake,
         /// How many pixels still differ, by one level.
         pixels: u64,
     },
     /// The mistake is part of the reason.
     Part {
         /// The mistake that explains the most.
-        #[serde(rename = "mistake")]
-        cause: Cause,
+        #[serde(rename = "mistake", serialize_with = "with_kind")]
+        cause: Mistake,
         /// The share of the squared error that it explains.
         share: f64,
     },
@@ -124,9 +126,9 @@ impl Effect {
     }
 }
 
-fn max_contradicted(cause: Cause) -> f64 {
+fn max_contradicted(cause: Mistake) -> f64 {
     match cause {
-        Cause::Rule(Rule::NoEpsilon { .. }) => MAX_CONTRADICTED_BY_ROUNDING,
+        Mistake::NoEpsilon { .. } => MAX_CONTRADICTED_BY_ROUNDING,
         _ => MAX_CONTRADICTED,
     }
 }
@@ -134,7 +136,7 @@ fn max_contradicted(cause: Cause) -> f64 {
 /// A cause that explains a part of the difference at least, and what its picture leaves of it.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
-    cause: Cause,
+    cause: Mistake,
     rest: Distance,
 }
 
@@ -154,7 +156,7 @@ impl<'p> Search<'p> {
         Self { picture, reference, whole, candidates: vec![], tried: 0, is_over: false }
     }
 
-    fn try_cause(&mut self, cause: Cause, made: &Picture) {
+    fn try_cause(&mut self, cause: Mistake, made: &Picture) {
         self.tried += 1;
         let rest = Distance::between(self.picture, made);
         self.is_over = rest.differing == 0;
@@ -164,7 +166,7 @@ impl<'p> Search<'p> {
     }
 
     /// Whether a cause explains so much that it is no accident, where it leaves `rest`.
-    fn is_part(&self, cause: Cause, made: &Picture, rest: &Distance) -> bool {
+    fn is_part(&self, cause: Mistake, made: &Picture, rest: &Distance) -> bool {
         let is_visible = self.whole.visibly > 0;
         let (levels, share) = if is_visible { (1, MIN_SHARE) } else { (0, MIN_SHARE_OF_LEVELS) };
         let (before, after) = (self.whole.beyond(levels), rest.beyond(levels));
@@ -213,14 +215,14 @@ impl<'p> Search<'p> {
 /// Each cause is tried on all pictures, so that what it makes is made once. The search ends with the first cause that
 /// makes the same picture, and leaves out those that make the reference.
 pub fn find_causes(
-    causes: impl Iterator<Item = Cause>,
-    picture: impl Fn(Cause) -> Option<Picture>,
+    causes: impl Iterator<Item = Mistake>,
+    picture: impl Fn(Mistake) -> Option<Picture>,
     wrong: &[Picture],
     b: &Picture,
 ) -> Vec<Finding> {
-    let own = picture(Cause::Unchanged);
-    let shows = |cause: Cause, picture: &Picture| {
-        picture != b && (cause == Cause::Unchanged || Some(picture) != own.as_ref())
+    let own = picture(Mistake::Unchanged);
+    let shows = |cause: Mistake, picture: &Picture| {
+        picture != b && (cause == Mistake::Unchanged || Some(picture) != own.as_ref())
     };
     let mut searches: Vec<Search> = wrong.iter().map(|picture| Search::new(picture, b)).collect();
     for cause in causes {
@@ -245,7 +247,7 @@ impl Original<'_> {
 
     /// Why each wrong picture differs from the reference `b`. All are of the original's size.
     pub fn explain_all(&self, wrong: &[Picture], b: &Picture) -> Vec<Finding> {
-        let found = find_causes(Cause::all(), |cause| self.picture(cause), wrong, b);
+        let found = find_causes(Mistake::all(), |cause| self.picture(cause), wrong, b);
         found.into_iter().zip(wrong).map(|(found, a)| self.or_speckles(found, a, b)).collect()
     }
 
@@ -280,7 +282,7 @@ impl Original<'_> {
                 telling.pictures.iter().map(|&picture| part(&wrong[picture], telling.window)).collect();
             self.request.window = Some(telling.window);
             let picture = |cause| self.picture(cause);
-            let found = find_causes(Cause::all(), picture, &parts, &part(b, telling.window));
+            let found = find_causes(Mistake::all(), picture, &parts, &part(b, telling.window));
             self.request.window = None;
             let is_whole = [telling.window.width, telling.window.height] == self.request.size;
             for (&at, found) in telling.pictures.iter().zip(found) {
@@ -346,26 +348,26 @@ impl fmt::Display for Finding {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::causes::PixelChange::{GammaDecoded, GammaEncoded, Mirrored, UpsideDown};
+    use crate::tools::causes::Mistake::{GammaDecoded, GammaEncoded, Mirrored, UpsideDown};
 
     #[test]
     fn a_search_ends_with_its_cause_while_that_of_others_goes_on() {
         let picture = |level: u8| Picture::from_rgb(1, 1, vec![level; 3]);
-        let made = |cause: Cause| match cause {
-            Cause::Pixels(UpsideDown) => Some(picture(50)),
-            Cause::Pixels(Mirrored) => Some(picture(90)),
-            Cause::Pixels(_) => None,
+        let made = |cause: Mistake| match cause {
+            UpsideDown => Some(picture(50)),
+            Mirrored => Some(picture(90)),
+            GammaEncoded | GammaDecoded => None,
             _ => Some(picture(0)),
         };
-        let causes = [UpsideDown, GammaEncoded, Mirrored].map(Cause::Pixels);
+        let causes = [UpsideDown, GammaEncoded, Mirrored];
         let wrong = [50, 90, 255].map(picture);
         let found = find_causes(causes.into_iter(), made, &wrong, &picture(0));
-        let equal = |change| Finding::Equal { cause: Cause::Pixels(change), pixels: 0 };
+        let equal = |change| Finding::Equal { cause: change, pixels: 0 };
         assert_eq!(found, [equal(UpsideDown), equal(Mirrored), Finding::Unknown { tried: 2 }]);
 
-        let all = causes.into_iter().chain([Cause::Pixels(GammaDecoded)]);
+        let all = causes.into_iter().chain([GammaDecoded]);
         let no_more = |cause| {
-            assert_ne!(cause, Cause::Pixels(GammaDecoded), "all are found");
+            assert_ne!(cause, GammaDecoded, "all are found");
             made(cause)
         };
         assert_eq!(find_causes(all, no_more, &wrong[..2], &picture(0)).len(), 2);
@@ -374,7 +376,7 @@ mod tests {
     #[test]
     fn a_cause_that_makes_the_reference_is_not_tried() {
         let [own, wrong] = [0, 9].map(|level: u8| Picture::from_rgb(1, 1, vec![level; 3]));
-        let causes = [UpsideDown, Mirrored].map(Cause::Pixels).into_iter();
+        let causes = [UpsideDown, Mirrored].into_iter();
         let found = find_causes(causes, |_| Some(own.clone()), &[wrong], &own);
         assert_eq!(found, [Finding::Unknown { tried: 0 }]);
     }

@@ -1,7 +1,7 @@
 //! Causes of the difference from a picture of which no scene is known, or no colours of a scene.
 
 use super::finding::{Finding, find_causes};
-use super::{Cause, PixelChange};
+use super::mistakes::{Make, Mistake};
 use crate::picture::{Color, FloatPicture, Picture};
 use crate::tools::compare::colors;
 
@@ -9,13 +9,14 @@ use crate::tools::compare::colors;
 #[derive(Clone, Debug)]
 pub struct FinishedPicture {
     colors: FloatPicture,
-    changes: &'static [PixelChange],
+    /// Whether the colours are known, and not only their bytes.
+    has_colors: bool,
 }
 
 impl FinishedPicture {
     /// A picture as it was rendered.
     pub fn of_colors(colors: FloatPicture) -> Self {
-        Self { colors, changes: &PixelChange::ALL }
+        Self { colors, has_colors: true }
     }
 
     /// A picture that was read from a file. Mistakes in how colours become bytes are not tried.
@@ -24,21 +25,16 @@ impl FinishedPicture {
         // Halfway between two bytes, so that rounding cannot change what the colours are cut to.
         let channel = |byte: u8| (f64::from(byte) + 0.5) / 255.0;
         let colors = colors(picture).iter().map(|pixel| Color::from_array(pixel.map(channel))).collect();
-        Self { colors: FloatPicture { size, colors }, changes: &PixelChange::OF_BYTES }
+        Self { colors: FloatPicture { size, colors }, has_colors: false }
     }
 
     /// Why each wrong picture differs from this one. All are of one size.
     pub fn explain(&self, wrong: &[Picture]) -> Vec<Finding> {
-        let picture = |cause| match cause {
-            Cause::Pixels(change) => Some(change.apply(&self.colors)),
-            _ => Some(self.colors.to_picture()),
+        let picture = |mistake: Mistake| match mistake.make()? {
+            Make::Pixels(change) => Some(change(&self.colors)),
+            _ => None,
         };
-        find_causes(
-            self.changes.iter().copied().map(Cause::Pixels),
-            picture,
-            wrong,
-            &self.colors.to_picture(),
-        )
+        find_causes(Mistake::of_pixels(self.has_colors), picture, wrong, &self.colors.to_picture())
     }
 }
 
@@ -55,7 +51,7 @@ mod tests {
         let mirrored = Picture::from_rgb(16, 16, mirrored.into_flattened());
         let black = Picture::new(16, 16).unwrap();
         let found = FinishedPicture::of_picture(&right).explain(&[mirrored, black]);
-        let equal = Finding::Equal { cause: Cause::Pixels(PixelChange::Mirrored), pixels: 0 };
+        let equal = Finding::Equal { cause: Mistake::Mirrored, pixels: 0 };
         assert_eq!(found, [equal, Finding::Unknown { tried: 8 }]);
     }
 }

@@ -1,107 +1,39 @@
 //! Why a picture differs from this program's: what those who write a ray tracer get wrong is tried, one mistake
 //! after the other.
 //!
-//! Each [`Cause`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
-//! or by the tracer with a rule broken. The one that makes the picture in question is the cause.
+//! Each [`Mistake`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
+//! or by a student's tracer with a switch for each mistake. The one that makes the picture in question is the cause.
 
-#[cfg(test)]
-mod confusion;
+mod changes;
 mod finding;
 mod finished;
-mod mistaken;
+mod mistakes;
 mod object_space;
 mod paint;
-mod pixels;
-mod requests;
 mod rotations;
-mod rules;
-mod scenes;
 mod speckles;
+mod student;
+#[cfg(test)]
+mod tests;
 mod transform_order;
 mod window;
 
+pub(crate) use changes::has_secondary_rays;
 pub use finding::Finding;
 pub use finished::FinishedPicture;
-pub use pixels::PixelChange;
-pub use requests::RequestChange;
-pub(crate) use requests::has_secondary_rays;
-pub(crate) use rules::{MAX_BOUNCES, colors as mistaken_colors};
-pub use rules::{Rule, SelfHitting};
-pub use scenes::{OppositeFaces, SceneChange};
+pub use mistakes::{Mistake, OppositeFaces};
+pub(crate) use paint::colors as student_colors;
+pub use student::SelfHitting;
+pub(crate) use student::{Hits, MAX_BOUNCES};
 
 use crate::caster::choose::{Rays, Structure};
 use crate::picture::{Color, FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Progress, Request, Tracing, Watch};
 use crate::scene::Scene;
-use serde::Serialize;
+use mistakes::{Make, Setting};
 use std::borrow::Cow;
-use std::fmt;
 use std::ops::ControlFlow;
-
-/// A mistake that explains a difference. `Display` completes "this program's picture".
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Cause {
-    /// None: the picture is this program's, and it is the reference that differs.
-    Unchanged,
-    /// The finished picture is changed.
-    Pixels(PixelChange),
-    /// Something else is rendered of the same scene.
-    Request(RequestChange),
-    /// The scene is understood otherwise.
-    Scene(SceneChange),
-    /// Rays are generated, traced or shaded otherwise.
-    Rule(Rule),
-}
-
-impl Cause {
-    /// Every cause that is tried, the cheap ones first.
-    pub fn all() -> impl Iterator<Item = Self> {
-        std::iter::once(Self::Unchanged)
-            .chain(PixelChange::ALL.map(Self::Pixels))
-            .chain(RequestChange::ALL.map(Self::Request))
-            // Where nothing casts a shadow on another, reversed lights look the same, which are less common.
-            .chain([Self::Rule(Rule::NoEpsilon { rays: SelfHitting::Shadow })])
-            .chain(SceneChange::ALL.map(Self::Scene))
-            .chain(Rule::all().map(Self::Rule))
-    }
-}
-
-impl Cause {
-    /// Whether both are one mistake to another degree.
-    fn is_akin(self, other: Self) -> bool {
-        use Rule::{Epsilon, NoEpsilon, Shifted, SmallerEpsilon};
-        use SceneChange::CubeFacesSwapped;
-        let is_gamma = |change| matches!(change, PixelChange::GammaEncoded | PixelChange::BytesGammaEncoded);
-        match (self, other) {
-            (Self::Pixels(one), Self::Pixels(other)) => one == other || is_gamma(one) && is_gamma(other),
-            (Self::Rule(one), Self::Rule(other)) => {
-                one == other
-                    || matches!(
-                        (one, other),
-                        (Epsilon { .. } | SmallerEpsilon { .. }, Epsilon { .. } | SmallerEpsilon { .. })
-                            | (NoEpsilon { .. }, NoEpsilon { .. })
-                            | (Shifted { .. }, Shifted { .. })
-                    )
-            }
-            (Self::Scene(CubeFacesSwapped { .. }), Self::Scene(CubeFacesSwapped { .. })) => true,
-            _ => self == other,
-        }
-    }
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unchanged => Ok(()),
-            Self::Pixels(change) => write!(f, " {change}"),
-            Self::Request(change) => write!(f, " {change}"),
-            Self::Scene(change) => write!(f, " {change}"),
-            Self::Rule(rule) => write!(f, " {rule}"),
-        }
-    }
-}
 
 /// This program's picture, and what it was rendered from.
 pub struct Original<'a> {
@@ -144,27 +76,26 @@ impl<'a> Original<'a> {
 
     /// The picture that is made by the mistake; none where it is a mistake that this scene or this request cannot
     /// show.
-    pub fn picture(&self, cause: Cause) -> Option<Picture> {
+    pub fn picture(&self, mistake: Mistake) -> Option<Picture> {
         let Self { prepared, request, watch, .. } = self;
-        if self.is_cancelled() {
+        if self.is_cancelled() || !mistake.shows_in(self.layer()) {
             return None;
         }
         let Renderer { scene, source, .. } = prepared.renderer();
-        match cause {
-            Cause::Unchanged => Some(self.colors_in_window().to_picture()),
-            Cause::Pixels(change) if change.moves() => Some(self.in_window(change.apply(&self.colors))),
-            Cause::Pixels(change) => Some(change.apply(&self.colors_in_window())),
-            Cause::Request(change) if self.layer() != Layer::Color && !change.is_camera() => None,
-            Cause::Request(change) => {
-                let request = change.apply(scene, request)?;
-                Some(rendered(prepared, &request, watch)?.to_picture())
+        match mistake.make()? {
+            Make::Pixels(change) if mistake.moves_pixels() => Some(self.in_window(change(&self.colors))),
+            Make::Pixels(change) => Some(change(&self.colors_in_window())),
+            make @ (Make::Camera(_) | Make::Effects(_)) => {
+                Some(rendered(prepared, &make.request(scene, request)?, watch)?.to_picture())
             }
-            Cause::Scene(change) if !change.shows_in(self.layer()) => None,
-            Cause::Scene(change) => self.picture_of(change.apply(scene, &source.text)?, request),
-            Cause::Rule(rule) if rule.applies(scene, request) && rule.shows_in(self.layer()) => {
-                rules::picture(self, Some(rule))
+            make @ (Make::Scene(_) | Make::Text(_)) => {
+                self.picture_of(make.scene(scene, &source.text)?, request)
             }
-            Cause::Rule(_) => None,
+            Make::Student(shows) => {
+                let setting = Setting { scene, request };
+                let is_tried = setting.bounces() <= MAX_BOUNCES && shows(&setting);
+                is_tried.then(|| paint::picture(self, Some(mistake)))?
+            }
         }
     }
 

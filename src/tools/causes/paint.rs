@@ -1,17 +1,76 @@
-//! A picture by any function from rays to colours, with the request's samples and filter.
+//! The pictures of a student's tracer, with the request's samples and filter.
 
+use super::Original;
+use super::mistakes::Mistake;
+use super::object_space::ObjectSpaces;
+use super::student::{Hits, Student};
 use crate::base::memory;
 use crate::camera::Camera;
 use crate::math::instructions;
 use crate::math::ray::Ray;
-use crate::picture::{BadSize, Color, FloatPicture};
-use crate::render::Request;
+use crate::picture::{BadSize, CHANNELS, Color, FloatPicture, Picture};
+use crate::render::renderer::Renderer;
+use crate::render::{Layer, Request};
 use crate::sampling::blur::{Blur, reduced};
 use crate::sampling::film::Film;
+use crate::sampling::filter::Filter;
+use crate::sampling::sampler::Sampler;
 use crate::sampling::spread::Spread;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// The colours of the first layer by a student with this mistake, or none. The renderer must have kept the meshes. The
+/// rest is black as soon as `is_over` says so.
+pub fn colors(
+    renderer: &Renderer,
+    request: &Request,
+    hits: &dyn Hits,
+    mistake: Option<Mistake>,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> Result<FloatPicture, BadSize> {
+    let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+    let (effects, lights) = (request.effects, &renderer.scene.lights);
+    let student = Student { hits, effects, mistake, spaces, lights, starts: None };
+    let shift = match mistake {
+        Some(Mistake::Shifted { half_pixels: [x, y] }) => 0.5 * DVec2::new(x.into(), y.into()),
+        _ => DVec2::ZERO,
+    };
+    let camera = renderer.camera(request);
+    let model = renderer.scene.model;
+    let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
+    match request.layers.first() {
+        Some(&Layer::Depth { near, far }) => {
+            let grey = |(t, _)| Color::splat(model.depths.grey(t, [near, far]));
+            let depth = |ray: &Ray| student.seen(ray).map_or(Color::ZERO, grey);
+            paint(&camera, &centers(), shift, &depth, is_over)
+        }
+        Some(Layer::Normals) => {
+            let normal = |ray: &Ray| student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
+            paint(&camera, &centers(), shift, &|ray| model.normal_colors.color(normal(ray)), is_over)
+        }
+        _ => paint(&camera, request, shift, &|ray| student.color(ray), is_over),
+    }
+}
+
+/// The picture by a student with this mistake, or none; none where there is no memory for it.
+pub fn picture(original: &Original, mistake: Option<Mistake>) -> Option<Picture> {
+    let Original { prepared, request, .. } = original;
+    let renderer = prepared.renderer();
+    let is_over = || original.is_cancelled();
+    let colors = renderer.on_own_threads(|| colors(renderer, request, prepared.caster(), mistake, &is_over));
+    let colors = colors.ok()?;
+    Some(if mistake == Some(Mistake::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
+}
+
+/// The bytes of colours whose product with 255 is rounded to single precision.
+fn cut_singles(colors: &FloatPicture) -> Picture {
+    let mut bytes = Vec::with_capacity(colors.colors.len() * CHANNELS);
+    let cut = |color: &Color| color.as_vec3().to_array().map(|channel| (255.0 * channel) as u8);
+    bytes.extend(colors.colors.iter().flat_map(cut));
+    let [width, height] = colors.size.map(|n| n as u32);
+    Picture::from_rgb(width, height, bytes)
+}
 
 /// How many rows are painted at once. They are kept until the film has taken them.
 const ROWS: usize = 64;
@@ -87,4 +146,73 @@ fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize>
 fn turn_over(colors: &mut [Color], width: usize) {
     colors.reverse();
     colors.chunks_exact_mut(width).for_each(<[Color]>::reverse);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::caster::choose::Structure;
+    use crate::render::Window;
+    use crate::render::renderer::Meshes;
+    use crate::sampling::{drand48::Drand48, sampler};
+    use crate::scene::load;
+    use crate::tools::causes::window::part;
+    use crate::trace::{Effects, Shadows};
+    use std::path::Path;
+
+    /// The picture of one of this project's scenes by the renderer, and by the textbook's tracer without a mistake.
+    fn both(scene: &str, request: &Request) -> [Picture; 2] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+        let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
+        let original = Original::new(&renderer, Structure::Any, request).unwrap();
+        [original.colors.to_picture(), picture(&original, None).unwrap()]
+    }
+
+    #[test]
+    fn without_a_mistake_the_picture_is_the_real_one() {
+        let shadows = Effects { shadows: Shadows::Opaque, bounces: 3, min_weight: 0.1, shade_back: false };
+        let transparent = Effects { shadows: Shadows::Transparent, shade_back: true, ..shadows };
+        let sampler = sampler::Sampler::new(sampler::Pattern::Jittered, 4, Drand48::UNSEEDED);
+        let one = Request { effects: shadows, ..Request::new([50, 40]) };
+        let many =
+            Request { sampler, filter: Filter::Gaussian { sigma: 0.7 }, effects: transparent, ..one.clone() };
+        for scene in [
+            "scene6_02_sphere_triangles.txt",
+            "scene6_10_nested_transformations.txt",
+            "scene6_11_mirrored_floor.txt",
+            "scene6_13_checkerboard.txt",
+            "scene7_05_glass_sphere.txt",
+        ] {
+            for request in [&one, &many] {
+                let [real, textbook] = both(scene, request);
+                assert!(real == textbook, "{scene}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_window_is_a_part_of_the_picture() {
+        let sampler = sampler::Sampler::new(sampler::Pattern::Jittered, 4, Drand48::UNSEEDED);
+        let window = Window { x: 30, y: 7, width: 20, height: 9 };
+        for filter in [Filter::PIXEL, Filter::Gaussian { sigma: 0.7 }] {
+            let request = Request { sampler, filter, ..Request::new([50, 40]) };
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_02_sphere_triangles.txt");
+            let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
+            let mut original = Original::new(&renderer, Structure::Any, &request).unwrap();
+            let causes: Vec<Mistake> = Mistake::all().collect();
+            let whole: Vec<_> = causes.iter().map(|&cause| original.picture(cause)).collect();
+            original.request.window = Some(window);
+            for (cause, whole) in causes.into_iter().zip(whole) {
+                let expected = whole.map(|whole| part(&whole, window));
+                assert!(original.picture(cause) == expected, "{cause:?} {filter:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_picture_taller_than_a_batch_of_rows_is_in_order() {
+        let request = Request { filter: Filter::Tent { radius: 2.0 }, ..Request::new([20, 150]) };
+        let [real, textbook] = both("scene6_02_sphere_triangles.txt", &request);
+        assert!(real == textbook);
+    }
 }

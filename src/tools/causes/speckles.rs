@@ -4,21 +4,18 @@
 //! come about this way, one for each choice of the rays that hit what they leave. The pixels that have one of them are
 //! strewn among others that are right, whereas those of another mistake make regions.
 
-use super::mistaken::from_other_side;
-use super::requests::has_secondary_rays;
-use super::{Original, SelfHitting};
-use crate::camera::Camera;
-use crate::math::instructions::Level;
-use crate::math::ray::{Ray, Visible};
+use super::Original;
+use super::changes::has_secondary_rays;
+use super::object_space::ObjectSpaces;
+use super::student::{Departure, SelfHitting, Student, from_other_side};
+use crate::math::ray::Ray;
 use crate::picture::Picture;
 use crate::picture::{CHANNELS, RED_FIRST, truncate_to_bytes};
 use crate::render::{Layer, Request};
-use crate::scene::model::Model;
-use crate::stats::{Probe, Quiet};
 use crate::tools::compare::{EdgeMap, Rgb, colors, largest_channel_difference};
-use crate::trace::{ByModel, Departure, Rules, Shadows, Tracer};
-use crate::world::{SurfacePoint, World};
-use glam::{DVec2, DVec3};
+use crate::trace::Shadows;
+use crate::world::SurfacePoint;
+use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -68,19 +65,25 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckle
     }
     let step = away_from_edges.len().div_ceil(MAX_PIXELS).max(1);
     let looked_at: Vec<usize> = away_from_edges.iter().copied().step_by(step).collect();
-    let camera = original.renderer().camera(&original.request);
+    let renderer = original.renderer();
+    let camera = renderer.camera(&original.request);
+    let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+    let student = &Student {
+        hits: original.prepared.caster(),
+        effects: original.request.effects,
+        mistake: None,
+        spaces,
+        lights: &renderer.scene.lights,
+        starts: None,
+    };
     let count = |rays: SelfHitting| {
         let is_made = |&&at: &&usize| {
-            let caster = original.prepared.caster();
-            if original.is_cancelled() {
-                return false;
-            }
-            match caster.world.is_of_course() {
-                true => is_made(original, caster, &camera, (at, colors(a)[at]), rays),
-                false => is_made(original, &ByModel(caster), &camera, (at, colors(a)[at]), rays),
-            }
+            let [width, height] = original.request.size;
+            let pixel = DVec2::new((at % width) as f64, (height - 1 - at / width) as f64);
+            let ray = camera.ray(pixel, DVec2::ZERO);
+            !original.is_cancelled() && is_made(student, &ray, colors(a)[at], rays)
         };
-        original.renderer().on_own_threads(|| looked_at.par_iter().filter(is_made).count()) as f64
+        renderer.on_own_threads(|| looked_at.par_iter().filter(is_made).count()) as f64
     };
     let found = count(SelfHitting::All);
     let min_share = if differing.mixed < MIXED { MIN_SHARE_OF_DENSE } else { MIN_SHARE };
@@ -108,73 +111,29 @@ pub fn can_show(original: &Original) -> bool {
         && !request.is_reduced
 }
 
-/// Whether some of the rays behind a pixel, counted from the top left, give it this colour if they hit what they leave.
-fn is_made(
-    original: &Original,
-    right: &impl Rules,
-    camera: &Camera,
-    (at, color): (usize, Rgb),
-    rays: SelfHitting,
-) -> bool {
-    let request = &original.request;
-    let [width, height] = request.size;
-    let pixel = DVec2::new((at % width) as f64, (height - 1 - at / width) as f64);
-    let ray = camera.ray(pixel, DVec2::ZERO);
+/// Whether a camera ray has this colour if some of the rays that it causes hit what they leave.
+fn is_made(student: &Student, ray: &Ray, color: Rgb, rays: SelfHitting) -> bool {
+    // A bit for each ray that may, in the order in which they start.
     let mut chosen = 0;
     for _ in 0..MAX_CHOICES {
-        let rules = SelfHits { right, rays, chosen, passed: AtomicU32::new(0) };
-        let tracer = Tracer { rules: &rules, effects: request.effects };
+        let passed = AtomicU32::new(0);
+        let starts = |why, surface: &SurfacePoint, direction| {
+            let number = Departure::is_one_of(why, rays).then(|| passed.fetch_add(1, Ordering::Relaxed))?;
+            let is_chosen = number < MAX_RAYS && chosen >> number & 1 != 0;
+            is_chosen.then(|| from_other_side(surface, direction))
+        };
+        let student = Student { starts: Some(&starts), ..*student };
         let mut bytes = [0; CHANNELS];
-        truncate_to_bytes::<RED_FIRST>(&[tracer.color(&ray, &mut Quiet)], &mut bytes);
+        truncate_to_bytes::<RED_FIRST>(&[student.color(ray)], &mut bytes);
         if chosen != 0 && nearly(bytes, color) {
             return true;
         }
         // The next choice is that of the last ray that was not chosen, without those after it.
-        let passed = rules.passed.into_inner().min(MAX_RAYS);
+        let passed = passed.into_inner().min(MAX_RAYS);
         let Some(last) = (0..passed).rev().find(|ray| chosen >> ray & 1 == 0) else { return false };
         chosen = chosen & ((1 << last) - 1) | 1 << last;
     }
     false
-}
-
-/// The right rules, but for chosen rays, which hit what they leave.
-struct SelfHits<'a, R> {
-    right: &'a R,
-    /// Those among which is chosen.
-    rays: SelfHitting,
-    /// A bit for each ray, in the order in which they start.
-    chosen: u32,
-    /// How many have started.
-    passed: AtomicU32,
-}
-
-impl<R: Rules> Rules for SelfHits<'_, R> {
-    fn world(&self) -> &World {
-        self.right.world()
-    }
-
-    fn model(&self) -> Model {
-        self.right.model()
-    }
-
-    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
-        self.right.nearest(ray, leaves, probe)
-    }
-
-    fn level(&self) -> Level {
-        self.right.level()
-    }
-
-    fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> (Ray, Option<u32>) {
-        if !self.rays.includes(why) {
-            return self.right.departing(why, surface, direction);
-        }
-        let number = self.passed.fetch_add(1, Ordering::Relaxed);
-        match number < MAX_RAYS && self.chosen >> number & 1 != 0 {
-            true => from_other_side(surface, direction),
-            false => self.right.departing(why, surface, direction),
-        }
-    }
 }
 
 /// The pixels that differ by more than one level.

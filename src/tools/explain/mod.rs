@@ -10,7 +10,7 @@ mod pixel;
 mod pixel_text;
 mod ray_tree;
 mod short;
-mod stoppable;
+mod stop;
 
 pub use close_call::{CloseCall, CloseCallKind};
 pub use cost_map::CostMap;
@@ -18,4 +18,4 @@ pub use cost_report::CostReport;
 pub use objects::{MaterialPart, ObjectPart, Objects, TextureWeight};
 pub use pixel::{ExplainError, Explainer, PixelTree, SampleTree};
 pub use ray_tree::{Crossing, LeftOut, LightBlocker, Lighting, NotFollowed, RayNode, Shadow, Surface};
-pub use stoppable::Stop;
+pub use stop::Stop;

@@ -3,7 +3,7 @@
 use super::close_call::{CloseCall, CloseCallKind, RayEnds, close_primitives, is_about_zero};
 use super::objects::{MaterialPart, Objects};
 use super::ray_tree::{LeftOut, LightBlocker, RayNode, Recorder, Shadow, Surface};
-use super::stoppable::{Stop, Stoppable};
+use super::stop::Stop;
 use crate::base::escape::escape;
 use crate::caster::Caster;
 use crate::diagnostic::Diagnostic;
@@ -20,7 +20,7 @@ use crate::scene::model::{Highlight, Model};
 use crate::scene::texels::{FACES, face};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::Counts;
-use crate::trace::{Observer, Tracer};
+use crate::trace::{ByModel, Observer, Patience, Rules, Tracer};
 use crate::world::{SurfacePoint, World};
 use glam::DVec2;
 use serde::Serialize;
@@ -215,11 +215,14 @@ impl<'p, 'r> Explainer<'p, 'r> {
         room: usize,
         stop: &Stop,
     ) -> (Color, Vec<RayNode>, LeftOut) {
-        let rules = Stoppable { caster: self.prepared.caster(), stop };
+        let rules = &ByModel(self.prepared.caster());
+        let is_over = |_| stop.is_over();
+        let mut patience = Patience::until(&is_over, rules.world().lights.len());
         let mut recorder = Recorder::of(*ray, room);
         recorder.non_shadow_ray();
-        let tracer = Tracer { rules: &rules, effects: request.effects };
-        let color = tracer.color(ray, &mut recorder);
+        let tracer = Tracer { rules, effects: request.effects };
+        let surface = tracer.nearest(ray, None, &mut recorder).map(|visible| rules.surface(ray, visible));
+        let color = tracer.color_with(&mut vec![], &mut patience, ray, surface, &mut recorder);
         let (mut rays, left_out) = recorder.finish();
         // What a ray leaves is what the ray before it sees.
         let mut left = vec![None; rays.len()];

@@ -1,9 +1,7 @@
 //! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
 
 use crate::math::ray::{Ray, Visible};
-use crate::scene::model::Model;
-use crate::stats::Probe;
-use crate::trace::Rules;
+use crate::tools::causes::Hits;
 use crate::world::shape::Form;
 use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
@@ -27,16 +25,12 @@ impl BruteForce<'_> {
     }
 }
 
-impl Rules for BruteForce<'_> {
+impl Hits for BruteForce<'_> {
     fn world(&self) -> &World {
         self.world
     }
 
-    fn model(&self) -> Model {
-        self.world.model
-    }
-
-    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, _: &mut P) -> Option<Visible> {
+    fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
         let exclude = leaves.filter(|&id| self.world.is_triangle(id));
         let nearest = self.hits(ray, exclude).map(|(t, _)| t).reduce(f64::min)?;
         let end = nearest + self.world.coincidence_reach(nearest);

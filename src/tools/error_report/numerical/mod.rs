@@ -9,9 +9,7 @@ use crate::picture::{BadSize, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Window};
 use crate::sampling::sampler::{Pattern, Sampler};
-use crate::stats::Quiet;
-use crate::tools::causes::{MAX_BOUNCES, Rule, mistaken_colors};
-use crate::trace::Rules;
+use crate::tools::causes::{Hits, MAX_BOUNCES, Mistake, student_colors};
 use brute_force::BruteForce;
 use glam::DVec2;
 use single::SinglePrecision;
@@ -58,8 +56,8 @@ pub fn measure(
     let request = affordable(renderer, request);
     let world = renderer.world();
     let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
-    let exact = mistaken_colors(renderer, &request, &brute_force, None, &|| false)?;
-    let rough = mistaken_colors(renderer, &request, &single, Some(Rule::SinglePrecision), &|| false)?;
+    let exact = student_colors(renderer, &request, &brute_force, None, &|| false)?;
+    let rough = student_colors(renderer, &request, &single, Some(Mistake::SinglePrecision), &|| false)?;
     let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
     let own_hits = other_hits(renderer, &request, &brute_force, prepared.caster());
     let single_hits = other_hits(renderer, &request, &brute_force, &single);
@@ -106,13 +104,13 @@ fn departure(picture: &FloatPicture, exact: &FloatPicture) -> Departure {
 }
 
 /// How many camera rays hit other primitives.
-fn other_hits(renderer: &Renderer, request: &Request, exact: &impl Rules, other: &impl Rules) -> u64 {
+fn other_hits(renderer: &Renderer, request: &Request, exact: &dyn Hits, other: &dyn Hits) -> u64 {
     use rayon::prelude::*;
     let camera = renderer.camera(request);
     let height = request.size[1];
     let differs = |ray: &Ray| {
-        let exact = exact.nearest(ray, None, &mut Quiet).map(|visible| visible.primitive);
-        exact != other.nearest(ray, None, &mut Quiet).map(|visible| visible.primitive)
+        let exact = exact.nearest(ray, None).map(|visible| visible.primitive);
+        exact != other.nearest(ray, None).map(|visible| visible.primitive)
     };
     let of_column = |i: usize| {
         let rays = request.rows().flat_map(|j| {

@@ -1,10 +1,8 @@
 //! Intersections as in textbooks, in single precision: Moeller and Trumbore's test of triangles ("Fast, Minimum Storage
 //! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
 
-use crate::math::ray::{Hit, Ray, Visible};
-use crate::scene::model::Model;
-use crate::stats::Probe;
-use crate::trace::Rules;
+use crate::math::ray::{Ray, Visible};
+use crate::tools::causes::Hits;
 use crate::world::shape::{Form, Shape};
 use crate::world::sphere::Sphere;
 use crate::world::{Primitive, SurfacePoint, World};
@@ -95,24 +93,20 @@ impl SinglePrecision<'_> {
     }
 }
 
-impl Rules for SinglePrecision<'_> {
+impl Hits for SinglePrecision<'_> {
     fn world(&self) -> &World {
         self.world
     }
 
-    fn model(&self) -> Model {
-        self.world.model
-    }
-
-    fn nearest<P: Probe>(&self, ray: &Ray, _: Option<u32>, _: &mut P) -> Option<Visible> {
+    fn nearest(&self, ray: &Ray, _: Option<u32>) -> Option<Visible> {
         let ray = SingleRay::new(ray);
         let hits = self.ids().filter_map(|id| Some((self.hit(&ray, id)?, id)));
         let (t, primitive) = hits.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
         Some(Visible { primitive, t_bound: t.into() })
     }
 
-    fn hit(&self, _: &Ray, Visible { primitive, t_bound: t }: Visible) -> Hit {
-        Hit { t, primitive, weights: None }
+    fn distance(&self, _: &Ray, Visible { t_bound: t, .. }: Visible) -> f64 {
+        t
     }
 
     fn surface(&self, ray: &Ray, Visible { primitive, t_bound: t }: Visible) -> SurfacePoint {

@@ -1,9 +1,9 @@
 //! Which cause is named of pictures whose mistakes are known.
 
 mod acne;
-mod tables;
+mod confusion;
 
-use super::{Cause, Finding, Original};
+use super::{Finding, Mistake, Original};
 use crate::caster::choose::Structure;
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
@@ -94,7 +94,7 @@ fn cases() -> Vec<Case> {
 }
 
 /// What is named, if anything is.
-fn named(found: Finding) -> Option<Cause> {
+fn named(found: Finding) -> Option<Mistake> {
     match found {
         Finding::Equal { cause, .. } | Finding::Part { cause, .. } => Some(cause),
         Finding::Speckles { .. } | Finding::Unknown { .. } => None,

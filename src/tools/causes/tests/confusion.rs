@@ -6,9 +6,9 @@ use crate::caster::choose::Structure;
 use crate::picture::Picture;
 use crate::render::{Layer, Request, Tracing};
 use crate::tools::causes::finding::find_causes;
-use crate::tools::causes::{
-    Cause, Finding, Original, PixelChange, RequestChange, Rule, SceneChange, SelfHitting, rules,
-};
+use crate::tools::causes::mistakes::{Make, Setting};
+use crate::tools::causes::paint::colors;
+use crate::tools::causes::{Finding, Mistake, Original, SelfHitting};
 use crate::trace::{Effects, Shadows};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -63,23 +63,23 @@ struct Made<'c> {
     case: &'c Case,
     original: Original<'c>,
     right: Picture,
-    mistakes: Vec<(Cause, Picture)>,
+    mistakes: Vec<(Mistake, Picture)>,
 }
 
 impl<'c> Made<'c> {
     fn new(case: &'c Case) -> Self {
         let original = case.original();
-        let right = original.picture(Cause::Unchanged).unwrap();
-        let mistakes = Cause::all().filter_map(|cause| Some((cause, original.picture(cause)?)));
+        let right = original.picture(Mistake::Unchanged).unwrap();
+        let mistakes = Mistake::all().filter_map(|cause| Some((cause, original.picture(cause)?)));
         let mistakes = mistakes.filter(|(_, picture)| *picture != right).collect();
         Self { case, original, right, mistakes }
     }
 
     /// What is found where only these causes are known.
-    fn explain(&self, is_known: impl Fn(Cause, &Picture) -> bool, wrong: &Picture) -> Finding {
+    fn explain(&self, is_known: impl Fn(Mistake, &Picture) -> bool, wrong: &Picture) -> Finding {
         let known = self.mistakes.iter().filter(|(cause, picture)| is_known(*cause, picture));
-        let picture = |asked: Cause| match asked {
-            Cause::Unchanged => Some(self.right.clone()),
+        let picture = |asked: Mistake| match asked {
+            Mistake::Unchanged => Some(self.right.clone()),
             _ => self.mistakes.iter().find(|(made, _)| *made == asked).map(|(_, picture)| picture.clone()),
         };
         let known = known.map(|(cause, _)| *cause);
@@ -88,66 +88,58 @@ impl<'c> Made<'c> {
     }
 
     /// Whether the mistake makes just this picture.
-    fn makes(&self, cause: Cause, picture: &Picture) -> bool {
+    fn makes(&self, cause: Mistake, picture: &Picture) -> bool {
         self.mistakes.iter().any(|(made, same)| *made == cause && same == picture)
     }
 }
 
 /// The picture with both mistakes; none where they cannot be made together.
-fn both(case: &Case, mistakes: [Cause; 2]) -> Option<Picture> {
+fn both(case: &Case, mistakes: [Mistake; 2]) -> Option<Picture> {
     let (renderer, request) = (&case.renderer, &case.request);
     let mut scene = renderer.scene.clone();
-    let (mut changed, mut rule, mut pixels) = (request.clone(), None, None);
-    for cause in mistakes {
-        match cause {
-            Cause::Unchanged => {}
-            Cause::Pixels(change) => pixels = Some(change),
-            Cause::Request(change) => changed = change.apply(&scene, &changed)?,
-            Cause::Scene(change) => scene = change.apply(&scene, &renderer.source.text)?,
-            Cause::Rule(broken) if broken.applies(&scene, &changed) => rule = Some(broken),
-            Cause::Rule(_) => return None,
+    let (mut changed, mut switch, mut pixels) = (request.clone(), None, None);
+    for mistake in mistakes {
+        match mistake.make()? {
+            Make::Pixels(change) => pixels = Some(change),
+            make @ (Make::Camera(_) | Make::Effects(_)) => changed = make.request(&scene, &changed)?,
+            make @ (Make::Scene(_) | Make::Text(_)) => scene = make.scene(&scene, &renderer.source.text)?,
+            Make::Student(shows) if shows(&Setting { scene: &scene, request: &changed }) => {
+                switch = Some(mistake);
+            }
+            Make::Student(_) => return None,
         }
     }
     let renderer = renderer.with_scene(scene).ok()?;
     let prepared = renderer.prepare_for(Structure::Any, &changed, Tracing::Fast).ok()?;
-    let colors = match rule {
-        Some(_) => rules::colors(&renderer, &changed, prepared.caster(), rule, &|| false).ok()?,
+    let colors = match switch {
+        Some(_) => colors(&renderer, &changed, prepared.caster(), switch, &|| false).ok()?,
         None => prepared.render(&changed).ok()?.pop()?,
     };
-    Some(pixels.map_or_else(|| colors.to_picture(), |change| change.apply(&colors)))
+    Some(pixels.map_or_else(|| colors.to_picture(), |change| change(&colors)))
 }
 
 /// Whether one is so much like the other that it may be named where the other is not known.
-fn are_alike(one: Cause, other: Cause) -> bool {
+fn are_alike(one: Mistake, other: Mistake) -> bool {
     let pairs = [
-        (Cause::Scene(SceneChange::NoHighlights), Cause::Rule(Rule::HighlightsByReflection)),
-        (Cause::Scene(SceneChange::NoAmbient), Cause::Request(RequestChange::NoShadeBack)),
-        (Cause::Request(RequestChange::AngleNotHalved), Cause::Request(RequestChange::AngleOfShorterSide)),
-        (Cause::Scene(SceneChange::BlackBackground), Cause::Rule(Rule::BackgroundForCameraOnly)),
-        (Cause::Request(RequestChange::NoShadows), Cause::Rule(Rule::Epsilon { distance: 0.3 })),
-        (Cause::Request(RequestChange::NoShadows), Cause::Rule(Rule::GlassWithoutShadows)),
-        (Cause::Rule(Rule::RaysClamped), Cause::Rule(Rule::SamplesClamped)),
-        (Cause::Request(RequestChange::Shadows), Cause::Request(RequestChange::TransparentShadows)),
-        (Cause::Pixels(PixelChange::OneLevelBrighter), Cause::Pixels(PixelChange::RoundedUp)),
-        (
-            Cause::Rule(Rule::NoEpsilon { rays: SelfHitting::Secondary }),
-            Cause::Rule(Rule::ReflectionFromBelow),
-        ),
+        (Mistake::NoHighlights, Mistake::HighlightsByReflection),
+        (Mistake::NoAmbient, Mistake::NoShadeBack),
+        (Mistake::AngleNotHalved, Mistake::AngleOfShorterSide),
+        (Mistake::BlackBackground, Mistake::BackgroundForCameraOnly),
+        (Mistake::NoShadows, Mistake::Epsilon { distance: 0.3 }),
+        (Mistake::NoShadows, Mistake::GlassWithoutShadows),
+        (Mistake::RaysClamped, Mistake::SamplesClamped),
+        (Mistake::Shadows, Mistake::TransparentShadows),
+        (Mistake::OneLevelBrighter, Mistake::RoundedUp),
+        (Mistake::NoEpsilon { rays: SelfHitting::Secondary }, Mistake::ReflectionFromBelow),
     ];
     pairs.iter().any(|&(a, b)| (a.is_akin(one) && b.is_akin(other)) || (a.is_akin(other) && b.is_akin(one)))
 }
 
-fn kind(cause: Cause) -> u8 {
-    match cause {
-        Cause::Unchanged => 0,
-        Cause::Pixels(_) => 1,
-        Cause::Request(_) => 2,
-        Cause::Scene(_) => 3,
-        Cause::Rule(_) => 4,
-    }
+fn kind(mistake: Mistake) -> Option<usize> {
+    ["unchanged", "pixels", "request", "scene", "rule"].iter().position(|&kind| kind == mistake.kind())
 }
 
-fn words(cause: Cause) -> String {
+fn words(cause: Mistake) -> String {
     cause.to_string().trim_start().to_owned()
 }
 
@@ -173,7 +165,7 @@ fn flags(request: &Request) -> String {
 
 /// A mistake, in how many scenes it is named, and what is instead where that makes the same picture.
 struct Row {
-    made: Cause,
+    made: Mistake,
     named: usize,
     same: BTreeSet<String>,
 }
@@ -220,15 +212,15 @@ fn add_unknown(named_instead: &mut BTreeSet<[String; 2]>, made: &Made, wrong_nam
 }
 
 /// Whether pixels are as dark as in a shadow of their own: also where the side that is seen faces away from the light.
-fn darkens_scattered_pixels(cause: Cause) -> bool {
-    matches!(cause, Cause::Rule(Rule::NoEpsilon { .. } | Rule::ReflectionFromBelow | Rule::NormalsFlipped))
+fn darkens_scattered_pixels(cause: Mistake) -> bool {
+    matches!(cause, Mistake::NoEpsilon { .. } | Mistake::ReflectionFromBelow | Mistake::NormalsFlipped)
 }
 
 /// What is found of two mistakes, a line of the table each.
 fn pairs(made: &Made, wrong_names: &mut Vec<String>) -> Vec<String> {
-    let causes: Vec<Cause> = made.mistakes.iter().map(|(cause, _)| *cause).collect();
+    let causes: Vec<Mistake> = made.mistakes.iter().map(|(cause, _)| *cause).collect();
     let all = causes.iter().flat_map(|&one| causes.iter().map(move |&other| [one, other]));
-    let all: Vec<[Cause; 2]> = all.filter(|&[one, other]| kind(one) < kind(other)).collect();
+    let all: Vec<[Mistake; 2]> = all.filter(|&[one, other]| kind(one) < kind(other)).collect();
     let chosen = all.iter().step_by(all.len() / (PAIRS + 1));
     let both = chosen.filter_map(|&pair| Some((pair, both(made.case, pair)?))).take(PAIRS);
     both.map(|([one, other], wrong)| {
@@ -282,13 +274,12 @@ fn the_page_shows_what_is_named() {
     let _ = writeln!(page, "\nOf {nothing} of these {} pictures nothing is named.", both.len());
 
     // Nothing is so near to anything else in these scenes.
-    let small = [0.0001, 0.001].map(|distance| Cause::Rule(Rule::Epsilon { distance }));
-    let is_made = |cause: &Cause| alone.iter().any(|row| row.made == *cause && row.named > 0);
+    let small = [0.0001, 0.001].map(|distance| Mistake::Epsilon { distance });
+    let is_made = |cause: &Mistake| alone.iter().any(|row| row.made == *cause && row.named > 0);
     // These show in other layers.
-    let is_of_colors =
-        |cause: &Cause| !matches!(cause, Cause::Scene(change) if !change.shows_in(Layer::Color));
-    let expected = Cause::all().skip(1).filter(is_of_colors);
-    let missing: Vec<Cause> = expected.filter(|cause| !is_made(cause)).collect();
+    let is_of_colors = |cause: &Mistake| cause.shows_in(Layer::Color);
+    let expected = Mistake::all().skip(1).filter(is_of_colors);
+    let missing: Vec<Mistake> = expected.filter(|cause| !is_made(cause)).collect();
     assert_eq!(missing, small);
     assert!(both.len() == 2 * PAIRS && 2 * nothing < both.len(), "{nothing} of {}", both.len());
 

@@ -1,13 +1,6 @@
-//! Tracing that can be stopped.
+//! The end of work that takes too long.
 
-use crate::caster::Caster;
-use crate::math::instructions::Level;
-use crate::math::ray::{Ray, Visible};
 use crate::render::Progress;
-use crate::scene::model::Model;
-use crate::stats::Probe;
-use crate::trace::Rules;
-use crate::world::World;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -41,29 +34,5 @@ impl Stop {
     /// Ends a render when it is time. This is a [`Watch`](crate::render::Watch).
     pub fn watch(&self, _: Progress) -> ControlFlow<()> {
         if self.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-/// The right rules until it is time to stop. Then rays hit nothing, so that none follows.
-pub struct Stoppable<'a, 'w> {
-    pub caster: &'a Caster<'w>,
-    pub stop: &'a Stop,
-}
-
-impl Rules for Stoppable<'_, '_> {
-    fn world(&self) -> &World {
-        self.caster.world()
-    }
-
-    fn model(&self) -> Model {
-        self.caster.world.model
-    }
-
-    fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
-        if self.stop.is_over() { None } else { self.caster.nearest(ray, leaves, probe) }
-    }
-
-    fn level(&self) -> Level {
-        self.caster.level()
     }
 }

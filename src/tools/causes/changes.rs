@@ -1,0 +1,233 @@
+//! What mistakes change: finished pictures, cameras and scenes.
+
+use crate::picture::{Color, FloatPicture, Picture};
+use crate::scene::material::{Material, Pattern, Phong};
+use crate::scene::model::{FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
+use crate::scene::{Camera, Light, Scene};
+use crate::tools::compare::{Rgb, colors as pixels_of};
+use crate::trace::{Effects, Shadows};
+
+/// The gamma of most screens.
+pub const GAMMA: f64 = 2.2;
+
+/// The picture of these colours with every channel changed.
+pub fn channels(colors: &FloatPicture, change: fn(f64) -> f64) -> Picture {
+    let changed = colors.colors.iter().map(|color| Color::from_array(color.to_array().map(change)));
+    FloatPicture { size: colors.size, colors: changed.collect() }.to_picture()
+}
+
+/// A channel whose byte starts again at 0 above 255.
+pub fn wrapped(channel: f64) -> f64 {
+    (f64::from((255.0 * channel) as i64 as u8) + 0.5) / 255.0
+}
+
+/// The picture of these colours with every pixel changed.
+pub fn pixels(colors: &FloatPicture, change: impl Fn(Rgb) -> Rgb) -> Picture {
+    rearranged(colors, |pixels| pixels.iter_mut().for_each(|pixel| *pixel = change(*pixel)))
+}
+
+pub fn upside_down(colors: &FloatPicture) -> Picture {
+    rearranged(colors, |pixels| {
+        pixels.reverse();
+        pixels.chunks_exact_mut(colors.size[0]).for_each(<[Rgb]>::reverse);
+    })
+}
+
+pub fn mirrored(colors: &FloatPicture) -> Picture {
+    rearranged(colors, |pixels| pixels.chunks_exact_mut(colors.size[0]).for_each(<[Rgb]>::reverse))
+}
+
+pub fn turned(colors: &FloatPicture) -> Picture {
+    rearranged(colors, <[Rgb]>::reverse)
+}
+
+/// The picture with a gamma applied by a program that reads its bytes.
+pub fn with_encoded_bytes(colors: &FloatPicture) -> Picture {
+    let encoded = |byte: u8| (255.0 * libm::pow(f64::from(byte) / 255.0, 1.0 / GAMMA)).round() as u8;
+    let table: Vec<u8> = (0..=u8::MAX).map(encoded).collect();
+    pixels(colors, |pixel| pixel.map(|byte| table[usize::from(byte)]))
+}
+
+fn rearranged(colors: &FloatPicture, rearrange: impl FnOnce(&mut [Rgb])) -> Picture {
+    let picture = colors.to_picture();
+    let mut pixels = pixels_of(&picture).to_vec();
+    rearrange(&mut pixels);
+    Picture::from_rgb(picture.width(), picture.height(), pixels.into_flattened())
+}
+
+/// The camera whose axis to the right is up x direction, which sees all turned by 180 degrees.
+pub fn of_other_handedness(mut camera: Camera) -> Camera {
+    let (Camera::Orthographic { up, .. } | Camera::Perspective { up, .. }) = &mut camera;
+    *up = -*up;
+    camera
+}
+
+/// The camera whose screen spans the shorter side; none of a square picture, nor of one that is stretched.
+pub fn widened(camera: Camera, screen: Screen, size: [usize; 2]) -> Option<Camera> {
+    let [shorter, longer] = [size[0].min(size[1]), size[0].max(size[1])].map(|side| side as f64);
+    let ratio = longer / shorter;
+    (screen == Screen::LongerSide && ratio > 1.0).then_some(match camera {
+        Camera::Orthographic { center, direction, up, size } => {
+            Camera::Orthographic { center, direction, up, size: size * ratio }
+        }
+        Camera::Perspective { center, direction, up, angle } => {
+            let half = libm::atan(ratio * libm::tan(angle.to_radians() / 2.0));
+            Camera::Perspective { center, direction, up, angle: 2.0 * half.to_degrees() }
+        }
+    })
+}
+
+/// The camera whose screen spans the tangent of another half angle, which may be negative; none without an angle.
+pub fn with_half_angle(camera: Camera, radians: fn(f64) -> f64) -> Option<Camera> {
+    let Camera::Perspective { center, direction, up, angle } = camera else { return None };
+    let half = libm::atan(libm::tan(radians(angle)));
+    Some(Camera::Perspective { center, direction, up, angle: 2.0 * half.to_degrees() })
+}
+
+/// Filters the light of shadow rays where anything is transparent.
+pub fn filter_light(effects: &mut Effects, scene: &Scene) {
+    if has(scene, |phong| phong.transparent) {
+        effects.shadows = Shadows::Transparent;
+    }
+}
+
+pub fn change_bounces(effects: &mut Effects, scene: &Scene, change: fn(u32, u32) -> u32) {
+    if has_secondary_rays(scene) {
+        effects.bounces = change(effects.bounces, 1);
+    }
+}
+
+/// Whether any material reflects or lets through.
+pub fn has_secondary_rays(scene: &Scene) -> bool {
+    scene.materials.iter().any(Material::has_secondary_rays)
+}
+
+/// Whether any material has a colour of this kind that is not black.
+pub fn has(scene: &Scene, color: fn(&Phong) -> Color) -> bool {
+    scene.materials.iter().any(|material| match material {
+        Material::Phong(phong) | Material::Painted(phong, _) => color(phong) != Color::ZERO,
+        Material::Texture(_) => false,
+    })
+}
+
+/// Replaces one value by another.
+pub fn replace<T: PartialEq>(place: &mut T, value: T, other: T) {
+    if *place == value {
+        *place = other;
+    }
+}
+
+/// Replaces a value; says whether the new one is another.
+pub fn replaced<T: PartialEq>(place: &mut T, value: T) -> bool {
+    let changes = *place != value;
+    *place = value;
+    changes
+}
+
+/// Changes all of them; says whether any is changed.
+pub fn any<T>(all: &mut [T], change: impl Fn(&mut T) -> bool) -> bool {
+    all.iter_mut().fold(false, |changes, one| change(one) | changes)
+}
+
+pub fn any_phong(scene: &mut Scene, change: impl Fn(&mut Phong) -> bool) -> bool {
+    any(&mut scene.materials, |material| match material {
+        Material::Phong(phong) | Material::Painted(phong, _) => change(phong),
+        Material::Texture(_) => false,
+    })
+}
+
+pub fn scale_exponent(phong: &mut Phong, factor: f64) -> bool {
+    let exponent = factor * phong.exponent;
+    phong.specular != Color::ZERO && replaced(&mut phong.exponent, exponent)
+}
+
+/// A scene without lights is lit evenly by a rule of its own, which this breaks, too.
+pub fn put_out_ambient(scene: &mut Scene) -> bool {
+    if scene.lights.is_empty() {
+        scene.lights.push(Light::Directional { direction: Color::X, color: Color::ZERO });
+        scene.background.ambient = Color::ZERO;
+        return true;
+    }
+    replaced(&mut scene.background.ambient, Color::ZERO)
+}
+
+/// Changes the attenuation of point lights.
+pub fn any_attenuation(scene: &mut Scene, change: impl Fn(&mut [f64; 3]) -> bool) -> bool {
+    any(&mut scene.lights, |light| match light {
+        Light::Point { attenuation, .. } => change(attenuation),
+        Light::Directional { .. } => false,
+    })
+}
+
+/// Replaces the constant part of what lights that fall off are divided by, except in the editions of 2003 and 2004, where
+/// it is free.
+pub fn falls_off_from(scene: &mut Scene, constant: f64) -> bool {
+    scene.model != Model::COURSE
+        && any_attenuation(scene, |[first, _, square]| *square > 0.0 && replaced(first, constant))
+}
+
+pub fn reverse_lights(scene: &mut Scene) -> bool {
+    any(&mut scene.lights, |light| match light {
+        Light::Directional { direction, .. } => replaced(direction, -*direction),
+        Light::Point { .. } => false,
+    })
+}
+
+pub fn add_ambient_per_light(scene: &mut Scene) -> bool {
+    let ambient = scene.lights.len().max(1) as f64 * scene.background.ambient;
+    replaced(&mut scene.background.ambient, ambient)
+}
+
+pub fn blacken_background(scene: &mut Scene) -> bool {
+    replaced(&mut scene.background.color, Color::ZERO) | scene.cube_map.take().is_some()
+}
+
+/// Adds highlights where there are to be none.
+pub fn add_highlights(scene: &mut Scene) -> bool {
+    let is_meant = scene.model.split == Split::Schlick;
+    is_meant && any_phong(scene, |phong| replaced(&mut phong.specular, phong.reflective))
+}
+
+pub fn invert_index(phong: &mut Phong) -> bool {
+    let index = phong.index_of_refraction;
+    phong.transparent != Color::ZERO && replaced(&mut phong.index_of_refraction, 1.0 / index)
+}
+
+/// Shows normals as (N + 1) / 2, which is usual in later editions alone.
+pub fn shift_normals(scene: &mut Scene) -> bool {
+    scene.model != Model::COURSE && replaced(&mut scene.model.normal_colors, NormalColors::Shifted)
+}
+
+pub fn use_half_way_vectors(scene: &mut Scene) -> bool {
+    has(scene, |phong| phong.specular) && replaced(&mut scene.model.highlight, Highlight::Blinn)
+}
+
+pub fn flatten_meshes(scene: &mut Scene) -> bool {
+    !scene.meshes.is_empty() && replaced(&mut scene.model.normals, MeshNormals::Flat)
+}
+
+pub fn weigh_faces_otherwise(scene: &mut Scene) -> bool {
+    let MeshNormals::Smooth { weights, .. } = &mut scene.model.normals else { return false };
+    *weights = match weights {
+        FaceWeights::Area => FaceWeights::Equal,
+        FaceWeights::Equal => FaceWeights::Area,
+    };
+    !scene.meshes.is_empty()
+}
+
+pub fn swap_checkerboard(material: &mut Material) -> bool {
+    match material {
+        Material::Texture(texture) if texture.pattern == Pattern::Checkerboard => {
+            texture.children.swap(0, 1);
+            true
+        }
+        _ => false,
+    }
+}
+
+/// Swaps pairs of neighbours in the order of the cube map's files, which are on opposite sides.
+pub fn swap_faces(scene: &mut Scene, pairs: &[usize]) -> bool {
+    let Some(faces) = &mut scene.cube_map else { return false };
+    pairs.iter().for_each(|pair| faces.swap(2 * pair, 2 * pair + 1));
+    true
+}

@@ -1,0 +1,555 @@
+//! The student's tracer: Whitted's recursion as a textbook has it, one ray at a time, with a switch for each mistake.
+//!
+//! The laws of light are the tracer's own functions, and a mistake is a switch around a call. Without a mistake the
+//! colours are the tracer's. It asks a function for what a ray hits, so that it runs on a caster or on brute force, in
+//! either precision.
+
+use super::mistakes::Mistake;
+use super::object_space::ObjectSpaces;
+use crate::caster::Caster;
+use crate::math::instructions::Level;
+use crate::math::ray::{Ray, Visible};
+use crate::math::robust::{offset_origin, unit};
+use crate::picture::Color;
+use crate::scene::limits::{BRIGHTEST, LARGEST};
+use crate::scene::material::{Material, Pattern, Phong, Texture};
+use crate::scene::model::{Highlight, MeshNormals, Split};
+use crate::scene::{Light, MaterialId};
+use crate::shading::light::{Incident, incident};
+use crate::shading::perlin::turbulence;
+use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
+use crate::shading::texture::{first_weight, material_at};
+use crate::stats::Quiet;
+use crate::trace::{Effects, Shadows, mirrored_part, painted, reflected, refracted_between, transmittance};
+use crate::world::{SurfacePoint, World};
+use glam::DVec3;
+use serde::Serialize;
+
+/// The way in which a ray leaves a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Departure {
+    /// It is mirrored.
+    Reflected,
+    /// It goes through the surface.
+    Refracted,
+    /// It goes to a light.
+    Shadow,
+    /// It has passed a transparent surface on the way to a light.
+    Onwards,
+}
+
+/// Which rays hit the surface that they leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SelfHitting {
+    /// Those to the lights.
+    Shadow,
+    /// Reflected and refracted ones.
+    Secondary,
+    /// All.
+    All,
+}
+
+impl Departure {
+    pub fn is_one_of(self, rays: SelfHitting) -> bool {
+        match self {
+            Self::Shadow => rays != SelfHitting::Secondary,
+            Self::Reflected | Self::Refracted => rays != SelfHitting::Shadow,
+            Self::Onwards => false,
+        }
+    }
+}
+
+/// Deeper recursion is not tried, for the sake of the stack.
+pub(crate) const MAX_BOUNCES: u32 = 100;
+
+/// A ray from a surface, and the primitive that it cannot hit again.
+pub type Start = (Ray, Option<u32>);
+
+/// Chooses where a ray leaves a surface, given its direction; none where it is to leave as usual.
+pub type Starts<'a> = &'a (dyn Fn(Departure, &SurfacePoint, DVec3) -> Option<Start> + Sync);
+
+/// Finds what rays hit.
+pub trait Hits: Sync {
+    /// The world that is hit.
+    fn world(&self) -> &World;
+
+    /// Returns what a ray hits first that leaves the primitive `leaves`, which it does not hit again unless it is round.
+    fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible>;
+
+    /// Returns the t of what a ray hits first.
+    fn distance(&self, ray: &Ray, visible: Visible) -> f64 {
+        self.world().hit(ray, visible).t
+    }
+
+    /// Returns the surface that a ray hits first, with the normal by which it is seen.
+    fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
+        let surface = self.world().visible_surface(ray, visible);
+        let normal = self.world().smooth_normal(&surface).unwrap_or(surface.normal);
+        SurfacePoint { normal, ..surface }
+    }
+}
+
+impl Hits for Caster<'_> {
+    fn world(&self) -> &World {
+        self.world
+    }
+
+    fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
+        Caster::nearest(self, ray, leaves, &mut Quiet)
+    }
+}
+
+/// A tracer with at most one mistake.
+pub struct Student<'a> {
+    pub hits: &'a dyn Hits,
+    pub effects: Effects,
+    pub mistake: Option<Mistake>,
+    /// What the matrices of the scene have done to the normals.
+    pub spaces: &'a ObjectSpaces<'a>,
+    /// The lights as the scene has them.
+    pub lights: &'a [Light],
+    /// Where rays leave surfaces, if anywhere else.
+    pub starts: Option<Starts<'a>>,
+}
+
+/// A ray with its history since it left the camera.
+struct Way {
+    ray: Ray,
+    /// The primitive that it leaves.
+    leaves: Option<u32>,
+    /// The product of the lengths of the colours along the way.
+    weight: f64,
+    bounces: u32,
+    /// The index of refraction of the medium around it.
+    index: f64,
+}
+
+/// A surface as a ray arrives at it.
+struct Arrival<'m> {
+    way: &'m Way,
+    surface: &'m SurfacePoint,
+    material: PointMaterial<'m>,
+}
+
+impl Student<'_> {
+    fn makes(&self, mistake: Mistake) -> bool {
+        self.mistake == Some(mistake)
+    }
+
+    fn world(&self) -> &World {
+        self.hits.world()
+    }
+
+    /// Returns the colour along a ray from the camera.
+    pub fn color(&self, ray: &Ray) -> Color {
+        let way = Way { ray: *ray, leaves: None, weight: 1.0, bounces: 0, index: 1.0 };
+        self.clamped_by(Mistake::SamplesClamped, self.trace(&way))
+    }
+
+    /// Returns what a camera ray hits first: its distance and its surface.
+    pub fn seen(&self, ray: &Ray) -> Option<(f64, SurfacePoint)> {
+        let visible = self.hits.nearest(ray, None)?;
+        Some((self.hits.distance(ray, visible), self.surface(ray, visible)))
+    }
+
+    /// Returns the colour along a ray: that of the surface by itself, and those of the refracted and the mirrored ray.
+    fn trace(&self, way: &Way) -> Color {
+        let color = match self.hits.nearest(&way.ray, way.leaves) {
+            Some(visible) => {
+                let surface = &self.surface(&way.ray, visible);
+                let mut mixture = Mixture::default();
+                let material = self.material(surface, &mut mixture);
+                let arrival = Arrival { way, surface, material };
+                let branches = [self.mirrored_way(&arrival), self.refracted_way(&arrival)];
+                let mut color = self.shade(&arrival);
+                for (tint, way) in branches.into_iter().rev().flatten() {
+                    color = self.sum(color, tint * self.trace(&way));
+                }
+                color
+            }
+            None if way.bounces > 0 && self.makes(Mistake::BackgroundForCameraOnly) => Color::ZERO,
+            None => self.sum(Color::ZERO, self.world().background_along(way.ray.direction)),
+        };
+        self.clamped_by(Mistake::RaysClamped, color)
+    }
+
+    fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
+        let surface = self.hits.surface(ray, visible);
+        let object_normal = || self.spaces.normal(visible.primitive, surface.normal);
+        let normal = match self.mistake {
+            Some(Mistake::NormalsByMatrix) => unit(self.spaces.matrix(visible.primitive) * object_normal()),
+            Some(Mistake::NormalsOfObjectSpace) => unit(object_normal()),
+            _ => return surface,
+        };
+        if normal.is_finite() { SurfacePoint { normal, ..surface } } else { surface }
+    }
+
+    /// Returns the material of a surface, with its textures evaluated at the point.
+    fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
+        let materials = &self.world().materials;
+        match (&materials[surface.material], self.mistake) {
+            (Material::Phong(phong), _) => phong.into(),
+            (Material::Painted(phong, paint), _) => {
+                let diffuse = painted(self.world(), paint, surface, LEVEL).unwrap_or(phong.diffuse);
+                mixture.start(&Phong { diffuse, ..*phong }, 1.0);
+                mixture.material()
+            }
+            (Material::Texture(_), Some(Mistake::CheckerboardCut | Mistake::NoiseHalved)) => {
+                self.mix(surface.material, surface.position, mixture);
+                mixture.material()
+            }
+            (Material::Texture(_), _) => self.world().with_rounded_point(surface, |point| {
+                material_at(materials, surface.material, point, LEVEL, mixture)
+            }),
+        }
+    }
+
+    /// Mixes a material's parts at a point. A texture passes its weight on to its children, which come before it.
+    fn mix(&self, id: MaterialId, point: DVec3, mixture: &mut Mixture) {
+        let mut weights = vec![0.0; id + 1];
+        weights[id] = 1.0;
+        mixture.start(&Phong::default(), 0.0);
+        for (id, material) in self.world().materials[..=id].iter().enumerate().rev() {
+            match (material, weights[id]) {
+                (_, 0.0) => {}
+                (Material::Phong(phong) | Material::Painted(phong, _), weight) => mixture.add(phong, weight),
+                (Material::Texture(texture), weight) => {
+                    let first = self.first_weight(texture, point);
+                    weights[texture.children[0]] += weight * first;
+                    weights[texture.children[1]] += weight * (1.0 - first);
+                }
+            }
+        }
+    }
+
+    /// Returns the weight of a texture's first child at a point.
+    fn first_weight(&self, texture: &Texture, point: DVec3) -> f64 {
+        let in_texture = || texture.world_to_texture.map.transform_point3(point);
+        match (self.mistake, texture.pattern) {
+            (Some(Mistake::CheckerboardCut), Pattern::Checkerboard) => {
+                // The coordinates are cut to whole numbers, towards zero.
+                let cells = in_texture().to_array().map(|q| q as i64);
+                f64::from(cells.iter().filter(|&cell| cell % 2 != 0).count() % 2 == 0)
+            }
+            (Some(Mistake::NoiseHalved), Pattern::Noise { octaves }) => {
+                (0.5 * turbulence(in_texture(), octaves, LEVEL) + 0.5).clamp(0.0, 1.0)
+            }
+            _ => first_weight(texture, &point.into(), LEVEL),
+        }
+    }
+
+    /// Returns the colour of a surface by itself: ambient light, and the lights that are visible from the point.
+    fn shade(&self, arrival: &Arrival) -> Color {
+        let Arrival { way, surface, material } = arrival;
+        let model = &self.world().model;
+        let is_back = surface.normal.dot(way.ray.direction) > 0.0;
+        let is_inside = is_back && model.highlight == Highlight::Blinn;
+        if is_inside && !self.effects.shade_back {
+            return Color::ZERO;
+        }
+        let is_flipped = match self.mistake {
+            Some(Mistake::NormalsNotFlipped) => false,
+            Some(Mistake::NormalsFlipped) => is_back,
+            _ => is_inside,
+        };
+        let normal = if is_flipped { -surface.normal } else { surface.normal };
+        let mut color = self.sum(Color::ZERO, self.world().ambient * self.ambient_factor(arrival));
+        for (index, light) in self.world().lights.iter().enumerate() {
+            let light = incident(light, surface.position);
+            let cosine = normal.dot(light.direction);
+            // As in the course's program, a ray starts even where the light has no effect.
+            let has_ray = self.effects.shadows != Shadows::None;
+            let start = has_ray.then(|| self.departing(Departure::Shadow, surface, light.direction));
+            if material.shows(model.highlight, &light, cosine) {
+                let view = View { cosine, normal, to_viewer: -way.ray.direction };
+                let passed = start.map_or(Color::ONE, |start| self.passed(start, surface, &light, index));
+                let lit = passed * self.reflect(material, &light, index, &view);
+                color = self.sum(color, self.clamped_by(Mistake::LightsClamped, lit));
+            }
+        }
+        color
+    }
+
+    fn ambient_factor(&self, arrival: &Arrival) -> Color {
+        let diffuse = arrival.material.phong.diffuse;
+        match self.mistake {
+            Some(Mistake::AmbientWithoutDiffuse) => Color::ONE,
+            _ => self.world().ambient_color(arrival.surface, diffuse),
+        }
+    }
+
+    /// Returns the light of a source that a surface reflects to the viewer.
+    fn reflect(&self, material: &PointMaterial, light: &Incident, index: usize, view: &View) -> Color {
+        let highlight = self.world().model.highlight;
+        let View { cosine, normal, .. } = *view;
+        let to_light = light.direction * self.length_to(light, index);
+        let (highlight, strength) = match self.mistake {
+            Some(Mistake::HighlightsByReflection) => (Highlight::Phong, 1.0),
+            Some(Mistake::HighlightsTimesCosine) => (highlight, cosine.max(0.0)),
+            Some(Mistake::HighlightsOnlyWhereLit) => (highlight, f64::from(cosine > 0.0)),
+            Some(Mistake::DirectionsNotNormalised | Mistake::PointDirectionsNotNormalised) => {
+                (highlight, 1.0)
+            }
+            _ => return material.reflect(highlight, light, view),
+        };
+        let highlights = strength * material.highlights(alignment(highlight, to_light, view).max(0.0));
+        light.color * (normal.dot(to_light).max(0.0) * material.phong.diffuse + highlights)
+    }
+
+    /// Returns the length of the vector to a light, which may not have been divided by it.
+    fn length_to(&self, light: &Incident, index: usize) -> f64 {
+        match (self.mistake, self.lights.get(index)) {
+            (Some(Mistake::DirectionsNotNormalised), Some(Light::Directional { direction, .. })) => {
+                direction.length()
+            }
+            (Some(Mistake::PointDirectionsNotNormalised), Some(Light::Point { .. })) => light.distance,
+            _ => 1.0,
+        }
+    }
+
+    /// Returns how much of a light passes what is between it and a surface, per channel. Where the shadow ray leaves a
+    /// transparent object, this is the object's colour to the power of the way inside (Beer's law).
+    ///
+    /// The surfaces that the light lies on are left behind at the light if the ray was within an object before. So it
+    /// does not matter which of them the ray meets by its roundings. One that is opaque lets nothing through.
+    fn passed(
+        &self,
+        (mut ray, mut leaves): Start,
+        surface: &SurfacePoint,
+        light: &Incident,
+        index: usize,
+    ) -> Color {
+        let is_tinted = self.effects.shadows == Shadows::Transparent;
+        let is_unshadowed = self.makes(Mistake::GlassWithoutShadows);
+        let at_light = self.world().primitives_at_light(index);
+        ray.t_max = if self.makes(Mistake::ShadowsFromBehindLight) { f64::INFINITY } else { light.distance };
+        if !is_tinted && !is_unshadowed {
+            let is_blocked = !at_light.is_empty() || self.hits.nearest(&ray, leaves).is_some();
+            return if is_blocked { Color::ZERO } else { Color::ONE };
+        }
+        let absorbed = |passed: Color, tint: Color, way: f64| match is_unshadowed {
+            true => passed,
+            false => (passed * transmittance(tint, way)).min(Color::splat(LARGEST)),
+        };
+        let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
+        let mut is_within = surface.normal.dot(light.direction) < 0.0;
+        // Since the last surface, up to where the ray starts now.
+        let mut way = 0.0;
+        for _ in 0..self.world().most_crossings() {
+            let Some(visible) = self.hits.nearest(&ray, leaves) else { break };
+            let (t, crossed) = (self.hits.distance(&ray, visible), self.surface(&ray, visible));
+            let is_left = crossed.normal.dot(ray.direction) >= 0.0;
+            let is_crossed_at_light =
+                at_light.iter().any(|place| place.is_crossed(visible.primitive, ray.direction, is_left));
+            if is_crossed_at_light {
+                way += t;
+            } else {
+                let tint = self.material(&crossed, &mut mixture).phong.transparent;
+                if tint == Color::ZERO {
+                    return Color::ZERO;
+                }
+                if is_left {
+                    passed = absorbed(passed, tint, way + t);
+                }
+                (is_within, way) = (!is_left, 0.0);
+            }
+            let t_max = ray.t_max - t;
+            (ray, leaves) = self.departing(Departure::Onwards, &crossed, ray.direction);
+            ray.t_max = t_max;
+        }
+        let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));
+        match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {
+            Some(Color::ZERO) => Color::ZERO,
+            Some(tint) if is_within => absorbed(passed, tint, way + ray.t_max.max(0.0)),
+            _ => passed,
+        }
+    }
+
+    /// Returns the transparent colour of a primitive where the light with this index lies on it.
+    fn tint_at_light(&self, primitive: u32, index: usize) -> Color {
+        let world = self.world();
+        let Some(&Light::Point { position, .. }) = world.lights.get(index) else { return Color::ZERO };
+        let (material, mut mixture) = (world.material_of(primitive), Mixture::default());
+        material_at(&world.materials, material, &position.into(), LEVEL, &mut mixture).phong.transparent
+    }
+
+    /// Returns the mirrored ray and what its colour is multiplied by, if one is followed.
+    fn mirrored_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
+        let Arrival { way, surface, material } = arrival;
+        let color = match self.world().model.split {
+            Split::Colors => material.phong.reflective,
+            Split::Schlick => material.phong.reflective * self.mirrored(arrival),
+        };
+        let weight = self.weight(way, color)?;
+        let direction = match self.mistake {
+            Some(Mistake::NormalFlippedInReflection) => reflected_by_sum(way.ray.direction, surface.normal),
+            Some(Mistake::ReflectionReversed) => -reflected(way.ray.direction, surface.normal),
+            _ => reflected(way.ray.direction, surface.normal),
+        };
+        let (ray, leaves) = self.departing(Departure::Reflected, surface, direction);
+        let is_untinted = self.makes(Mistake::ReflectionWithoutColor);
+        let next = Way { ray, leaves, weight, bounces: way.bounces + 1, index: way.index };
+        Some((tint(color, is_untinted), next))
+    }
+
+    /// Returns the refracted ray and what its colour is multiplied by, if one is followed.
+    fn refracted_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
+        let Arrival { way, surface, material } = arrival;
+        let color = match self.world().model.split {
+            Split::Colors => material.phong.transparent,
+            Split::Schlick => material.phong.transparent * (1.0 - self.mirrored(arrival)),
+        };
+        let weight = self.weight(way, color)?;
+        let (direction, normal) = (way.ray.direction, surface.normal);
+        let is_entering = direction.dot(normal) < 0.0;
+        let against = if is_entering { normal } else { -normal };
+        let indices = self.indices(way, material.phong, is_entering);
+        let sine = || {
+            // A smooth normal is not the triangle's.
+            let is_smooth = self.world().model.normals != MeshNormals::Flat && surface.triangle.is_some();
+            let primitive = surface.primitive.filter(|_| !is_smooth);
+            self.world().precise_sine((way.ray.origin, direction), primitive, normal)
+        };
+        let (direction, index) = match refracted_between(direction, against, indices, sine) {
+            Some(refracted) => (refracted, if is_entering { indices[1] } else { 1.0 }),
+            None if self.makes(Mistake::TotalReflectionAdded) => (reflected(direction, normal), way.index),
+            None => return None,
+        };
+        let (ray, leaves) = self.departing(Departure::Refracted, surface, direction);
+        let is_untinted = self.makes(Mistake::RefractionWithoutColor);
+        let next = Way { ray, leaves, weight, bounces: way.bounces + 1, index };
+        Some((tint(color, is_untinted), next))
+    }
+
+    /// Returns the weight of a secondary ray of this colour, if it is followed.
+    fn weight(&self, way: &Way, color: Color) -> Option<f64> {
+        let weight = way.weight * color.length();
+        (way.bounces < self.effects.bounces && weight > self.effects.min_weight).then_some(weight)
+    }
+
+    /// Returns how much of the light is mirrored at a surface; all at one that is opaque.
+    fn mirrored(&self, arrival: &Arrival) -> f64 {
+        let material = arrival.material.phong;
+        if material.transparent == Color::ZERO {
+            return 1.0;
+        }
+        let cosine = arrival.way.ray.direction.dot(arrival.surface.normal);
+        let part = mirrored_part(cosine.abs(), self.indices(arrival.way, material, cosine < 0.0));
+        // All is mirrored where nothing is refracted.
+        if self.makes(Mistake::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part }
+    }
+
+    /// Returns the indices of refraction in front of a surface and behind it.
+    fn indices(&self, way: &Way, material: &Phong, is_entering: bool) -> [f64; 2] {
+        match is_entering {
+            true => [way.index, material.index_of_refraction],
+            false if self.makes(Mistake::IndexNotInverted) => [1.0, material.index_of_refraction],
+            false => [way.index, 1.0],
+        }
+    }
+
+    /// Returns a ray from a surface. It starts a few roundings off it, on the side to which it goes.
+    fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> Start {
+        if let Some(start) = self.starts.and_then(|starts| starts(why, surface, direction)) {
+            return start;
+        }
+        let beyond = |t_min| Ray { t_min, ..Ray::new(surface.position, direction) };
+        match (self.mistake, why, self.world().model.epsilon) {
+            (Some(Mistake::Epsilon { distance } | Mistake::SmallerEpsilon { distance }), ..) => {
+                (beyond(distance), surface.triangle)
+            }
+            (Some(Mistake::ReflectionFromBelow), Departure::Reflected, _) => {
+                from_other_side(surface, direction)
+            }
+            (Some(Mistake::NoEpsilon { rays }), ..) if why.is_one_of(rays) => {
+                from_other_side(surface, direction)
+            }
+            (.., Some(epsilon)) => (beyond(epsilon), None),
+            _ => {
+                let origin = offset_origin(surface.position, surface.normal, direction, surface.extent);
+                (Ray::new(origin, direction), surface.primitive)
+            }
+        }
+    }
+
+    /// Returns the sum of two colours, in the precision of the computation.
+    fn sum(&self, one: Color, other: Color) -> Color {
+        match self.mistake {
+            Some(Mistake::SinglePrecision) => (one.as_vec3() + other.as_vec3()).as_dvec3(),
+            _ => one + other,
+        }
+    }
+
+    fn clamped_by(&self, mistake: Mistake, color: Color) -> Color {
+        if self.makes(mistake) { color.clamp(Color::ZERO, Color::ONE) } else { color }
+    }
+}
+
+/// Textures have the same bytes with all instructions.
+const LEVEL: Level = Level::baseline();
+
+/// Returns a ray that starts on the other side of the surface, and so meets it at once.
+pub fn from_other_side(surface: &SurfacePoint, direction: DVec3) -> Start {
+    let origin = offset_origin(surface.position, surface.normal, -direction, surface.extent);
+    (Ray::new(origin, direction), None)
+}
+
+/// Returns d + 2 (d.n) n in place of the mirrored direction d - 2 (d.n) n.
+fn reflected_by_sum(direction: DVec3, normal: DVec3) -> DVec3 {
+    (direction + 2.0 * direction.dot(normal) * normal).normalize()
+}
+
+/// Returns the factor of the light along a secondary ray.
+fn tint(color: Color, is_untinted: bool) -> Color {
+    let bound = Color::splat(BRIGHTEST);
+    if is_untinted { Color::ONE } else { color.clamp(-bound, bound) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::caster::choose::Structure;
+    use crate::render::renderer::{Meshes, Renderer};
+    use crate::render::{Request, Tracing};
+    use crate::scene::load::load;
+    use crate::trace::{ByModel, Tracer};
+    use glam::DVec2;
+    use std::fs;
+    use std::path::{Path, PathBuf};
+
+    /// The project's scenes, with those of other editions.
+    fn scenes() -> Vec<PathBuf> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let files = |folder: PathBuf| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let all = files(folder.clone()).chain(files(folder.join("editions")));
+        let is_scene = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "txt");
+        all.filter(is_scene).collect()
+    }
+
+    #[test]
+    fn without_a_mistake_colours_are_those_of_the_tracer() {
+        let opaque = Effects { shadows: Shadows::Opaque, bounces: 4, min_weight: 0.1, shade_back: false };
+        let tinted = Effects { shadows: Shadows::Transparent, bounces: 3, min_weight: 0.0, shade_back: true };
+        let scenes = scenes();
+        assert!(scenes.len() > 60);
+        for path in scenes {
+            let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
+            let request = Request::new([24, 18]);
+            let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast).unwrap();
+            let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+            let camera = renderer.camera(&request);
+            for effects in [Effects::default(), opaque, tinted] {
+                let (hits, lights) = (prepared.caster(), &renderer.scene.lights);
+                let student = Student { hits, effects, mistake: None, spaces, lights, starts: None };
+                let tracer = Tracer { rules: &ByModel(hits), effects };
+                for (x, y) in (0..24).flat_map(|x| (0..18).map(move |y| (x, y))) {
+                    let ray = camera.ray(DVec2::new(x.into(), y.into()), DVec2::ZERO);
+                    let (own, expected) = (student.color(&ray), tracer.color(&ray, &mut Quiet));
+                    let far = (own - expected).abs().max_element() / expected.abs().max_element().max(1.0);
+                    assert!(far < 1e-9, "{} {effects:?} {x} {y}: {own} {expected}", path.display());
+                }
+            }
+        }
+    }
+}
