@@ -12,6 +12,7 @@ mod planes;
 mod point_error;
 mod resting_lights;
 mod surface;
+pub(crate) mod triangle4;
 
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
@@ -35,8 +36,6 @@ use std::sync::Arc;
 
 pub use placement::{Placement, placements};
 pub use resting_lights::RestingPlace;
-#[cfg(feature = "fast")]
-pub(crate) use surface::LEAST_PART;
 pub use surface::SurfacePoint;
 
 /// A scene in world space, as it is traced.

@@ -3,13 +3,13 @@
 //! Only how the axes are turned differs from [`Shear`](crate::primitive::triangle::Shear), which chooses a ray's longest axis by
 //! its index. Lanes that need exact arithmetic are left to single rays.
 
+use super::surface::LEAST_PART;
 use crate::math::f64x4::FourLanes;
 use crate::math::number::Number;
 use crate::math::ray::Ray;
 use crate::math::vector::Vector;
 use crate::primitive::edge_functions::{EdgeRange, edge_functions, sheared};
 use crate::primitive::triangle::{interpolated, largest_coordinate, rounded_normal};
-use crate::world::LEAST_PART;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 
