@@ -205,7 +205,9 @@ impl<'a, H: Hints> Tracer<'a, H> {
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
         let mut surface = self.world().visible_surface(ray, visible);
         if self.world().has_smooth_normals() {
-            surface.normal = self.world().smooth_normal(&surface).unwrap_or(surface.normal);
+            // A reference to a copy leaves the surface itself in registers.
+            let flat = surface;
+            surface.normal = self.world().smooth_normal(&flat).unwrap_or(flat.normal);
         }
         surface
     }
@@ -278,13 +280,12 @@ impl<'a, H: Hints> Tracer<'a, H> {
     /// scene's epsilon.
     #[inline(always)]
     fn departing(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
-        match self.world().model.epsilon {
-            Some(t_min) => Ray { t_min, ..Ray::new(surface.position, direction) },
-            None => {
-                let SurfacePoint { position, normal, extent, .. } = *surface;
-                Ray::new(offset_origin(position, normal, direction, extent), direction)
-            }
-        }
+        let SurfacePoint { position, normal, extent, .. } = *surface;
+        let (origin, t_min) = match self.world().model.epsilon {
+            Some(t_min) => (position, t_min),
+            None => (offset_origin(position, normal, direction, extent), 0.0),
+        };
+        Ray { t_min, ..Ray::new(origin, direction) }
     }
 
     /// Returns the primitive that is not tested against rays from this surface. An epsilon takes its place.

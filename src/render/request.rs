@@ -18,7 +18,7 @@ use std::ops::Range;
 #[cfg(feature = "fast")]
 use crate::fast::finds_first_hits;
 
-/// Without the fast twin all rays are cast.
+/// Without hints all rays are cast.
 #[cfg(not(feature = "fast"))]
 fn finds_first_hits(_: &Camera, _: &World, _: [usize; 2]) -> bool {
     false
