@@ -135,7 +135,6 @@ impl Camera {
     }
 
     /// The rays of four samples of pixels in these columns of a row, at these offsets from their centres.
-    #[cfg_attr(not(feature = "fast"), allow(dead_code, reason = "only the fast twin needs it"))]
     #[inline(always)]
     pub(crate) fn rays<S: Simd>(
         &self,

@@ -1,33 +1,41 @@
-//! The tracer: the recursion of Whitted ("An Improved Illumination Model for Shaded Display", CACM 23(6), 1980), one
-//! ray at a time. It defines the picture, and does what the course's program does, so that an observer can count it.
+//! The tracer, after Whitted ("An Improved Illumination Model for Shaded Display", CACM 23(6), 1980).
 //!
-//! A ray's colour is that of the surface that it hits, by ambient light and by the lights that are visible from there,
-//! and of the rays that are reflected and refracted there.
+//! [`Tracer::color`] finds the surface that a camera ray hits first. The colour there is the ambient light, the light of
+//! each source that nothing blocks, and the colours along the reflected and the refracted ray, which wait on a stack until
+//! it is their turn. An [`Observer`] counts or records the steps. [`Hints`] spare rays and never change a colour.
 
+use crate::caster::Caster;
 use crate::math::ray::{Ray, Visible};
+use crate::math::robust::offset_origin;
 use crate::picture::Color;
 use crate::scene::model::Highlight;
 use crate::shading::light::incident;
 use crate::shading::phong::{Mixture, PointMaterial, View};
+use crate::shading::texture::material_of_surface;
 use crate::world::{SurfacePoint, World};
+use fearless_simd::{Simd, dispatch};
+use fearless_simd_macros::simd;
+use glam::DVec3;
 use serde::Serialize;
 
+mod hints;
 mod observer;
 mod optics;
+mod packet;
 mod patience;
-mod rules;
 mod secondary;
 mod shadow;
+mod surfaces;
 
-pub use observer::{Event, Observer, PathEnd, Secondary};
-pub(crate) use optics::refracted_between;
+pub use hints::{Blocker, FirstHit, Hints, NoHints};
+pub use observer::{Event, Observer, PathEnd, RayCount, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
-pub(crate) use patience::{MOST_WAITING, Patience};
-pub(crate) use rules::painted;
-pub use rules::{ByModel, Departure, Rules};
-pub(crate) use secondary::{Path, SecondaryRay, mirrored_part};
+pub(crate) use optics::{mirrored_part, refracted_between};
+pub(crate) use patience::MOST_WAITING;
+pub use patience::Patience;
+use secondary::{Path, SecondaryRay};
 
-/// Which objects cast shadows.
+/// The objects that cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shadows {
@@ -43,7 +51,7 @@ pub enum Shadows {
 /// The effects that are modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Effects {
-    /// Which objects cast shadows.
+    /// The objects that cast shadows.
     pub shadows: Shadows,
     /// Whether surfaces are also lit on their inside. Otherwise it is black.
     pub shade_back: bool,
@@ -53,141 +61,237 @@ pub struct Effects {
     pub min_weight: f64,
 }
 
-/// Traces rays by the rules of a caster, or by others that have mistakes.
+/// Traces rays one at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Tracer<'a, H = NoHints> {
+    caster: &'a Caster<'a>,
+    effects: Effects,
+    hints: &'a H,
+}
+
+/// The memory of a tracer, kept from one camera ray to the next.
 #[derive(Debug)]
-pub struct Tracer<'a, R> {
-    /// The rules, which also find what rays hit.
-    pub rules: &'a R,
-    /// The effects that are modelled.
-    pub effects: Effects,
+pub struct Memory<'a> {
+    /// The secondary rays that wait. There are none between two camera rays.
+    pending: Vec<SecondaryRay>,
+    mixture: Mixture,
+    /// How long secondary rays are followed.
+    pub(crate) patience: Patience<'a>,
 }
 
-// Implemented by hand, because a derived `Clone` would require that `R` is `Clone`.
-impl<R> Clone for Tracer<'_, R> {
-    fn clone(&self) -> Self {
-        *self
+/// A surface as a ray arrives at it.
+struct Arrival<'m> {
+    ray: &'m Ray,
+    path: &'m Path,
+    surface: &'m SurfacePoint,
+    material: PointMaterial<'m>,
+}
+
+impl<'a> Memory<'a> {
+    /// Follows secondary rays as long as the patience lasts.
+    pub fn new(patience: Patience<'a>) -> Self {
+        Self { pending: vec![], mixture: Mixture::default(), patience }
+    }
+
+    /// Whether rays were left out, since the patience ended.
+    pub(crate) fn is_cut(&self) -> bool {
+        self.patience.has_ended
     }
 }
 
-impl<R> Copy for Tracer<'_, R> {}
-
-/// A surface as a ray arrives at it, with everything that shading needs.
-pub(crate) struct Arrival<'m> {
-    pub ray: &'m Ray,
-    pub surface: &'m SurfacePoint,
-    pub material: PointMaterial<'m>,
+impl Default for Memory<'_> {
+    /// Follows all secondary rays.
+    fn default() -> Self {
+        Self::new(Patience::endless())
+    }
 }
 
-impl<R: Rules> Tracer<'_, R> {
+impl<'a> Tracer<'a> {
+    /// A tracer that casts every ray.
+    pub fn new(caster: &'a Caster<'a>, effects: Effects) -> Self {
+        Self { caster, effects, hints: &NoHints }
+    }
+}
+
+impl<'a, H: Hints> Tracer<'a, H> {
+    /// A tracer that casts no ray whose result the hints know.
+    pub fn with_hints(caster: &'a Caster<'a>, effects: Effects, hints: &'a H) -> Self {
+        Self { caster, effects, hints }
+    }
+
     #[inline(always)]
-    pub(crate) fn world(&self) -> &World {
-        self.rules.world()
+    fn world(&self) -> &'a World {
+        self.caster.world
     }
 
-    /// The colour along a ray from the camera.
-    pub fn color<O: Observer>(&self, ray: &Ray, observer: &mut O) -> Color {
-        let surface = self.nearest(ray, None, observer).map(|visible| self.rules.surface(ray, visible));
-        self.color_of(ray, surface, observer)
+    /// Returns the colour along a ray from the camera.
+    pub fn color<O: Observer>(&self, ray: &Ray, memory: &mut Memory, observer: &mut O) -> Color {
+        let visible = self.nearest(ray, None, observer);
+        let surface = visible.map(|visible| self.surface(ray, visible));
+        self.color_of(ray, surface.as_ref(), memory, observer)
     }
 
-    /// The same, given the surface that the ray hits first.
-    pub fn color_of<O: Observer>(&self, ray: &Ray, surface: Option<SurfacePoint>, observer: &mut O) -> Color {
-        self.color_with(&mut vec![], &mut Patience::endless(), ray, surface, observer)
-    }
-
-    /// Returns the colour, but stops following secondary rays when the patience ends.
-    ///
-    /// Secondary rays wait on a stack, `pending`, instead of being traced by a function that calls itself, so that the
-    /// number of bounces is limited by nothing but the rays that wait. It is empty before and afterwards, and has its memory for the
-    /// next ray.
-    pub(crate) fn color_with<O: Observer>(
+    /// Returns the colour along a ray from the camera that hits this surface first.
+    pub fn color_of<O: Observer>(
         &self,
-        pending: &mut Vec<SecondaryRay>,
-        patience: &mut Patience,
         ray: &Ray,
-        surface: Option<SurfacePoint>,
+        surface: Option<&SurfacePoint>,
+        memory: &mut Memory,
         observer: &mut O,
     ) -> Color {
-        let (mut ray, mut path, mut surface) = (*ray, Path::CAMERA, surface);
-        // Negative zero, since x + 0 is not x if x is negative zero.
-        let mut color = Color::splat(-0.0);
-        loop {
-            color += path.filter * self.local_color(&ray, &path, surface, pending, observer);
-            let Some(next) = pending.pop() else { return color };
-            if patience.ends(pending.len()) {
-                pending.clear();
-                return color;
-            }
-            observer.observe(|| Event::Popped);
-            observer.non_shadow_ray();
-            (ray, path) = (next.ray, next.path);
-            let visible = self.nearest(&ray, next.leaves, observer);
-            surface = visible.map(|visible| self.rules.surface(&ray, visible));
+        let mut color = Color::ZERO;
+        dispatch!(self.caster.level, simd => self.set_color(simd, &mut color, ray, surface, memory, observer));
+        color
+    }
+
+    /// Sets the colour along a ray from the camera that hits this surface first.
+    #[inline(always)]
+    fn set_color<S: Simd, O: Observer>(
+        &self,
+        simd: S,
+        color: &mut Color,
+        ray: &Ray,
+        surface: Option<&SurfacePoint>,
+        memory: &mut Memory,
+        observer: &mut O,
+    ) {
+        *color = self.local_color(ray, &Path::CAMERA, surface, memory, observer);
+        if !memory.pending.is_empty() {
+            self.add_secondary(simd, color, memory, observer);
         }
     }
 
-    /// What a ray hits first, if it leaves the primitive `leaves`.
+    /// Adds the colours along the secondary rays that wait, and along those that they cause in turn.
+    #[simd]
+    #[inline(never)]
+    fn add_secondary<S: Simd, O: Observer>(
+        &self,
+        _: S,
+        sum: &mut Color,
+        memory: &mut Memory,
+        observer: &mut O,
+    ) {
+        let mut color = *sum;
+        // The parts of a ray are copied one by one. They were written one by one just before, so that reading them as
+        // vectors would fail to forward the stores, and the processor would stall.
+        while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {
+            if memory.patience.ends(memory.pending.len()) {
+                memory.pending.clear();
+                break;
+            }
+            observer.observe(|| Event::Popped);
+            observer.non_shadow_ray();
+            let seen = match self.nearest(&ray, leaves, observer) {
+                Some(visible) => {
+                    self.local_color(&ray, &path, Some(&self.surface(&ray, visible)), memory, observer)
+                }
+                None => self.local_color(&ray, &path, None, memory, observer),
+            };
+            color += path.filter * seen;
+        }
+        *sum = color;
+    }
+
+    /// Returns what a ray hits first that leaves the primitive `leaves`.
     #[inline(always)]
-    pub fn nearest<O: Observer>(&self, ray: &Ray, leaves: Option<u32>, observer: &mut O) -> Option<Visible> {
-        let visible = self.rules.nearest(ray, leaves, observer);
-        observer.observe(|| Event::Met(visible.map(|visible| self.rules.hit(ray, visible))));
+    fn nearest<O: Observer>(&self, ray: &Ray, leaves: Option<u32>, observer: &mut O) -> Option<Visible> {
+        let visible = self.caster.nearest(ray, leaves, observer);
+        observer.observe(|| Event::Met(visible.map(|visible| self.world().hit(ray, visible))));
         visible
     }
 
-    /// The colour along a ray without its secondary rays, which are pushed to `pending`.
+    /// Returns the surface that a ray hits first.
     #[inline(always)]
-    pub(crate) fn local_color<O: Observer>(
+    fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
+        let mut surface = self.world().visible_surface(ray, visible);
+        if self.world().has_smooth_normals() {
+            // A reference to a copy leaves the surface itself in registers.
+            let flat = surface;
+            surface.normal = self.world().smooth_normal(&flat).unwrap_or(flat.normal);
+        }
+        surface
+    }
+
+    /// Returns the colour along a ray without its secondary rays, which are pushed to the stack.
+    ///
+    /// It is inlined, because a colour that is returned through memory would be written in two parts and read as a whole.
+    #[inline(always)]
+    fn local_color<O: Observer>(
         &self,
         ray: &Ray,
         path: &Path,
-        surface: Option<SurfacePoint>,
-        pending: &mut Vec<SecondaryRay>,
+        surface: Option<&SurfacePoint>,
+        memory: &mut Memory,
         observer: &mut O,
     ) -> Color {
         let color = match surface {
             Some(surface) => {
-                let mut mixture = Mixture::default();
-                let material = self.rules.material(&surface, &mut mixture);
-                observer.observe(|| Event::Surface { point: &surface, material: material.phong });
-                let arrival = Arrival { ray, surface: &surface, material };
-                self.reflect(path, &arrival, pending, observer);
-                self.refract(path, &arrival, pending, observer);
+                let Memory { pending, mixture, .. } = memory;
+                let material = material_of_surface(self.world(), surface, self.caster.level, mixture);
+                observer.observe(|| Event::Surface { point: surface, material: material.phong });
+                let arrival = Arrival { ray, path, surface, material };
+                if O::COUNTS || path.bounces < self.effects.bounces {
+                    self.reflect(&arrival, pending, observer);
+                    self.refract(&arrival, pending, observer);
+                }
                 self.shade(&arrival, observer)
             }
-            None => self.rules.background(ray.direction, path.bounces),
+            None => self.world().background_along(ray.direction),
         };
         observer.observe(|| Event::Shaded(color));
         color
     }
 
-    /// The colour of a surface by itself: ambient light, and the lights that are visible from the point.
+    /// Returns the light that a surface itself reflects: ambient light, and that of the lights that are visible from it.
+    #[inline(always)]
     fn shade<O: Observer>(&self, arrival: &Arrival, observer: &mut O) -> Color {
-        let Arrival { ray, surface, material } = arrival;
-        let highlight = self.rules.model().highlight;
+        let Arrival { ray, surface, material, .. } = arrival;
+        let world = self.world();
+        let highlight = world.model.highlight;
         let is_inside = highlight == Highlight::Blinn && surface.normal.dot(ray.direction) > 0.0;
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
-        let normal = self.rules.shading_normal(surface.normal, ray.direction, is_inside);
+        let normal = if is_inside { -surface.normal } else { surface.normal };
         let to_viewer = -ray.direction;
-        let mut color = self.rules.sum(Color::ZERO, self.rules.ambient(surface, material.phong));
+        let mut color = world.ambient * world.ambient_color(surface, material.phong.diffuse);
         observer.observe(|| Event::Ambient(color));
-        for (index, light) in self.world().lights.iter().enumerate() {
+        for (index, light) in world.lights.iter().enumerate() {
             let light = incident(light, surface.position);
-            let cosine = normal.dot(light.direction);
-            let view = View { cosine, normal, to_viewer };
+            let view = View { cosine: normal.dot(light.direction), normal, to_viewer };
+            let shows = material.shows(highlight, &light, view.cosine);
             // The course's program casts the shadow ray even where the light has no effect.
-            let passed = self.light_passed(arrival, &light, index, observer);
-            if material.shows(highlight, &light, cosine) && passed != Color::ZERO {
-                let lit = passed * self.rules.reflect(material, (&light, index), &view);
-                color = self.rules.sum(color, self.rules.light(lit));
+            if !O::COUNTS && !shows {
+                continue;
+            }
+            let passed = self.light_passed(surface, &light, index, observer);
+            if shows && passed != Color::ZERO {
+                color += passed * material.reflect(highlight, &light, &view);
             }
             observer.observe(|| {
                 let parts = material.parts(highlight, &light, &view);
-                Event::Light { incident: light, cosine, passed, parts }
+                Event::Light { incident: light, cosine: view.cosine, passed, parts }
             });
         }
         color
+    }
+
+    /// Returns a ray from a surface. It starts a few roundings off the surface, on the side to which it goes, or has the
+    /// scene's epsilon.
+    #[inline(always)]
+    fn departing(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
+        let SurfacePoint { position, normal, extent, .. } = *surface;
+        let (origin, t_min) = match self.world().model.epsilon {
+            Some(t_min) => (position, t_min),
+            None => (offset_origin(position, normal, direction, extent), 0.0),
+        };
+        Ray { t_min, ..Ray::new(origin, direction) }
+    }
+
+    /// Returns the primitive that is not tested against rays from this surface. An epsilon takes its place.
+    #[inline(always)]
+    fn origin_primitive(&self, surface: &SurfacePoint) -> Option<u32> {
+        if self.world().model.epsilon.is_some() { None } else { surface.primitive }
     }
 }
 

@@ -22,6 +22,7 @@ mod placement;
 mod point_error;
 mod resting_lights;
 mod surface;
+pub(crate) mod triangle4;
 
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
@@ -45,8 +46,6 @@ use std::sync::Arc;
 
 pub use placement::{Placement, placements};
 pub use resting_lights::RestingPlace;
-#[cfg(feature = "fast")]
-pub(crate) use surface::LEAST_PART;
 pub use surface::SurfacePoint;
 
 /// A scene in world space, as it is traced.

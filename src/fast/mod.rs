@@ -1,31 +1,23 @@
-//! The fast twin of the tracer: it finds sooner what [`trace`](crate::trace) finds, and never anything else. A build
-//! without it, by `--no-default-features`, makes the same bytes.
+//! Optional hints for the tracer. They never change a picture: a build without the feature `fast` makes the same bytes.
 //!
-//! The first hits of camera rays are found by rasterization where that is certain; so is what stands between a surface
-//! and a light. Surfaces are computed four at a time. It serves one tracer only, and counts nothing but rays.
-//!
-//! Its one door is [`FastTracer`].
+//! Rasterization finds the first hits of camera rays and what stands between a surface and a light, where that is certain.
+//! [`RasterHints`] answers the questions of [`Hints`]; the tracer casts the other rays.
 
 mod raster;
-mod row;
-mod shading;
-mod surfaces;
-mod triangle4;
 #[cfg(test)]
 mod tests;
 
 use crate::camera::Camera;
 use crate::caster::Caster;
-use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
-use crate::trace::{ByModel, Effects, Patience, Shadows};
+use crate::math::ray::Ray;
+use crate::trace::{Blocker, FirstHit, Hints};
 use crate::world::World;
+use glam::DVec3;
 use raster::ShadowMaps;
-use shading::Memory;
 use std::ops::Range;
+use std::sync::Arc;
 
-pub use raster::Footprint;
-#[doc(hidden)]
-pub use raster::{Seen, VisibilityBuffer};
+pub use raster::{Footprint, VisibilityBuffer};
 
 /// The rays that are wanted for a picture.
 #[derive(Clone, Debug)]
@@ -36,38 +28,33 @@ pub struct Demand {
     pub columns: Range<usize>,
     /// Which rays are cast from the camera into the scene, if any are.
     pub footprint: Option<Footprint>,
-    /// The number of camera rays whose colours are wanted.
-    pub colors: usize,
-    /// The effects that are modelled.
-    pub effects: Effects,
+    /// The number of rays to each light, if they only have to tell whether they are blocked.
+    pub shadow_rays: usize,
 }
 
-/// Traces the rays of a picture.
-#[derive(Debug)]
-pub struct FastTracer<'a> {
-    camera: &'a Camera,
-    caster: &'a Caster<'a>,
+/// What rasterization tells of the rays of a picture.
+#[derive(Clone, Debug)]
+pub struct RasterHints {
     demand: Demand,
-    shadow_maps: Option<ShadowMaps>,
-    patience: Patience<'a>,
-    /// Whether the scene means what those of 2004 do.
-    is_of_course: bool,
+    shadow_maps: Arc<ShadowMaps>,
+    /// The first hits of the rays through some rows.
+    visibility: Option<Arc<VisibilityBuffer>>,
 }
 
-/// Traces some rows of pixels.
-#[derive(Debug)]
-pub struct FastRows<'a> {
-    picture: &'a FastTracer<'a>,
-    caster: &'a Caster<'a>,
-    /// The first hits of the rays through these rows, as far as they are known.
-    visibility: Option<VisibilityBuffer>,
-}
+impl Hints for RasterHints {
+    #[inline(always)]
+    fn first_hit(&self, world: &World, ray: &Ray, pixel: [usize; 2]) -> FirstHit {
+        // A closure would not be compiled for the instructions of the caller.
+        match &self.visibility {
+            Some(buffer) => buffer.first_hit(world, ray, pixel),
+            None => FirstHit::Unknown,
+        }
+    }
 
-/// Traces one row of pixels.
-#[derive(Debug)]
-pub struct FastRow<'a> {
-    rows: &'a FastRows<'a>,
-    memory: Box<Memory<'a>>,
+    #[inline(always)]
+    fn blocker(&self, light: usize, point: DVec3) -> Blocker {
+        self.shadow_maps.blocker(light, point)
+    }
 }
 
 /// Whether the first hits of camera rays are found without casting most of them.
@@ -75,56 +62,17 @@ pub fn finds_first_hits(camera: &Camera, world: &World, size: [usize; 2]) -> boo
     VisibilityBuffer::suits(camera, world, size)
 }
 
-impl<'a> FastTracer<'a> {
-    /// A tracer for a picture that follows secondary rays as long as the patience of a row lasts.
-    pub(crate) fn new(
-        camera: &'a Camera,
-        caster: &'a Caster<'a>,
-        demand: Demand,
-        patience: Patience<'a>,
-    ) -> Self {
-        let is_needed = demand.colors > 0 && demand.effects.shadows == Shadows::Opaque;
-        let shadow_maps = is_needed.then(|| ShadowMaps::new(caster.world, demand.colors));
-        Self { camera, caster, demand, shadow_maps, patience, is_of_course: caster.world.is_of_course() }
+impl RasterHints {
+    /// Hints about shadows.
+    pub fn new(world: &World, demand: Demand) -> Self {
+        let shadow_maps = Arc::new(ShadowMaps::new(world, demand.shadow_rays));
+        Self { demand, shadow_maps, visibility: None }
     }
 
-    /// A tracer for these rows of the picture, counted from the bottom.
-    pub fn rows(&self, rows: Range<usize>) -> FastRows<'_> {
-        let Self { camera, caster, demand, .. } = self;
-        let buffer = |footprint| VisibilityBuffer::new(camera, caster, demand.size, rows.clone(), footprint);
-        let visibility = demand.footprint.and_then(buffer);
-        FastRows { picture: self, caster, visibility }
-    }
-}
-
-impl FastRows<'_> {
-    /// A tracer for one of the rows.
-    pub fn row(&self) -> FastRow<'_> {
-        FastRow { rows: self, memory: Box::new(Memory::new(self.picture.patience)) }
-    }
-}
-
-impl<'a> FastRow<'a> {
-    /// How long the row is traced.
-    pub(crate) fn patience(&mut self) -> &mut Patience<'a> {
-        &mut self.memory.patience
-    }
-
-    /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted. Returns how
-    /// many secondary and shadow rays were cast for them.
-    pub fn trace(
-        &mut self,
-        j: usize,
-        wanted: Wanted,
-        packet: &mut SamplePacket,
-        colors: &mut PacketColors,
-    ) -> u64 {
-        let caster = &self.rows.caster;
-        if self.rows.picture.is_of_course {
-            row::trace(self, *caster, j, wanted, packet, colors);
-        } else {
-            row::trace(self, &ByModel(caster), j, wanted, packet, colors);
-        }
-        std::mem::take(&mut self.memory.rays)
+    /// Adds hints about the first hits in these rows, counted from the bottom.
+    pub fn in_rows(&self, camera: &Camera, caster: &Caster, rows: Range<usize>) -> Self {
+        let Demand { size, footprint, .. } = self.demand;
+        let buffer = footprint.and_then(|of| VisibilityBuffer::new(camera, caster, size, rows, of));
+        Self { visibility: buffer.map(Arc::new), ..self.clone() }
     }
 }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::caster::choose::Layout;
 use crate::math::instructions;
+use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::scene::Scene;
 use crate::scene::edition::Edition;
 use crate::scene::mesh::Mesh;
@@ -8,7 +9,8 @@ use crate::scene::model::Model;
 use crate::scene::parser::read_in;
 use crate::scene::texels::Texels;
 use crate::stats::Counts;
-use crate::trace::Tracer;
+use crate::trace::{Effects, Memory, RayCount, Shadows, Tracer};
+use fearless_simd::dispatch;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -72,16 +74,14 @@ fn compared(
     for level in instructions::available() {
         let caster = Caster::with(world, Layout::Grid([4; 3]), level).expect("a grid");
         // So many that there are shadow maps.
-        let demand = Demand { size, columns: 0..size[0], footprint, colors: 1 << 20, effects };
-        let fast = FastTracer::new(camera, &caster, demand, Patience::endless());
-        assert_eq!(fast.shadow_maps.is_some(), effects.shadows == Shadows::Opaque);
-        let rows = fast.rows(0..size[1]);
-        let unsure = rows.visibility.as_ref().map_or(size[0] * size[1], |buffer| buffer.unsure(0..size[0]));
+        let demand = Demand { size, columns: 0..size[0], footprint, shadow_rays: 1 << 20 };
+        let hints = RasterHints::new(world, demand).in_rows(camera, &caster, 0..size[1]);
+        let unsure = hints.visibility.as_ref().map_or(size[0] * size[1], |buffer| buffer.unsure(0..size[0]));
         found[0] = size[0] * size[1] - unsure;
-        let tracer = Tracer { rules: &ByModel(&caster), effects };
+        let (fast, tracer) = (Tracer::with_hints(&caster, effects, &hints), Tracer::new(&caster, effects));
+        let mut memory = Memory::default();
         let (mut packet, mut colors) = (SamplePacket::default(), PacketColors::default());
         for j in 0..size[1] {
-            let mut row = rows.row();
             let columns: Vec<usize> = (0..size[0]).collect();
             for columns in columns.chunks(SamplePacket::SIZE) {
                 packet.clear();
@@ -90,11 +90,14 @@ fn compared(
                     let offset = DVec2::new(part.fract() - 0.5, (0.4 * part).fract() - 0.5);
                     packet.push(column, if is_center { DVec2::ZERO } else { offset }, true);
                 }
-                row.trace(j, Wanted { hits: true, surfaces: true, colors: true }, &mut packet, &mut colors);
+                let wanted = Wanted { hits: true, surfaces: true, colors: true };
+                let rays = &mut RayCount::default();
+                let (samples, out, kept) = (&mut packet, &mut colors, &mut memory);
+                dispatch!(level, simd => fast.trace(simd, camera, j, wanted, samples, out, kept, rays));
                 for (sample, color) in packet.samples().iter().zip(&colors) {
                     let ray =
                         camera.ray(DVec2::new(sample.source.column as f64, j as f64), sample.source.offset);
-                    let expected = tracer.color(&ray, &mut Counts::default());
+                    let expected = tracer.color(&ray, &mut memory, &mut Counts::default());
                     let bits = |color: crate::picture::Color| color.to_array().map(f64::to_bits);
                     assert_eq!(bits(*color), bits(expected), "{effects:?} {:?} {ray:?}", world.model);
                     found[1] += usize::from(expected == world.background_along(ray.direction));
@@ -122,8 +125,8 @@ fn all_models_have_the_colours_of_the_tracer() {
         let world = World::new(&scene, &meshes).expect("a world");
         let camera = Camera::with_screen(&scene.camera, size, model.screen);
         for shadows in [Shadows::None, Shadows::Opaque, Shadows::Transparent] {
-            let effects = Effects { shadows, shade_back: false, bounces: 3, min_weight: 0.0 };
             for is_center in [true, false] {
+                let effects = Effects { shadows, shade_back: is_center, bounces: 3, min_weight: 0.0 };
                 let [known, missed] = compared(&world, &camera, size, effects, is_center);
                 if up == 0.0 {
                     let least = if is_center { 500 } else { 200 };

@@ -22,7 +22,7 @@ use crate::fast::finds_first_hits;
 /// triangles.
 const PIXELS_PER_CAST_RAY: usize = 32;
 
-/// Without the fast twin all rays are cast.
+/// Without hints all rays are cast.
 #[cfg(not(feature = "fast"))]
 fn finds_first_hits(_: &Camera, _: &World, _: [usize; 2]) -> bool {
     false

@@ -3,7 +3,7 @@
 use super::layer::Layer;
 use super::plan::Plan;
 use super::request::{Request, View};
-use super::tracing::{RowTracer, Tracing};
+use super::tracing::{PictureTracer, Tracing};
 use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::picture::Color;
@@ -14,7 +14,7 @@ use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
 use crate::shading::light::incident;
 use crate::stats::Counts;
-use crate::trace::Observer;
+use crate::trace::{Memory, Observer};
 use crate::world::World;
 use glam::DVec2;
 use plot::plots;
@@ -40,13 +40,13 @@ pub struct RenderSetting<'a> {
 impl RenderSetting<'_> {
     /// Traces an empty row; none if the render is cancelled meanwhile, within a pixel that takes long. If `is_shown` is
     /// false, only the samples are traced, because they contribute to the rows around it.
-    pub fn row(&self, empty: Row, tracer: RowTracer, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
+    pub fn row(&self, empty: Row, tracer: &PictureTracer, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
         let mut painter = Painter { plan, ..self.painter(empty, tracer, is_shown) };
         let (columns, mut packet) = (self.columns(), SamplePacket::default());
         if self.request.has_costs() {
             for column in columns {
                 painter.paint_and_count(column, &mut packet);
-                if painter.tracer.is_cut() {
+                if painter.memory.is_cut() {
                     return None;
                 }
             }
@@ -54,7 +54,7 @@ impl RenderSetting<'_> {
         }
         for first in columns.clone().step_by(SamplePacket::SIZE) {
             painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
-            if painter.tracer.is_cut() {
+            if painter.memory.is_cut() {
                 return None;
             }
         }
@@ -75,11 +75,12 @@ impl RenderSetting<'_> {
     }
 
     /// A painter of an empty row.
-    fn painter<'a>(&'a self, row: Row, tracer: RowTracer<'a>, is_shown: bool) -> Painter<'a> {
+    fn painter<'a>(&'a self, row: Row, tracer: &'a PictureTracer<'a>, is_shown: bool) -> Painter<'a> {
         let RenderSetting { request, .. } = *self;
         Painter {
             setting: *self,
             tracer,
+            memory: tracer.memory(),
             is_shown,
             shown: request.columns(),
             center_weight: request.filter.weight(DVec2::ZERO),
@@ -113,7 +114,8 @@ impl RenderSetting<'_> {
 /// Traces the pixels of one row.
 struct Painter<'a> {
     setting: RenderSetting<'a>,
-    tracer: RowTracer<'a>,
+    tracer: &'a PictureTracer<'a>,
+    memory: Memory<'a>,
     is_shown: bool,
     /// The columns of the window.
     shown: Range<usize>,
@@ -241,7 +243,8 @@ impl Painter<'_> {
     fn trace(&mut self, wanted: Wanted, packet: &mut SamplePacket, colors: &mut PacketColors) {
         let of_tracer =
             Wanted { colors: wanted.colors && matches!(self.setting.view, View::Scene), ..wanted };
-        self.tracer.trace(self.row.j, of_tracer, packet, colors, &mut self.row.counts);
+        let (memory, counts) = (&mut self.memory, &mut self.row.counts);
+        self.tracer.trace(self.row.j, of_tracer, packet, colors, memory, counts);
         let RenderSetting { view, request, .. } = self.setting;
         match view {
             View::Scene => {}

@@ -9,7 +9,7 @@ use super::plan::Band;
 use super::request::Request;
 use super::row::{Colors, RenderSetting, Row};
 use super::tally::{Tally, in_parallel};
-use super::tracing::{PictureTracer, RowsTracer};
+use super::tracing::PictureTracer;
 use super::{Stopped, TakeRow, delivery};
 use crate::picture::Color;
 use crate::sampling::film::Film;
@@ -86,7 +86,7 @@ impl<'a> Strip<'a> {
     /// Traces the rows and hands them out as soon as they are finished.
     fn hand_out_one_by_one(
         &self,
-        tracer: &RowsTracer,
+        tracer: &PictureTracer,
         bands: &[Band],
         tally: &Tally,
         take_row: TakeRow,
@@ -118,7 +118,7 @@ impl<'a> Strip<'a> {
     }
 
     /// Traces the strip; none if the watch cancels the render.
-    fn finish(&self, tracer: &RowsTracer, bands: &[Band], tally: &Tally) -> Option<Finished> {
+    fn finish(&self, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Finished> {
         let Request { filter, size, .. } = *self.setting.request;
         let traced = self.traced();
         let mut film = Film::starting_at(filter, size, traced.start);
@@ -166,10 +166,10 @@ impl<'a> Strip<'a> {
     }
 
     /// Traces a row; none if the render is cancelled meanwhile.
-    fn row(&self, empty: Row, tracer: &RowsTracer, bands: &[Band], tally: &Tally) -> Option<Row> {
+    fn row(&self, empty: Row, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Row> {
         let is_shown = self.rows.contains(&empty.j);
         let plan = bands.iter().find_map(|band| band.plan(empty.j));
-        let mut row = self.setting.row(empty, tracer.row(), is_shown, plan)?;
+        let mut row = self.setting.row(empty, tracer, is_shown, plan)?;
         row.counts = row.counts.merge(plan.map_or(Counts::default(), |plan| plan.counts));
         if is_shown {
             tally.row_is_done(row.counts.rays());

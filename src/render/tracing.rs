@@ -1,14 +1,18 @@
-//! Who traces the rays of a picture: the tracer itself, which is counted, or its fast twin.
+//! Traces the samples of a picture, counted or as soon as possible.
 
 use super::request::{Request, View};
 use crate::camera::Camera;
 use crate::caster::Caster;
 #[cfg(feature = "fast")]
-use crate::fast::{Demand, FastRow, FastRows, FastTracer, Footprint};
+use crate::fast::{Demand, Footprint, RasterHints};
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::stats::Counts;
-use crate::trace::{ByModel, Effects, Observer, Patience, Rules, Tracer};
-use glam::DVec2;
+#[cfg(not(feature = "fast"))]
+use crate::trace::NoHints;
+#[cfg(feature = "fast")]
+use crate::trace::Shadows;
+use crate::trace::{Effects, Memory, Patience, RayCount, Tracer};
+use fearless_simd::dispatch;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -23,34 +27,18 @@ pub enum Tracing {
     Counted,
 }
 
-/// Traces the rays of a picture.
-pub enum PictureTracer<'a> {
-    Plain(PlainTracer<'a>),
-    #[cfg(feature = "fast")]
-    Fast(FastTracer<'a>),
-}
-
-/// Traces the rays of some rows.
-pub enum RowsTracer<'a> {
-    Plain(PlainTracer<'a>),
-    #[cfg(feature = "fast")]
-    Fast(FastRows<'a>),
-}
-
-/// Traces the rays of one row.
-pub enum RowTracer<'a> {
-    Plain(PlainTracer<'a>),
-    #[cfg(feature = "fast")]
-    Fast(FastRow<'a>),
-}
-
-/// Traces rays one by one.
-#[derive(Clone, Copy)]
-pub struct PlainTracer<'a> {
+/// Traces the samples of a picture.
+#[derive(Clone, Debug)]
+pub struct PictureTracer<'a> {
     camera: &'a Camera,
     caster: &'a Caster<'a>,
     effects: Effects,
+    tracing: Tracing,
     patience: Patience<'a>,
+    #[cfg(feature = "fast")]
+    hints: RasterHints,
+    #[cfg(not(feature = "fast"))]
+    hints: NoHints,
 }
 
 impl<'a> PictureTracer<'a> {
@@ -62,142 +50,77 @@ impl<'a> PictureTracer<'a> {
         tracing: Tracing,
         patience: Patience<'a>,
     ) -> Self {
-        match tracing {
-            #[cfg(feature = "fast")]
-            Tracing::Fast => Self::Fast(FastTracer::new(camera, caster, demand(view, request), patience)),
-            _ => {
-                let _ = view;
-                Self::Plain(PlainTracer { camera, caster, effects: request.effects, patience })
-            }
+        #[cfg(feature = "fast")]
+        let hints = RasterHints::new(caster.world, demand(view, request, tracing));
+        #[cfg(not(feature = "fast"))]
+        let (hints, _) = (NoHints, view);
+        Self { camera, caster, effects: request.effects, tracing, patience, hints }
+    }
+
+    /// Prepares to trace these rows, counted from the bottom.
+    #[cfg(feature = "fast")]
+    pub fn rows(&self, rows: Range<usize>) -> Self {
+        if self.tracing == Tracing::Counted {
+            return self.clone();
         }
+        Self { hints: self.hints.in_rows(self.camera, self.caster, rows), ..self.clone() }
     }
 
-    /// For these rows, counted from the bottom.
-    pub fn rows(&self, rows: Range<usize>) -> RowsTracer<'_> {
-        match self {
-            Self::Plain(plain) => {
-                let _ = rows;
-                RowsTracer::Plain(*plain)
-            }
-            #[cfg(feature = "fast")]
-            Self::Fast(fast) => RowsTracer::Fast(fast.rows(rows)),
-        }
-    }
-}
-
-impl RowsTracer<'_> {
-    pub fn row(&self) -> RowTracer<'_> {
-        match self {
-            Self::Plain(plain) => RowTracer::Plain(*plain),
-            #[cfg(feature = "fast")]
-            Self::Fast(fast) => RowTracer::Fast(fast.row()),
-        }
-    }
-}
-
-impl<'a> RowTracer<'a> {
-    /// Whether rays of the row were left out, since the render was cancelled.
-    pub fn is_cut(&mut self) -> bool {
-        self.patience().has_ended
+    #[cfg(not(feature = "fast"))]
+    pub fn rows(&self, _: Range<usize>) -> Self {
+        self.clone()
     }
 
-    fn patience(&mut self) -> &mut Patience<'a> {
-        match self {
-            Self::Plain(plain) => &mut plain.patience,
-            #[cfg(feature = "fast")]
-            Self::Fast(fast) => fast.patience(),
-        }
+    /// The memory for a row.
+    pub fn memory(&self) -> Memory<'a> {
+        Memory::new(self.patience)
     }
 
-    /// Traces the samples of a packet, which lie in row `j`, and enters their colours, if they are wanted. The rays from
+    /// Traces the samples of a packet, which lie in row `j`, and enters their colours if they are wanted. The rays from
     /// the camera are not counted. Does nothing once the row is cut.
     pub fn trace(
-        &mut self,
+        &self,
         j: usize,
         wanted: Wanted,
         packet: &mut SamplePacket,
         colors: &mut PacketColors,
+        memory: &mut Memory,
         counts: &mut Counts,
     ) {
-        if self.is_cut() {
+        let Self { camera, caster, effects, .. } = self;
+        if memory.is_cut() {
             return;
         }
-        match self {
-            Self::Plain(plain) => plain.trace(j, wanted, packet, colors, counts),
-            #[cfg(feature = "fast")]
-            Self::Fast(fast) => counts.non_shadow_rays += fast.trace(j, wanted, packet, colors),
+        let level = caster.level;
+        match self.tracing {
+            Tracing::Counted => {
+                let tracer = Tracer::new(caster, *effects);
+                dispatch!(level, simd => tracer.trace(simd, camera, j, wanted, packet, colors, memory, counts));
+            }
+            Tracing::Fast => {
+                let tracer = Tracer::with_hints(caster, *effects, &self.hints);
+                let rays = &mut RayCount::default();
+                dispatch!(level, simd => tracer.trace(simd, camera, j, wanted, packet, colors, memory, rays));
+                counts.non_shadow_rays += rays.0;
+            }
         }
-        self.patience().spend(packet.samples().len());
+        memory.patience.spend(packet.samples().len());
     }
 }
 
-impl PlainTracer<'_> {
-    fn trace<O: Observer>(
-        &mut self,
-        j: usize,
-        wanted: Wanted,
-        packet: &mut SamplePacket,
-        colors: &mut PacketColors,
-        observer: &mut O,
-    ) {
-        let Self { caster, effects, .. } = *self;
-        if caster.world.is_of_course() {
-            return self.trace_with(Tracer { rules: caster, effects }, j, wanted, packet, colors, observer);
-        }
-        let rules = &ByModel(caster);
-        self.trace_with(Tracer { rules, effects }, j, wanted, packet, colors, observer);
-    }
-
-    fn trace_with<R: Rules, O: Observer>(
-        &mut self,
-        tracer: Tracer<R>,
-        j: usize,
-        wanted: Wanted,
-        packet: &mut SamplePacket,
-        colors: &mut PacketColors,
-        observer: &mut O,
-    ) {
-        let camera = self.camera;
-        let samples = packet.samples_mut();
-        // Step by step, since the processor works on the same step of several samples at once.
-        for sample in &mut *samples {
-            sample.ray = camera.ray(DVec2::new(sample.source.column as f64, j as f64), sample.source.offset);
-        }
-        for sample in &mut *samples {
-            sample.visible = wanted.hits.then(|| tracer.nearest(&sample.ray, None, observer)).flatten();
-        }
-        if wanted.surfaces {
-            for sample in &mut *samples {
-                sample.surface = sample.visible.map(|visible| tracer.rules.surface(&sample.ray, visible));
-            }
-        }
-        if wanted.colors {
-            let mut pending = vec![];
-            for (sample, color) in samples.iter().zip(colors) {
-                *color = tracer.color_with(
-                    &mut pending,
-                    &mut self.patience,
-                    &sample.ray,
-                    sample.surface,
-                    observer,
-                );
-            }
-        }
-    }
-}
-
-/// The rays that a request asks for.
+/// The rays that a request asks for, of which none is counted.
 #[cfg(feature = "fast")]
-fn demand(view: View, request: &Request) -> Demand {
-    let colors = request.traces_colors(Tracing::Fast) && matches!(view, View::Scene);
+fn demand(view: View, request: &Request, tracing: Tracing) -> Demand {
+    let is_scene = matches!(view, View::Scene);
+    let colors = tracing == Tracing::Fast && request.traces_colors(tracing) && is_scene;
     let footprint = if colors && !request.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
     let samples = request.window_size().iter().product::<usize>() * request.samples();
+    let is_blocked_or_not = colors && request.effects.shadows == Shadows::Opaque;
     Demand {
         size: request.size,
         columns: request.columns(),
         footprint: (request.measures() || colors).then_some(footprint),
-        colors: if colors { samples } else { 0 },
-        effects: request.effects,
+        shadow_rays: if is_blocked_or_not { samples } else { 0 },
     }
 }
 
@@ -234,8 +157,8 @@ mod tests {
         ] {
             let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
             let request = Request { sampler, effects, layers, ..Request::new([6, 5]) };
-            let demand = demand(view, &request);
-            assert_eq!((demand.footprint, demand.colors), (footprint, colors), "{request:?}");
+            let demand = demand(view, &request, Tracing::Fast);
+            assert_eq!((demand.footprint, demand.shadow_rays), (footprint, colors), "{request:?}");
         }
     }
 }

@@ -9,10 +9,37 @@ use crate::math::simd::ROUND_TO_INTEGER;
 use crate::picture::Color;
 use crate::scene::MaterialId;
 use crate::scene::limits::LARGEST;
-use crate::scene::material::{Material, Pattern, Texture};
+use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
+use crate::world::{SurfacePoint, World};
 use fearless_simd::{Simd, dispatch};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
+
+/// The material of a surface, with its textures evaluated at the point.
+#[inline(always)]
+pub fn material_of_surface<'m>(
+    world: &'m World,
+    surface: &SurfacePoint,
+    level: Level,
+    mixture: &'m mut Mixture,
+) -> PointMaterial<'m> {
+    match &world.materials[surface.material] {
+        Material::Phong(phong) => phong.into(),
+        Material::Painted(phong, paint) => {
+            let diffuse = match *paint {
+                Paint::Image { image, .. } => world.image_color(image, surface),
+                Paint::Pattern(pattern, colors) => {
+                    Some(mixed_color(pattern, colors, surface.position, level))
+                }
+            };
+            mixture.start(&Phong { diffuse: diffuse.unwrap_or(phong.diffuse), ..*phong }, 1.0);
+            mixture.material()
+        }
+        Material::Texture(_) => world.with_rounded_point(surface, |point| {
+            material_at(&world.materials, surface.material, point, level, mixture)
+        }),
+    }
+}
 
 /// The material `id` at a point of world space, with each texture that it depends on evaluated once.
 ///

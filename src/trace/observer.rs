@@ -1,4 +1,4 @@
-//! What happens while a ray is followed, for whoever wants to know.
+//! The steps of the tracer, for those who count or record them.
 
 use crate::math::ray::{Hit, Ray};
 use crate::picture::Color;
@@ -9,7 +9,8 @@ use crate::world::SurfacePoint;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Watches the tracer. By default it does not, which costs nothing.
+/// Watches the tracer. By default it does not, which costs nothing. If it counts ([`Probe::COUNTS`]), the tracer takes all
+/// steps of the course's program; otherwise it skips work that cannot change the picture.
 pub trait Observer: Probe {
     /// A camera ray, or a reflected or refracted one.
     #[inline(always)]
@@ -38,6 +39,24 @@ impl Observer for Counts {
     }
 }
 
+/// Counts rays of any kind, and nothing else, so that work may be skipped.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RayCount(pub u64);
+
+impl Probe for RayCount {}
+
+impl Observer for RayCount {
+    #[inline(always)]
+    fn non_shadow_ray(&mut self) {
+        self.0 += 1;
+    }
+
+    #[inline(always)]
+    fn shadow_ray(&mut self) {
+        self.0 += 1;
+    }
+}
+
 /// The way in which a ray leaves a surface to be followed further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -63,13 +82,6 @@ pub enum PathEnd {
     },
     /// All light is reflected at this angle.
     TotalReflection,
-}
-
-impl PathEnd {
-    /// The end of a way with this colour: for want of colour, else for `reason`.
-    pub(super) fn of(color: Color, reason: Self) -> Self {
-        if color == Color::ZERO { Self::NoColor } else { reason }
-    }
 }
 
 /// A step of the tracer. The events of one ray follow each other, from its surface to its colour; then the next of the

@@ -87,9 +87,46 @@ fn is_refracted_precisely(SquaredSine { numerator, denominator }: SquaredSine, i
     (behind * denominator - front * numerator).value() >= 0.0
 }
 
+/// The part of the light that is mirrored at a transparent surface between two media, whose indices of refraction are that
+/// in front of it and that behind it, by Schlick's approximation ("An Inexpensive BRDF Model for Physically-based
+/// Rendering", Computer Graphics Forum 13(3), 1994). `cosine` is that of the angle in front.
+pub(crate) fn mirrored_part(cosine: f64, [front, behind]: [f64; 2]) -> f64 {
+    let ratio = front / behind;
+    let refracted_square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+    if refracted_square < 0.0 {
+        return 1.0;
+    }
+    // The larger one of the angles in front of the surface and behind it counts.
+    let cosine = if front <= behind { cosine } else { refracted_square.sqrt() };
+    // As in the course's program, the medium behind is compared with empty space, whatever is in front. So nothing is
+    // mirrored at a right angle where a ray leaves an object.
+    let root = (behind - 1.0) / (behind + 1.0);
+    let straight = root * root;
+    // Products in a fixed order, which are the same on every machine.
+    let (grazing, square) = (1.0 - cosine, (1.0 - cosine) * (1.0 - cosine));
+    straight + (1.0 - straight) * (grazing * (square * square))
+}
+
 /// Whether a few roundings could turn refraction into total reflection, or the reverse.
 pub fn is_critical(direction: DVec3, normal: DVec3, [front, behind]: [f64; 2]) -> bool {
     let ratio = front / behind;
     let (_, normal_squared) = components(direction, normal, ratio);
     normal_squared.abs() <= CLOSE_ROUNDINGS * UNIT_ROUNDOFF * ratio
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_media_the_one_behind_decides_how_much_is_mirrored() {
+        let near = |cosine, indices, expected: f64| (mirrored_part(cosine, indices) - expected).abs() < 1e-15;
+        assert!(near(1.0, [1.0, 2.0], 1.0 / 9.0) && near(1.0, [2.0, 1.0], 0.0));
+        // A ray that is mirrored on the outside may meet the surface from within.
+        assert!(near(0.5, [1.0, 1.0], 1.0 / 32.0) && near(1.0, [2.0, 2.0], 1.0 / 9.0));
+        // The sine is 0.3, and 0.6 behind the surface.
+        assert!(near(0.91f64.sqrt(), [2.0, 1.0], 0.2f64.powi(5)));
+        assert!(near(0.8, [1.0, 2.0], 1.0 / 9.0 + 8.0 / 9.0 * 0.2f64.powi(5)));
+        assert_eq!([0.0, 0.86].map(|cosine| mirrored_part(cosine, [2.0, 1.0])), [1.0; 2]);
+    }
 }

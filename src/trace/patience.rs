@@ -13,7 +13,7 @@ pub const MOST_WAITING: usize = 1 << 18;
 /// Asks now and then whether rays are still to be traced, since one camera ray may cause more of them than can ever be
 /// traced.
 #[derive(Clone, Copy)]
-pub(crate) struct Patience<'a> {
+pub struct Patience<'a> {
     is_over: &'a (dyn Fn(usize) -> bool + Sync),
     /// The number of rays between two questions, without those to lights.
     at_once: u32,

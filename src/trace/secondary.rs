@@ -1,9 +1,9 @@
-//! Secondary rays: which ones leave a surface.
+//! Secondary rays: the reflected and the refracted ray at a surface.
 
 use super::observer::{Event, Observer, PathEnd, Secondary};
-use super::optics::refracted_between;
-use super::rules::{Departure, Rules};
-use super::{Arrival, Tracer};
+use super::optics::{mirrored_part, reflected, refracted_between};
+use super::{Arrival, Hints, Tracer};
+use crate::math::double_double::SquaredSine;
 use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::scene::limits::BRIGHTEST;
@@ -12,7 +12,7 @@ use glam::DVec3;
 
 /// The history of a ray since it left the camera.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Path {
+pub(super) struct Path {
     /// The factor by which its colour contributes to the picture.
     pub filter: Color,
     /// The product of the lengths of the colours along the path, which is the weight in the course's program.
@@ -23,89 +23,110 @@ pub(crate) struct Path {
 }
 
 impl Path {
-    /// The path of a camera ray.
     pub const CAMERA: Self = Self { filter: Color::ONE, weight: 1.0, bounces: 0, index: 1.0 };
 }
 
-/// A secondary ray that has not been traced yet.
+/// A secondary ray that waits.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SecondaryRay {
+pub(super) struct SecondaryRay {
     pub ray: Ray,
     /// The primitive that the ray leaves.
     pub leaves: Option<u32>,
     pub path: Path,
 }
 
-impl<R: Rules> Tracer<'_, R> {
+impl Arrival<'_> {
+    fn is_entering(&self) -> bool {
+        self.ray.direction.dot(self.surface.normal) < 0.0
+    }
+
+    /// The indices of refraction in front of the surface and behind it.
+    fn indices(&self) -> [f64; 2] {
+        let behind = if self.is_entering() { self.material.phong.index_of_refraction } else { 1.0 };
+        [self.path.index, behind]
+    }
+
+    /// The part of the light that is mirrored; all at a surface that is opaque.
+    fn mirrored_part(&self) -> f64 {
+        if self.material.phong.transparent == Color::ZERO {
+            return 1.0;
+        }
+        mirrored_part(self.ray.direction.dot(self.surface.normal).abs(), self.indices())
+    }
+}
+
+impl<H: Hints> Tracer<'_, H> {
     /// Pushes the reflected ray, if one is followed.
     #[inline(always)]
-    pub(crate) fn reflect<O: Observer>(
+    pub(super) fn reflect<O: Observer>(
         &self,
-        path: &Path,
         arrival: &Arrival,
         pending: &mut Vec<SecondaryRay>,
         observer: &mut O,
     ) {
         let kind = Secondary::Reflected;
-        let color = match self.rules.model().split {
+        let color = match self.world().model.split {
             Split::Colors => arrival.material.phong.reflective,
-            Split::Schlick => arrival.material.phong.reflective * self.mirrored_part(path, arrival),
+            Split::Schlick => arrival.material.phong.reflective * arrival.mirrored_part(),
         };
-        let branch = self.filter_and_weight(kind, path, color);
-        let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
-        let direction = self.rules.reflected(arrival.ray.direction, arrival.surface.normal);
-        let path = Path { filter, weight, bounces: path.bounces + 1, index: path.index };
-        pending.push(self.branch(kind, arrival, direction, path, observer));
+        let Some(path) = self.next_path(kind, arrival.path, color, observer) else { return };
+        let direction = reflected(arrival.ray.direction, arrival.surface.normal);
+        pending.push(self.secondary_ray(kind, arrival, direction, path, observer));
     }
 
     /// Pushes the refracted ray, if one is followed.
     #[inline(always)]
-    pub(crate) fn refract<O: Observer>(
+    pub(super) fn refract<O: Observer>(
         &self,
-        path: &Path,
         arrival: &Arrival,
         pending: &mut Vec<SecondaryRay>,
         observer: &mut O,
     ) {
         let kind = Secondary::Refracted;
-        let material = arrival.material.phong;
-        let color = match self.rules.model().split {
-            Split::Colors => material.transparent,
-            Split::Schlick => material.transparent * (1.0 - self.mirrored_part(path, arrival)),
+        let color = match self.world().model.split {
+            Split::Colors => arrival.material.phong.transparent,
+            Split::Schlick => arrival.material.phong.transparent * (1.0 - arrival.mirrored_part()),
         };
-        let branch = self.filter_and_weight(kind, path, color);
-        let Some((filter, weight)) = branch.or_end(kind, observer) else { return };
-        let (direction, normal) = (arrival.ray.direction, arrival.surface.normal);
-        let is_entering = direction.dot(normal) < 0.0;
-        let against = if is_entering { normal } else { -normal };
-        let indices = self.rules.indices(path.index, material, is_entering);
+        let Some(path) = self.next_path(kind, arrival.path, color, observer) else { return };
+        let (direction, normal, indices) = (arrival.ray.direction, arrival.surface.normal, arrival.indices());
+        let against = if arrival.is_entering() { normal } else { -normal };
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
-        let sine = || self.rules.precise_sine(arrival.ray.origin, direction, arrival.surface);
-        let refracted = refracted_between(direction, against, indices, sine);
-        let (onwards, index) = match refracted {
-            Some(refracted) => (Some(refracted), if is_entering { indices[1] } else { 1.0 }),
-            None => (self.rules.totally_reflected(direction, normal), path.index),
-        };
-        let Some(direction) = onwards.ok_or(PathEnd::TotalReflection).or_end(kind, observer) else {
-            return;
-        };
-        let path = Path { filter, weight, bounces: path.bounces + 1, index };
-        pending.push(self.branch(kind, arrival, direction, path, observer));
+        match refracted_between(direction, against, indices, || self.precise_sine(arrival)) {
+            Some(direction) => {
+                let path = Path { index: indices[1], ..path };
+                pending.push(self.secondary_ray(kind, arrival, direction, path, observer));
+            }
+            None => observer.observe(|| Event::NotFollowed { kind, end: PathEnd::TotalReflection }),
+        }
     }
 
-    /// How much of the light is mirrored at a surface; all at one that is opaque.
-    fn mirrored_part(&self, path: &Path, arrival: &Arrival) -> f64 {
-        let material = arrival.material.phong;
-        if material.transparent == Color::ZERO {
-            return self.rules.mirrored(1.0);
-        }
-        let cosine = arrival.ray.direction.dot(arrival.surface.normal);
-        let indices = self.rules.indices(path.index, material, cosine < 0.0);
-        self.rules.mirrored(mirrored_part(cosine.abs(), indices))
+    /// Returns the path of a secondary ray that is multiplied by this colour; none if it is not followed.
+    #[inline(always)]
+    fn next_path<O: Observer>(
+        &self,
+        kind: Secondary,
+        path: &Path,
+        color: Color,
+        observer: &mut O,
+    ) -> Option<Path> {
+        let weight = path.weight * color.length();
+        let end = if color == Color::ZERO {
+            PathEnd::NoColor
+        } else if path.bounces >= self.effects.bounces {
+            PathEnd::Bounces
+        } else if weight > self.effects.min_weight {
+            let bound = Color::splat(BRIGHTEST);
+            let filter = (path.filter * color).clamp(-bound, bound);
+            return Some(Path { filter, weight, bounces: path.bounces + 1, index: path.index });
+        } else {
+            PathEnd::Weight { weight }
+        };
+        observer.observe(|| Event::NotFollowed { kind, end });
+        None
     }
 
     #[inline(always)]
-    fn branch<O: Observer>(
+    fn secondary_ray<O: Observer>(
         &self,
         kind: Secondary,
         arrival: &Arrival,
@@ -113,82 +134,20 @@ impl<R: Rules> Tracer<'_, R> {
         path: Path,
         observer: &mut O,
     ) -> SecondaryRay {
-        let (ray, leaves) = self.rules.departing(Departure::Secondary(kind), arrival.surface, direction);
+        let ray = self.departing(arrival.surface, direction);
         let Path { filter, weight, .. } = path;
         let exclude = arrival.surface.triangle;
         observer.observe(|| Event::Pushed { kind, ray, exclude, filter, weight });
-        SecondaryRay { ray, leaves, path }
+        SecondaryRay { ray, leaves: self.origin_primitive(arrival.surface), path }
     }
 
-    /// The filter and the weight of a secondary ray, if it is traced.
+    /// The sine of the angle between the ray and the surface's normal, with less rounding than that of the unit normal where
+    /// that is known.
     #[inline(always)]
-    fn filter_and_weight(&self, kind: Secondary, path: &Path, color: Color) -> Result<(Color, f64), PathEnd> {
-        if path.bounces >= self.effects.bounces {
-            return Err(PathEnd::of(color, PathEnd::Bounces));
-        }
-        let weight = path.weight * color.length();
-        if weight > self.effects.min_weight {
-            let bound = Color::splat(BRIGHTEST);
-            let filter = path.filter * self.rules.filter(kind, color);
-            Ok((filter.clamp(-bound, bound), weight))
-        } else {
-            Err(PathEnd::of(color, PathEnd::Weight { weight }))
-        }
-    }
-}
-
-/// How much of the light is mirrored at a transparent surface between two media, whose indices of refraction are that
-/// in front of it and that behind it, by Schlick's approximation ("An Inexpensive BRDF Model for Physically-based
-/// Rendering", Computer Graphics Forum 13(3), 1994). `cosine` is that of the angle in front.
-pub(crate) fn mirrored_part(cosine: f64, [front, behind]: [f64; 2]) -> f64 {
-    let ratio = front / behind;
-    let refracted_square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
-    if refracted_square < 0.0 {
-        return 1.0;
-    }
-    // The larger one of the angles in front of the surface and behind it counts.
-    let cosine = if front <= behind { cosine } else { refracted_square.sqrt() };
-    // As in the course's program, the medium behind is compared with empty space, whatever is in front. So nothing is
-    // mirrored at a right angle where a ray leaves an object.
-    let root = (behind - 1.0) / (behind + 1.0);
-    let straight = root * root;
-    // Products in a fixed order, which are the same on every machine.
-    let (grazing, square) = (1.0 - cosine, (1.0 - cosine) * (1.0 - cosine));
-    straight + (1.0 - straight) * (grazing * (square * square))
-}
-
-/// A step on the way of a secondary ray, or its end.
-trait OrEnd<T> {
-    /// The step, if there is one. Otherwise the observer is told why no ray of this kind is followed.
-    fn or_end<O: Observer>(self, kind: Secondary, observer: &mut O) -> Option<T>;
-}
-
-impl<T> OrEnd<T> for Result<T, PathEnd> {
-    #[inline(always)]
-    fn or_end<O: Observer>(self, kind: Secondary, observer: &mut O) -> Option<T> {
-        match self {
-            Ok(step) => Some(step),
-            Err(end) => {
-                observer.observe(|| Event::NotFollowed { kind, end });
-                None
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn of_two_media_the_one_behind_decides_how_much_is_mirrored() {
-        let near = |cosine, indices, expected: f64| (mirrored_part(cosine, indices) - expected).abs() < 1e-15;
-        assert!(near(1.0, [1.0, 2.0], 1.0 / 9.0) && near(1.0, [2.0, 1.0], 0.0));
-        // A ray that is mirrored on the outside may meet the surface from within.
-        assert!(near(0.5, [1.0, 1.0], 1.0 / 32.0) && near(1.0, [2.0, 2.0], 1.0 / 9.0));
-        // The sine is 0.3, and 0.6 behind the surface.
-        assert!(near(0.91f64.sqrt(), [2.0, 1.0], 0.2f64.powi(5)));
-        assert!(near(0.8, [1.0, 2.0], 1.0 / 9.0 + 8.0 / 9.0 * 0.2f64.powi(5)));
-        assert_eq!([0.0, 0.86].map(|cosine| mirrored_part(cosine, [2.0, 1.0])), [1.0; 2]);
+    fn precise_sine(&self, Arrival { ray, surface, .. }: &Arrival) -> SquaredSine {
+        // A smooth normal is not the triangle's.
+        let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
+        let primitive = surface.primitive.filter(|_| !is_smooth);
+        self.world().precise_sine((ray.origin, ray.direction), primitive, surface.normal)
     }
 }

@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::caster::Caster;
+use crate::caster::choose::Layout;
+use crate::math::instructions;
 use crate::scene::parser::parse;
 use crate::stats::{Counts, Quiet};
 use glam::DVec3;
@@ -31,7 +33,7 @@ impl Setting {
 
     fn seen_by(&self, ray: &Ray, observer: &mut impl Observer) -> Color {
         let caster = Caster::new(&self.world, None).unwrap();
-        Tracer { rules: &caster, effects: self.effects }.color(ray, observer)
+        Tracer::new(&caster, self.effects).color(ray, &mut Memory::default(), observer)
     }
 
     /// The colour seen from a point in a direction, which is the same whether it is counted or not.
@@ -53,8 +55,8 @@ impl Setting {
             primitive: None,
             triangle: None,
         };
-        let tracer = Tracer { rules: &caster, effects: self.effects };
-        tracer.color_of(&Ray::new(DVec3::Z, DVec3::NEG_Z), Some(surface), &mut Quiet)
+        let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
+        Tracer::new(&caster, self.effects).color_of(&ray, Some(&surface), &mut Memory::default(), &mut Quiet)
     }
 }
 
@@ -305,13 +307,13 @@ fn tinted_shadows_of_a_light_on_glass_follow_the_length_of_the_way_within() {
         let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
         let caster = Caster::new(&world, None).unwrap();
         let effects = Effects { shadows: Shadows::Transparent, ..Effects::default() };
-        let tracer = Tracer { rules: &caster, effects };
+        let tracer = Tracer::new(&caster, effects);
         let (light, mut within) = (DVec3::from_array(light), 0);
         for i in 0..400 {
             let turn = f64::from(i);
             let target = DVec3::new(3.7 * (0.71 * turn).sin(), 3.3 * (1.3 * turn).cos(), -3.0);
             let ray = Ray::new(target + 0.5 * DVec3::Z, -DVec3::Z);
-            let color = tracer.color(&ray, &mut Quiet);
+            let color = tracer.color(&ray, &mut Memory::default(), &mut Quiet);
             // The part of the way from 0 at the floor to 1 at the light that lies between the box's sides.
             let way = light - target;
             let [a, b] = [-1.0, 1.0].map(|side| (DVec3::splat(side) - target) / way);
@@ -322,5 +324,48 @@ fn tinted_shadows_of_a_light_on_glass_follow_the_length_of_the_way_within() {
             assert!((color - expected).length() < 1e-9, "{light} {target}: {color} {expected}");
         }
         assert_eq!(within > 50, light.z > 0.0, "{within}");
+    }
+}
+
+/// Glass with a mirror's coating, that of boxes and that of a ball, a mirror that is a floor, and something dull.
+const GLASS_AND_MIRRORS: &str = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }
+     Background { color .25 .5 1 ambientLight .125 .125 .125 }
+     Lights { numLights 2 DirectionalLight { direction -1 -2 -1 color .5 .5 .5 }
+     PointLight { position 0 4 0 color 1 .5 .25 } }
+     Materials { numMaterials 3
+     Material { diffuseColor .2 .3 .4 reflectiveColor .4 .3 .2 transparentColor .9 .8 .7 indexOfRefraction 1.5 }
+     Material { diffuseColor .5 .1 .2 reflectiveColor .5 .5 .5 }
+     Material { diffuseColor 1 .5 .25 specularColor 1 1 1 exponent 9 } }
+     Group { numObjects 5
+     MaterialIndex 0 Transform { Translate -1 .5 0 XRotate 40 Box { min -.7 -.7 -.7 max .7 .7 .7 } }
+     MaterialIndex 0 Transform { Translate 1 .5 0 ZRotate 25 Box { min -.7 -.7 -.7 max .7 .7 .7 } }
+     MaterialIndex 0 Sphere { center 0 .4 1.5 radius .6 }
+     MaterialIndex 2 Box { min -3 -1 -3 max -2 2 -2 }
+     MaterialIndex 1 Plane { normal 0 1 0 offset -1 } }";
+
+/// Camera rays from around the objects, some of which miss them. Neighbours are often close to each other.
+fn camera_ray(k: usize) -> Ray {
+    let [turn, height, aim] = [k / 8, k % 5, k].map(|k| k as f64);
+    let origin = DVec3::new(4.0 * turn.cos(), 0.2 + 0.5 * height, 4.0 * turn.sin());
+    let target = DVec3::new(1.3 * (0.37 * aim).sin(), 0.9 * (0.61 * aim).cos() + 0.4, (0.23 * aim).sin());
+    Ray::new(origin, (target - origin).normalize())
+}
+
+#[test]
+fn uncounted_rays_have_the_colours_of_counted_ones_with_fewer_shadow_rays() {
+    let world = World::new(&parse(GLASS_AND_MIRRORS).unwrap(), &[]).unwrap();
+    let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 4, min_weight: 0.01 };
+    for level in instructions::available() {
+        let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), level).unwrap();
+        let tracer = Tracer::new(&caster, effects);
+        let (mut memory, mut rays, mut counts) = (Memory::default(), RayCount::default(), Counts::default());
+        for ray in (0..1500).map(camera_ray) {
+            let color = tracer.color(&ray, &mut memory, &mut rays);
+            let expected = tracer.color(&ray, &mut memory, &mut counts);
+            let bits = |color: Color| color.to_array().map(f64::to_bits);
+            assert_eq!(bits(color), bits(expected), "{ray:?}");
+        }
+        assert!(rays.0 < counts.rays() && rays.0 > counts.non_shadow_rays);
+        assert!(counts.non_shadow_rays > 4 * 1500, "{}", counts.non_shadow_rays);
     }
 }

@@ -6,7 +6,7 @@ use crate::picture::Color;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::Mesh;
 use crate::scene::model::{FaceWeights, MeshNormals, Model};
-use crate::scene::texels::face;
+use crate::scene::texels::{CubeFaces, face};
 use glam::{DMat3, DVec2, DVec3};
 
 impl World {
@@ -16,13 +16,26 @@ impl World {
     }
 
     /// The colour along a ray that hits nothing.
+    #[inline(always)]
     pub fn background_along(&self, direction: DVec3) -> Color {
-        let Some(faces) = self.cube_map else { return self.background };
+        match self.cube_map {
+            Some(faces) => self.cube_color(faces, direction),
+            None => self.background,
+        }
+    }
+
+    fn cube_color(&self, faces: CubeFaces, direction: DVec3) -> Color {
         let (index, place) = face(direction);
         faces
             .get(index)
             .and_then(|&image| self.images.get(image))
             .map_or(self.background, |image| image.color(place))
+    }
+
+    /// Whether there are smooth meshes.
+    #[inline(always)]
+    pub fn has_smooth_normals(&self) -> bool {
+        !self.vertex_normals.is_empty()
     }
 
     /// The normal on a smooth mesh, which is interpolated between the vertices; none on other surfaces.
@@ -47,6 +60,7 @@ impl World {
     }
 
     /// The factor of ambient light at a surface whose diffuse colour there is `diffuse`.
+    #[inline(always)]
     pub fn ambient_color(&self, surface: &SurfacePoint, diffuse: Color) -> Color {
         match self.materials[surface.material] {
             Material::Painted(phong, Paint::Pattern(..) | Paint::Image { tints_ambient: false, .. }) => {

@@ -15,7 +15,7 @@ use raytracer::picture::Color;
 use raytracer::scene::Object;
 use raytracer::scene::material::{Material, Phong};
 use raytracer::stats::{Counts, Quiet};
-use raytracer::trace::{Effects, Tracer};
+use raytracer::trace::{Effects, Memory, Tracer};
 use raytracer::world::World;
 
 type Exact3 = [BigRational; 3];
@@ -68,7 +68,7 @@ fn is_transmitted(object: &Object, index: f64, ray: &Ray) -> Option<bool> {
     let surface = world.surface(ray, &hit);
     let effects = Effects { bounces: 1, shade_back: true, ..Effects::default() };
     let mut counts = Counts::default();
-    Tracer { rules: &caster, effects }.color_of(ray, Some(surface), &mut counts);
+    Tracer::new(&caster, effects).color_of(ray, Some(&surface), &mut Memory::default(), &mut counts);
     Some(counts.non_shadow_rays > 0)
 }
 

@@ -12,7 +12,7 @@ use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object, Position};
 use raytracer::stats::{Counts, Quiet};
-use raytracer::trace::{Effects, Shadows, Tracer};
+use raytracer::trace::{Effects, Memory, Shadows, Tracer};
 use raytracer::world::{Primitive, World};
 
 /// The points of the screen that are looked at for one light.
@@ -43,9 +43,9 @@ fn are_lit(
     let lit = |target: &DVec3| {
         let ray = Ray::new(*target + 1e-3 * size * normal, -normal);
         let hit = caster.closest(&ray, &mut Quiet).filter(|hit| hit.primitive == screen)?;
-        let tracer = Tracer { rules: &caster, effects };
-        let color = tracer.color(&ray, &mut Quiet);
-        assert_eq!(tracer.color(&ray, &mut Counts::default()), color);
+        let tracer = Tracer::new(&caster, effects);
+        let color = tracer.color(&ray, &mut Memory::default(), &mut Quiet);
+        assert_eq!(tracer.color(&ray, &mut Memory::default(), &mut Counts::default()), color);
         assert_eq!(hit.primitive, screen);
         Some(color != DVec3::ZERO)
     };

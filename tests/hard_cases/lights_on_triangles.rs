@@ -15,7 +15,7 @@ use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{Light, Object, Position};
 use raytracer::stats::{Counts, Quiet};
-use raytracer::trace::{Effects, Observer, Shadows, Tracer};
+use raytracer::trace::{Effects, Memory, Observer, Shadows, Tracer};
 use raytracer::world::World;
 
 /// A fan of four triangles around a corner, which is shared by all of them, and open at its rim.
@@ -143,7 +143,7 @@ impl Lit {
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
         let hit = caster.closest(ray, &mut Quiet)?;
         let is_plane = hit.primitive as usize == self.world.finite_count();
-        is_plane.then(|| Tracer { rules: caster, effects }.color(ray, observer))
+        is_plane.then(|| Tracer::new(caster, effects).color(ray, &mut Memory::default(), observer))
     }
 }
 

@@ -8,21 +8,22 @@ use crate::support::scenes::layers_and_nans;
 use crate::support::views::{Frame, View, narrow, triangles};
 use glam::DVec2;
 use raytracer::caster::Caster;
-use raytracer::fast::{Footprint, Seen, VisibilityBuffer};
+use raytracer::fast::{Footprint, VisibilityBuffer};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::stats::Quiet;
+use raytracer::trace::FirstHit;
 use raytracer::world::World;
 use raytracer::world::plane::Plane;
 
 const SEED: u64 = 3020;
 
 /// Whether the buffer is sure of something other than the truth.
-fn is_wrong(world: &World, ray: &Ray, seen: Seen, truth: Option<Hit>) -> bool {
+fn is_wrong(world: &World, ray: &Ray, seen: FirstHit, truth: Option<Hit>) -> bool {
     match seen {
-        Seen::Nothing => truth.is_some(),
-        Seen::Primitive(visible) => Some(world.hit(ray, visible)) != truth,
-        Seen::Unsure => false,
+        FirstHit::Nothing => truth.is_some(),
+        FirstHit::Primitive(visible) => Some(world.hit(ray, visible)) != truth,
+        FirstHit::Unknown => false,
     }
 }
 
@@ -45,10 +46,10 @@ pub fn compare(
         for offset in offsets(footprint, rng) {
             let ray = view.camera.ray(DVec2::new(i as f64, j as f64), offset);
             let truth = caster.closest(&ray, &mut Quiet);
-            let seen = buffer.seen(world, &ray, i, j);
+            let seen = buffer.first_hit(world, &ray, [i, j]);
             let wrong = is_wrong(world, &ray, seen, truth);
             failures.note(wrong, || format!("{rng:?}, pixel {i} {j} {offset}: {seen:?} {truth:?}"));
-            let one = [wrong, seen == Seen::Unsure, true].map(u64::from);
+            let one = [wrong, seen == FirstHit::Unknown, true].map(u64::from);
             counts = std::array::from_fn(|k| counts[k] + one[k]);
         }
     }
@@ -227,7 +228,7 @@ fn a_pixel_sees_what_its_ray_hits() {
         for pixel in view.pixels().filter(|&[_, j]| j >= first) {
             let (ray, [i, j]) = (view.ray(pixel), pixel);
             let truth = caster.closest(&ray, &mut Quiet);
-            let seen = buffer.seen(&world, &ray, i, j);
+            let seen = buffer.first_hit(&world, &ray, [i, j]);
             let wrong = is_wrong(&world, &ray, seen, truth);
             failures
                 .note(wrong, || format!("seed {SEED}, picture {index}, pixel {pixel:?}: {seen:?} {truth:?}"));
@@ -235,7 +236,7 @@ fn a_pixel_sees_what_its_ray_hits() {
                 world.planes.is_empty() && { view.textbook(&world, pixel) != truth.map(|hit| hit.primitive) };
             counts[0] += u64::from(wrong);
             counts[1] += u64::from(textbook);
-            counts[2] += u64::from(seen == Seen::Unsure);
+            counts[2] += u64::from(seen == FirstHit::Unknown);
             counts[3] += 1;
         }
         (counts, [])

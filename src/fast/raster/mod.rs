@@ -31,6 +31,7 @@ use crate::caster::Caster;
 use crate::caster::bounds::widened;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
+use crate::trace::FirstHit;
 use crate::world::{Primitive, World};
 use bins::Bins;
 use edge_functions::{EDGE_ROUNDINGS, EdgeFunctions, ErrorBound, InvDepthPlane};
@@ -41,18 +42,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use triangle_bounds::{ScreenVertex, TriangleBounds};
 
-pub use shadow_map::{Blocker, ShadowMaps};
-
-/// What rasterization knows of the first hit of a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
-    /// The ray hits nothing.
-    Nothing,
-    /// The ray hits this primitive first.
-    Primitive(Visible),
-    /// Rounding errors make the result uncertain, so that the ray has to be cast.
-    Unsure,
-}
+pub use shadow_map::ShadowMaps;
 
 /// Which rays through a pixel a buffer stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,17 +144,17 @@ impl VisibilityBuffer {
 
     /// The first hit of `ray`, which goes through the pixel in column `i` of row `j`.
     #[inline(always)]
-    pub fn seen(&self, world: &World, ray: &Ray, i: usize, j: usize) -> Seen {
+    pub fn first_hit(&self, world: &World, ray: &Ray, [i, j]: [usize; 2]) -> FirstHit {
         let primitive = self.visible_ids[(j - self.first_row) * self.stride + i];
         match primitive {
-            NOTHING => Seen::Nothing,
-            UNSURE => Seen::Unsure,
+            NOTHING => FirstHit::Nothing,
+            UNSURE => FirstHit::Unknown,
             _ => match world.primitive(primitive) {
                 Primitive::Plane(k) => match world.planes[k].intersect(ray) {
-                    Some(t) => Seen::Primitive(Visible { primitive, t_bound: t }),
-                    None => Seen::Unsure,
+                    Some(t) => FirstHit::Primitive(Visible { primitive, t_bound: t }),
+                    None => FirstHit::Unknown,
                 },
-                _ => Seen::Primitive(Visible { primitive, t_bound: f64::INFINITY }),
+                _ => FirstHit::Primitive(Visible { primitive, t_bound: f64::INFINITY }),
             },
         }
     }

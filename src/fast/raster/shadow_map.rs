@@ -17,20 +17,10 @@ use crate::base::memory;
 use crate::base::shortcut::Shortcut;
 use crate::math::aabb::Aabb;
 use crate::scene::Light;
+use crate::trace::Blocker;
 use crate::world::World;
 use glam::DVec3;
 use rayon::prelude::*;
-
-/// What a ray from a point to a light may hit, other than planes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Blocker {
-    /// No finite primitive.
-    Nothing,
-    /// This triangle or nothing.
-    Only(u32),
-    /// Anything.
-    Any,
-}
 
 /// The shadow map of one light.
 #[derive(Debug)]

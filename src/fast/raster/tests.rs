@@ -66,17 +66,17 @@ fn counts(
         for &offset in &offsets {
             let ray = camera.ray(DVec2::new(i as f64, j as f64), offset);
             let cast = caster.nearest(&ray, None, &mut Quiet);
-            kind = match buffer.seen(world, &ray, i, j) {
-                Seen::Nothing => {
+            kind = match buffer.first_hit(world, &ray, [i, j]) {
+                FirstHit::Nothing => {
                     assert_eq!(cast, None, "{i} {j} {offset}");
                     0
                 }
-                Seen::Primitive(visible) => {
+                FirstHit::Primitive(visible) => {
                     let hit = world.hit(&ray, visible);
                     assert_eq!(cast.map(|cast| world.hit(&ray, cast)), Some(hit), "{i} {j} {offset}");
                     1
                 }
-                Seen::Unsure => 2,
+                FirstHit::Unknown => 2,
             };
         }
         counts[kind] += 1;

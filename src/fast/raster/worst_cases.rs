@@ -1,7 +1,7 @@
 //! Measures how tight the error bounds are: hill climbing searches for views and triangles whose errors come
 //! close to the bounds. The reference values are computed in double-double arithmetic.
 
-mod screen;
+mod worst_screens;
 
 use super::edge_functions::{EdgeFunctions, InvDepthPlane, normals_and_volume, volume_error_bound};
 use super::{Footprint, Viewport};

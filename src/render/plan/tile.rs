@@ -4,7 +4,7 @@ use super::{Band, Planner};
 use crate::picture::Color;
 use crate::render::row::Looked;
 use crate::render::tally::{Tally, in_parallel};
-use crate::render::tracing::RowsTracer;
+use crate::render::tracing::PictureTracer;
 use crate::sampling::adaptive::{BRIGHTEST, Contents, Line, beyond, finite};
 use crate::sampling::allotment::{Find, Known, Tested, gain, own_and_random_error};
 use crate::sampling::drand48::{Drand48, Jump};
@@ -16,7 +16,7 @@ use std::ops::Range;
 /// A tile whose corners have been looked at.
 pub struct Tile<'t, 'a> {
     planner: &'t Planner<'a>,
-    tracer: &'t RowsTracer<'t>,
+    tracer: &'t PictureTracer<'t>,
     columns: Range<usize>,
     band: &'t mut Band,
     tally: &'t Tally<'t>,
@@ -57,7 +57,7 @@ impl<'t, 'a> Tile<'t, 'a> {
     /// Casts the rays through the corners of the pixels in these columns of a band; none if the watch cancels the render.
     pub fn new(
         planner: &'t Planner<'a>,
-        tracer: &'t RowsTracer<'t>,
+        tracer: &'t PictureTracer<'t>,
         columns: &Range<usize>,
         band: &'t mut Band,
         tally: &'t Tally<'t>,
@@ -72,7 +72,7 @@ impl<'t, 'a> Tile<'t, 'a> {
                 let column = of_corner(corner, columns);
                 (column, DVec2::new((corner - column) as f64, (j - row) as f64) - 0.5)
             });
-            setting.look(tracer.row(), row, places)
+            setting.look(tracer, row, places)
         })?;
         let most = Vec3A::splat(if setting.request.has_floats { f32::MAX } else { BRIGHTEST });
         let row = |(j, looked): (usize, Looked)| {
@@ -142,7 +142,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         let (setting, tracer, rows) = (&self.planner.setting, self.tracer, self.band.rows.clone());
         let look = |j| {
             let places = places(j);
-            Some((setting.look(tracer.row(), j, places.iter().copied())?, places))
+            Some((setting.look(tracer, j, places.iter().copied())?, places))
         };
         let mut seen = vec![];
         for (j, (looked, places)) in rows.clone().zip(of_rows(&rows, self.tally, look)?) {

@@ -3,7 +3,7 @@
 use super::{Colors, Painter, RenderSetting};
 use crate::picture::Color;
 use crate::render::plan::Plan;
-use crate::render::tracing::RowTracer;
+use crate::render::tracing::PictureTracer;
 use crate::sampling::drand48::Jump;
 use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sample_packet::SamplePacket;
@@ -25,7 +25,7 @@ impl RenderSetting<'_> {
     /// cancelled meanwhile.
     pub fn look(
         &self,
-        tracer: RowTracer,
+        tracer: &PictureTracer,
         j: usize,
         mut places: impl Iterator<Item = (usize, DVec2)>,
     ) -> Option<Looked> {
@@ -46,7 +46,7 @@ impl RenderSetting<'_> {
             if has_costs {
                 costs.push(painter.row.counts.since(before));
             }
-            if painter.tracer.is_cut() {
+            if painter.memory.is_cut() {
                 return None;
             }
         }

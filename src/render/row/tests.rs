@@ -24,11 +24,10 @@ fn with_painter(check: impl FnOnce(&mut Painter)) {
     let (view, tracing) = (View::Scene, Tracing::Counted);
     let setting = RenderSetting { caster: &caster, view, request: &request, tracing };
     let picture = PictureTracer::new(&camera, &caster, view, &request, tracing, Patience::endless());
-    let rows = picture.rows(5..6);
     check(&mut Painter {
         shown: 2..10,
         center_weight: 1.0,
-        ..setting.painter(setting.empty_row(5, None), rows.row(), true)
+        ..setting.painter(setting.empty_row(5, None), &picture, true)
     });
 }
 

@@ -18,9 +18,9 @@ use crate::scene::{Light, MaterialId};
 use crate::shading::light::{Incident, incident};
 use crate::shading::perlin::turbulence;
 use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
-use crate::shading::texture::{first_weight, material_at};
+use crate::shading::texture::{first_weight, material_at, material_of_surface};
 use crate::stats::Quiet;
-use crate::trace::{Effects, Shadows, mirrored_part, painted, reflected, refracted_between, transmittance};
+use crate::trace::{Effects, Shadows, mirrored_part, reflected, refracted_between, transmittance};
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 use serde::Serialize;
@@ -189,19 +189,11 @@ impl Student<'_> {
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
         let materials = &self.world().materials;
         match (&materials[surface.material], self.mistake) {
-            (Material::Phong(phong), _) => phong.into(),
-            (Material::Painted(phong, paint), _) => {
-                let diffuse = painted(self.world(), paint, surface, LEVEL).unwrap_or(phong.diffuse);
-                mixture.start(&Phong { diffuse, ..*phong }, 1.0);
-                mixture.material()
-            }
             (Material::Texture(_), Some(Mistake::CheckerboardCut | Mistake::NoiseHalved)) => {
                 self.mix(surface.material, surface.position, mixture);
                 mixture.material()
             }
-            (Material::Texture(_), _) => self.world().with_rounded_point(surface, |point| {
-                material_at(materials, surface.material, point, LEVEL, mixture)
-            }),
+            _ => material_of_surface(self.world(), surface, LEVEL, mixture),
         }
     }
 
@@ -513,7 +505,7 @@ mod tests {
     use crate::render::renderer::{Meshes, Renderer};
     use crate::render::{Request, Tracing};
     use crate::scene::load::load;
-    use crate::trace::{ByModel, Tracer};
+    use crate::trace::{Memory, Tracer};
     use glam::DVec2;
     use std::fs;
     use std::path::{Path, PathBuf};
@@ -542,10 +534,11 @@ mod tests {
             for effects in [Effects::default(), opaque, tinted] {
                 let (hits, lights) = (prepared.caster(), &renderer.scene.lights);
                 let student = Student { hits, effects, mistake: None, spaces, lights, starts: None };
-                let tracer = Tracer { rules: &ByModel(hits), effects };
+                let tracer = Tracer::new(hits, effects);
                 for (x, y) in (0..24).flat_map(|x| (0..18).map(move |y| (x, y))) {
                     let ray = camera.ray(DVec2::new(x.into(), y.into()), DVec2::ZERO);
-                    let (own, expected) = (student.color(&ray), tracer.color(&ray, &mut Quiet));
+                    let (own, expected) =
+                        (student.color(&ray), tracer.color(&ray, &mut Memory::default(), &mut Quiet));
                     let far = (own - expected).abs().max_element() / expected.abs().max_element().max(1.0);
                     assert!(far < 1e-9, "{} {effects:?} {x} {y}: {own} {expected}", path.display());
                 }

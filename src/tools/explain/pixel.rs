@@ -20,7 +20,7 @@ use crate::scene::model::{Highlight, Model};
 use crate::scene::texels::{FACES, face};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::Counts;
-use crate::trace::{ByModel, Observer, Patience, Rules, Tracer};
+use crate::trace::{Memory, Observer, Patience, Tracer};
 use crate::world::{SurfacePoint, World};
 use glam::DVec2;
 use serde::Serialize;
@@ -215,14 +215,13 @@ impl<'p, 'r> Explainer<'p, 'r> {
         room: usize,
         stop: &Stop,
     ) -> (Color, Vec<RayNode>, LeftOut) {
-        let rules = &ByModel(self.prepared.caster());
-        let is_over = |_| stop.is_over();
-        let mut patience = Patience::until(&is_over, rules.world().lights.len());
         let mut recorder = Recorder::of(*ray, room);
         recorder.non_shadow_ray();
-        let tracer = Tracer { rules, effects: request.effects };
-        let surface = tracer.nearest(ray, None, &mut recorder).map(|visible| rules.surface(ray, visible));
-        let color = tracer.color_with(&mut vec![], &mut patience, ray, surface, &mut recorder);
+        let tracer = Tracer::new(self.prepared.caster(), request.effects);
+        let lights = self.prepared.renderer().scene.lights.len();
+        let is_over = |_| stop.is_over();
+        let mut memory = Memory::new(Patience::until(&is_over, lights));
+        let color = tracer.color(ray, &mut memory, &mut recorder);
         let (mut rays, left_out) = recorder.finish();
         // What a ray leaves is what the ray before it sees.
         let mut left = vec![None; rays.len()];

@@ -1,11 +1,11 @@
 //! The surfaces that several rays hit first: those of triangles four at a time.
 
-use super::triangle4::{Hits4, Triangles4};
 use crate::math::instructions::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::math::simd::LANES;
 use crate::sampling::sample_packet::{Sample, SamplePacket};
 use crate::scene::MaterialId;
+use crate::world::triangle4::{Hits4, Triangles4};
 use crate::world::{SurfacePoint, World};
 use fearless_simd::Simd;
 

@@ -3,12 +3,12 @@
 //! Only how the axes are turned differs from [`Shear`](crate::world::triangle::Shear), which chooses a ray's longest axis by
 //! its index. Lanes that need exact arithmetic are left to single rays.
 
+use super::edge_functions::{EdgeRange, edge_functions, sheared};
+use super::surface::LEAST_PART;
+use super::triangle::{interpolated, largest_coordinate, rounded_normal};
 use crate::math::ray::Ray;
 use crate::math::simd::{FourLanes, Number};
 use crate::math::vector::Vector;
-use crate::world::LEAST_PART;
-use crate::world::edge_functions::{EdgeRange, edge_functions, sheared};
-use crate::world::triangle::{interpolated, largest_coordinate, rounded_normal};
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 

@@ -1,66 +1,56 @@
-//! The stages that the samples of a row pass through together: their rays, the hits, the surfaces there, and the colours.
-//! The stages of one sample depend on each other, while those of different samples overlap, which hides the latency of
-//! divisions and of memory. All of them are compiled for each instruction set.
+//! The camera rays of neighbouring samples, which pass through the stages together: rays, first hits, surfaces, colours.
+//! The stages of one sample depend on each other. Those of different samples overlap, which hides the latency of divisions
+//! and of memory.
 
-use super::FastRow;
-use super::raster::{Seen, VisibilityBuffer};
-use super::shading::Shading;
 use super::surfaces::find_surfaces;
+use super::{FirstHit, Hints, Memory, Observer, Tracer};
 use crate::camera::Camera;
-use crate::caster::Caster;
 use crate::math::simd::LANES;
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
-use crate::scene::model::MeshNormals;
-use crate::stats::Quiet;
-use crate::trace::{Rules, Tracer};
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-/// Traces the samples of a packet, which lie in row `j`, by the rules of the row's scene, and enters their colours, if
-/// they are wanted.
-pub fn trace<R: Rules>(
-    row: &mut FastRow,
-    rules: &R,
-    j: usize,
-    wanted: Wanted,
-    packet: &mut SamplePacket,
-    colors: &mut PacketColors,
-) {
-    dispatch!(row.rows.caster.level, simd => trace_at(simd, row, rules, j, wanted, packet, colors));
-}
-
-/// Traces the samples with these instructions.
-#[simd]
-#[inline(never)]
-#[allow(clippy::too_many_arguments)]
-fn trace_at<S: Simd, R: Rules>(
-    simd: S,
-    row: &mut FastRow,
-    rules: &R,
-    j: usize,
-    wanted: Wanted,
-    packet: &mut SamplePacket,
-    colors: &mut PacketColors,
-) {
-    let FastRow { rows, memory } = row;
-    aim::<S>(simd, packet, rows.picture.camera, j);
-    if wanted.hits {
-        cast(packet, &rows.caster, rows.visibility.as_ref(), j);
-    }
-    if wanted.surfaces {
-        find_surfaces::<S>(simd, rows.caster.world, packet);
-        if rules.model().normals != MeshNormals::Flat {
+impl<H: Hints> Tracer<'_, H> {
+    /// Traces the samples of a packet, which lie in row `j`, and enters their colours if they are wanted. The camera rays are
+    /// not counted.
+    #[simd]
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn trace<S: Simd, O: Observer>(
+        &self,
+        simd: S,
+        camera: &Camera,
+        j: usize,
+        wanted: Wanted,
+        packet: &mut SamplePacket,
+        colors: &mut PacketColors,
+        memory: &mut Memory,
+        observer: &mut O,
+    ) {
+        aim::<S>(simd, packet, camera, j);
+        if wanted.hits {
             for sample in packet.samples_mut() {
-                sample.surface = sample.surface.map(|surface| rules.smoothed(surface));
+                let Sample { ray, source, .. } = &sample;
+                sample.visible = match self.hints.first_hit(self.caster.world, ray, [source.column, j]) {
+                    FirstHit::Nothing => None,
+                    FirstHit::Primitive(visible) => Some(visible),
+                    FirstHit::Unknown => self.nearest(ray, None, observer),
+                };
             }
         }
-    }
-    if wanted.colors {
-        let tracer = Tracer { rules, effects: rows.picture.demand.effects };
-        let shading =
-            Shading { tracer, caster: &rows.caster, shadow_maps: rows.picture.shadow_maps.as_ref() };
-        for (color, Sample { ray, surface, .. }) in colors.iter_mut().zip(packet.samples()) {
-            *color = shading.color(ray, surface.as_ref(), memory);
+        if wanted.surfaces {
+            let world = self.world();
+            find_surfaces::<S>(simd, world, packet);
+            if world.has_smooth_normals() {
+                for surface in packet.samples_mut().iter_mut().filter_map(|sample| sample.surface.as_mut()) {
+                    surface.normal = world.smooth_normal(surface).unwrap_or(surface.normal);
+                }
+            }
+        }
+        if wanted.colors {
+            for (color, Sample { ray, surface, .. }) in colors.iter_mut().zip(packet.samples()) {
+                self.set_color(simd, color, ray, surface.as_ref(), memory, observer);
+            }
         }
     }
 }
@@ -78,23 +68,6 @@ fn aim<S: Simd>(simd: S, packet: &mut SamplePacket, camera: &Camera, j: usize) {
     }
 }
 
-/// Finds the first hit of each ray. `visibility` has those of rays through row `j`, as far as they are known.
-#[inline(always)]
-fn cast(packet: &mut SamplePacket, caster: &Caster, visibility: Option<&VisibilityBuffer>, j: usize) {
-    for sample in packet.samples_mut() {
-        let Sample { ray, source, .. } = &sample;
-        let seen = match visibility {
-            Some(buffer) => buffer.seen(caster.world, ray, source.column, j),
-            None => Seen::Unsure,
-        };
-        sample.visible = match seen {
-            Seen::Nothing => None,
-            Seen::Primitive(visible) => Some(visible),
-            Seen::Unsure => caster.nearest(ray, None, &mut Quiet),
-        };
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,6 +76,7 @@ mod tests {
     use crate::scene::parser::parse;
     use crate::world::shape::Form;
     use crate::world::{SurfacePoint, World};
+    use fearless_simd::dispatch;
     use glam::{DVec2, DVec3};
 
     /// Two triangles, a sphere and a plane behind them.
