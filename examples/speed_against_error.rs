@@ -129,8 +129,10 @@ const HELD_OUT_HEAD: &str = "\
 
 Four scenes that were not used for the advice, at the same size. *centre* is the error of one sample at the centre;
 *adaptive* are the errors of `-adaptive_samples 256` for 8, 4, 2, 1 and 0.5; *time* is the time of adaptive samples
-divided by that of jittered ones with the same error (geometric mean). The advice holds for all four, except that the
-point lights take a little less than 0.4 of the time. Bounces are not measured here.
+divided by that of jittered ones with the same error (geometric mean).
+
+The advice holds for all four, except that the point lights take a little less than 0.4 of the time. Bounces are not
+measured here.
 
 | scene | centre | adaptive | time | slopes: random, uniform, jittered | pixels changed by grids |
 |---|---:|---|---:|---|---:|";
