@@ -56,6 +56,7 @@ mod runs;
 mod sampling;
 mod scene_errors;
 mod scene_robustness;
+mod scene_words;
 mod first_error;
 mod shell_files;
 mod signals;
