@@ -1,6 +1,6 @@
-//! Prints `docs/speed-against-error.md`: what settings cost and buy for six scenes.
+//! Measures what settings cost and buy for ten scenes, and writes the results into `docs/speed-against-error.md`.
 //!
-//! `cargo run --release --example speed_against_error > docs/speed-against-error.md`
+//! `cargo run --release --example speed_against_error`
 
 use cpu_time::ProcessTime;
 use rayon::ThreadPoolBuilder;
@@ -12,6 +12,8 @@ use raytracer::tools::error_report::{
     Axis, Bench, Departure, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Setting, Sweep,
 };
 use std::error::Error;
+use std::fmt::Write;
+use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -35,42 +37,34 @@ const HELD_OUT: [[&str; 3]; 4] = [
 
 const SIZE: &str = "-size 60 60";
 
-const HEAD: &str = "\
-# Speed against error
-
-What samples cost and buy in six scenes, and in four that were held out, as `-error_report` measures it with the default
-filter. Times are seconds of the processor for rendering pictures of 60 x 60 pixels on one thread, the shortest of 2 to 15
-repeats. Errors are root mean squares over all channels of all pixels, in levels, the steps from one byte to the next,
-against 2 x 1024 jittered samples in each pixel whose own noise cancels. The slope is the exponent with which the error
-changes with the number of samples from 4 to 256; the last column is the time to an error of one level, interpolated.
-
-This file is the output of `cargo run --release --example speed_against_error > docs/speed-against-error.md`, which takes
-some minutes. Errors, slopes and counts are the same on every machine.
-
-## What to choose when
-";
-
-const ADVICE: &str = include_str!("speed_against_error_advice.md");
+/// The lines before and behind the results.
+const MARKS: [&str; 2] = ["<!-- measured -->\n", "<!-- end of measured -->\n"];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("{HEAD}\n{ADVICE}");
+    let mut text = String::new();
     for [name, scene, flags] in SCENES {
         eprintln!("{scene}");
-        println!("## {name}\n\n`{}`\n", format!("-input {scene} {SIZE} {flags}").trim_end());
-        print(&measure(scene, flags)?);
+        let line = format!("-input {scene} {SIZE} {flags}");
+        let _ = writeln!(text, "### {name}\n\n`{}`\n", line.trim_end());
+        add_report(&mut text, &measure(scene, flags)?);
     }
-    println!("{HELD_OUT_HEAD}");
+    let _ = writeln!(text, "{HELD_OUT_HEAD}");
     for [name, scene, flags] in HELD_OUT {
         eprintln!("{scene}");
         for group in &measure(scene, flags)?.groups {
-            print_held_out(&format!("{name}, `{}`", format!("{scene} {flags}").trim_end()), group);
+            add_held_out(&mut text, &format!("{name}, `{}`", format!("{scene} {flags}").trim_end()), group);
         }
     }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/speed-against-error.md");
+    let page = fs::read_to_string(&path)?;
+    let (before, rest) = page.split_once(MARKS[0]).ok_or("no mark before the results")?;
+    let (_, after) = rest.split_once(MARKS[1]).ok_or("no mark behind the results")?;
+    fs::write(path, [before, MARKS[0], "\n", &text, "\n", MARKS[1], after].concat())?;
     Ok(())
 }
 
-/// Prints what the advice is about.
-fn print_held_out(name: &str, group: &MeasuredFilter) {
+/// Adds a row with the numbers that the advice is about.
+fn add_held_out(text: &mut String, name: &str, group: &MeasuredFilter) {
     let errors: Vec<String> =
         group.curve(SamplingKind::Adaptive).map(|one| format!("{:.2}", one.error)).collect();
     let slopes = [SamplingKind::Random, SamplingKind::Uniform, SamplingKind::Jittered]
@@ -78,7 +72,8 @@ fn print_held_out(name: &str, group: &MeasuredFilter) {
     let ratio = time_over_jittered(group).map_or("-".into(), |ratio| format!("{ratio:.2}"));
     let center = group.curve(SamplingKind::Uniform).next().map_or(0.0, |one| one.error);
     let changed: u64 = group.measurements.iter().filter_map(|one| one.changed).sum();
-    println!(
+    let _ = writeln!(
+        text,
         "| {name} | {center:.1} | {} | {ratio} | {} | {changed} |",
         errors.join(", "),
         slopes.join(", ")
@@ -118,32 +113,37 @@ fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
     Ok(Sweep::new(&renderer, &request, own, bench).of_one_filter().run()?)
 }
 
-fn print(report: &ErrorReport) {
+fn add_report(text: &mut String, report: &ErrorReport) {
     for group in &report.groups {
-        print_curves(group);
-        print_front(group);
-        print_others(group);
+        add_curves(text, group);
+        add_front(text, group);
+        add_others(text, group);
     }
     if let Some(numerical) = &report.numerical {
-        print_numerical(numerical);
+        add_numerical(text, numerical);
     }
 }
 
 const HELD_OUT_HEAD: &str = "\
-## Held out
+### Held out
 
-Four scenes that were not looked at while the advice was written, at the same size. *centre* is the error of one sample at
-the centre; *adaptive* are the errors of `-adaptive_samples 256` where 8, 4, 2, 1 and 0.5 are asked for; *time* is that of
-adaptive samples over that of jittered ones at the same error, in the geometric mean. What the advice says of these holds
-for all four, but that the point lights take even a little less than 0.4 of the time; it says more of bounces, which is not
+Four scenes that were not used for the advice, at the same size. *centre* is the error of one sample at the centre;
+*adaptive* are the errors of `-adaptive_samples 256` for 8, 4, 2, 1 and 0.5; *time* is the time of adaptive samples
+divided by that of jittered ones with the same error (geometric mean).
+
+The advice holds for all four, except that the point lights take a little less than 0.4 of the time. Bounces are not
 measured here.
 
 | scene | centre | adaptive | time | slopes: random, uniform, jittered | pixels changed by grids |
 |---|---:|---|---:|---|---:|";
 
 /// The error and the time of each number of samples.
-fn print_curves(group: &MeasuredFilter) {
-    println!("| samples | 1 | 4 | 16 | 64 | 256 | slope | s to 1 level |\n|---|{}", "---:|".repeat(7));
+fn add_curves(text: &mut String, group: &MeasuredFilter) {
+    let _ = writeln!(
+        text,
+        "| samples | 1 | 4 | 16 | 64 | 256 | slope | s to 1 level |\n|---|{}",
+        "---:|".repeat(7)
+    );
     let cells = |kind| -> String {
         group.curve(kind).map(|one| format!(" {:.2} in {:.4} s |", one.error, one.least())).collect()
     };
@@ -151,44 +151,55 @@ fn print_curves(group: &MeasuredFilter) {
         |number: Option<f64>, digits| number.map_or("".into(), |number| format!("{number:.digits$}"));
     for kind in [SamplingKind::Random, SamplingKind::Uniform, SamplingKind::Jittered] {
         let (slope, seconds) = (optional(group.slope(kind), 2), optional(group.seconds_to_a_level(kind), 4));
-        println!("| {} |{} {slope} | {seconds} |", kind.name(), cells(kind));
+        let _ = writeln!(text, "| {} |{} {slope} | {seconds} |", kind.name(), cells(kind));
     }
-    println!(
+    let _ = writeln!(
+        text,
         "\n| adaptive, up to 256, error | 8 | 4 | 2 | 1 | 0.5 | s to 1 level |\n|---|{}",
         "---:|".repeat(6)
     );
     let seconds = optional(group.seconds_to_a_level(SamplingKind::Adaptive), 4);
-    println!("| |{} {seconds} |\n", cells(SamplingKind::Adaptive));
+    let _ = writeln!(text, "| |{} {seconds} |\n", cells(SamplingKind::Adaptive));
     if let Some(ratio) = time_over_jittered(group) {
-        println!("Adaptive samples take {ratio:.2} times as long as jittered ones with the same error.\n");
+        let _ = writeln!(
+            text,
+            "Adaptive samples take {ratio:.2} times as long as jittered ones with the same error.\n"
+        );
     }
 }
 
 /// What nothing else beats, from the cheapest.
-fn print_front(group: &MeasuredFilter) {
+fn add_front(text: &mut String, group: &MeasuredFilter) {
     let mut front: Vec<_> =
         group.measurements.iter().zip(group.front()).filter(|(_, is_on)| *is_on).collect();
     front.sort_by(|(a, _), (b, _)| a.least().total_cmp(&b.least()));
     let names: Vec<String> = front.iter().map(|(one, _)| format!("`{}`", one.setting.label())).collect();
-    println!("Front: {}.\n", names.join(", "));
+    let _ = writeln!(text, "Front: {}.\n", names.join(", "));
 }
 
 /// Fewer bounces, larger weights, fewer octaves and other grids, if there are any.
-fn print_others(group: &MeasuredFilter) {
-    println!("| setting | CPU s | RMSE | pixels changed by the grid |\n|---|---:|---:|---:|");
+fn add_others(text: &mut String, group: &MeasuredFilter) {
+    let _ = writeln!(text, "| setting | CPU s | RMSE | pixels changed by the grid |\n|---|---:|---:|---:|");
     for one in group.measurements.iter().filter(|one| one.setting.axis != Axis::Samples) {
         let changed = one.changed.map_or("".into(), |pixels| pixels.to_string());
-        println!("| `{}` | {:.4} | {:.3} | {changed} |", one.setting.label(), one.least(), one.error);
+        let _ = writeln!(
+            text,
+            "| `{}` | {:.4} | {:.3} | {changed} |",
+            one.setting.label(),
+            one.least(),
+            one.error
+        );
     }
-    println!();
+    text.push('\n');
 }
 
-fn print_numerical(numerical: &Numerical) {
+fn add_numerical(text: &mut String, numerical: &Numerical) {
     let Numerical { size: [width, height], samples, program, single } = numerical;
     let said = |Departure { bytes, largest, error, hits }: &Departure| {
         format!("{hits} camera rays and {bytes} bytes, by at most {largest} levels, RMSE {error:.4}")
     };
-    println!(
+    let _ = writeln!(
+        text,
         "Numerical error of {samples} samples in {width} x {height} pixels, against brute force in double precision: \
          {}; in single precision, {}.\n",
         said(program),

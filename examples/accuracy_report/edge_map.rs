@@ -31,9 +31,9 @@ pub fn draw() -> Figure {
     let text = |[_, _, both, none]: [usize; 4]| format!("{none} leaks and {both} double hits");
     let caption = format!(
         "Two triangles share a diagonal edge, and rays start at {SIDE} x {SIDE} neighbouring floats around a point \
-         beside it. Blue rays hit the left triangle, orange ones the right; white is both, black is none: a leak. \
-         From left to right: the textbook's test (Moeller-Trumbore) in f32, {}; the same in f64, {}; ours, {}. \
-         Where ours draws the line is rounded, too, but both triangles draw the same line.",
+         beside it. Blue rays hit the left triangle, orange ones the right, white ones both, black ones none (a leak). \
+         From left to right: Moeller-Trumbore in f32, {}; in f64, {}; ours, {}. \
+         Our line is rounded too, but it is the same for both triangles.",
         text(counts[0]),
         text(counts[1]),
         text(counts[2])

@@ -1,4 +1,4 @@
-//! Measures the hard cases and writes `docs/accuracy.md` and its pictures.
+//! Measures the hard cases and writes their tables and pictures into `docs/accuracy.md`.
 //!
 //! `cargo run --release --example accuracy_report` runs the ordinary tier. `HARD_CASES=long`, or a number
 //! such as `HARD_CASES=1000000`, selects another tier for all rows.
@@ -38,9 +38,19 @@ fn write_report() -> Result<(), Failure> {
     }
     let table = table::read(records.path())?;
     let origin = table::Origin { commit: commit()?, tier: std::env::var("HARD_CASES").ok() };
-    let text = table.document(&origin, &proofs::section()?, &map.caption, &acne.caption)?;
-    std::fs::write(docs.join("accuracy.md"), text)?;
+    let page = docs.join("accuracy.md");
+    let text = std::fs::read_to_string(&page)?;
+    let text = replaced(&text, "cases", &table.sections(&origin, &map.caption, &acne.caption)?)?;
+    std::fs::write(page, replaced(&text, "proofs", &proofs::table()?)?)?;
     Ok(())
+}
+
+/// The page with another text between its marks of this name.
+fn replaced(page: &str, name: &str, text: &str) -> Result<String, Failure> {
+    let (start, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->\n"));
+    let parts = page.split_once(&start).zip(page.split_once(&end));
+    let ((before, _), (_, after)) = parts.ok_or_else(|| format!("the page lacks the marks of {name}"))?;
+    Ok([before, &start, "\n", text, "\n", &end, after].concat())
 }
 
 /// Runs every hard case once, and returns the folder of their records.

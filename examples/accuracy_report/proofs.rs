@@ -1,4 +1,4 @@
-//! The section on the machine-checked proofs.
+//! The table of the machine-checked proofs.
 
 use crate::Failure;
 use std::fmt::Write as _;
@@ -6,23 +6,15 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-const INTRO: &str = "
-## Proofs
-
-The error bounds that the decisions rest on are proved by a program, Gappa, which checks bounds of floating-point \
-formulas. `proofs/run` checks them all, and a test compares the constants in the proofs with those in the source.
-
-";
-
 /// The table of the scripts: what each of them proves, which is its first line, and whether Gappa confirms it
 /// on this machine.
-pub fn section() -> Result<String, Failure> {
+pub fn table() -> Result<String, Failure> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("proofs");
     let files = std::fs::read_dir(&folder)?.map(|entry| entry.map(|entry| entry.path()));
     let mut scripts: Vec<PathBuf> = files.collect::<Result<_, _>>()?;
     scripts.retain(|path| path.extension().is_some_and(|end| end == "g"));
     scripts.sort();
-    let mut text = format!("{INTRO}| proof | of | checked |\n|---|---|---|\n");
+    let mut text = "| proof | of | checked |\n|---|---|---|\n".to_owned();
     for script in scripts {
         let source = std::fs::read_to_string(&script)?;
         let claim =

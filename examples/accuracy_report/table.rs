@@ -16,10 +16,9 @@ const SECTIONS: [(&str, std::ops::RangeInclusive<u32>); 7] = [
     ("Exact coincidences", 65..=72),
 ];
 
-const INTRO: &str = include_str!("introduction.md");
+const HEAD: &str = "| | case | ours | textbook |\n|---:|---|---|---|\n";
 
-const HEAD: &str =
-    "| | case | basis | inputs | measured | textbook | ours | target |\n|---|---|---|---|---|---|---|---|\n";
+const DETAILS_HEAD: &str = "| | basis | inputs | measured | target |\n|---:|---|---|---|---|\n";
 
 /// The origin of the measurements.
 pub struct Origin {
@@ -50,20 +49,19 @@ pub fn read(folder: &Path) -> Result<Table, Failure> {
 }
 
 impl Table {
-    /// The whole document. A case without a record is an error.
-    pub fn document(
-        &self,
-        origin: &Origin,
-        proofs: &str,
-        edge_map: &str,
-        acne: &str,
-    ) -> Result<String, Failure> {
-        let mut text = INTRO.replace("ORIGIN", &sentence(origin, self.0.len()));
+    /// The sections of all cases. A case without a record is an error.
+    pub fn sections(&self, origin: &Origin, edge_map: &str, acne: &str) -> Result<String, Failure> {
+        let mut text = sentence(origin, self.0.len()) + "\n";
+        let mut details = format!("\n### Inputs and targets\n\n{DETAILS_HEAD}");
         for (title, cases) in &SECTIONS {
-            let _ = write!(text, "\n## {title}\n\n{HEAD}");
+            let _ = write!(text, "\n### {title}\n\n{HEAD}");
             for case in cases.clone() {
                 let fields = self.0.get(&case).ok_or_else(|| format!("case {case} has no record"))?;
-                text += &row(case, fields);
+                // Bars would end a column.
+                let [basis, name, inputs, measure, textbook, ours, target] =
+                    fields.each_ref().map(|field| field.replace('|', "\\|"));
+                let _ = writeln!(text, "| {case} | {name} | **{ours}** | {textbook} |");
+                let _ = writeln!(details, "| {case} | {basis} | {inputs} | {measure} | {target} |");
             }
             match cases.start() {
                 1 => text += &format!("\n![The decision at an edge](edge_map.png)\n\n{edge_map}\n"),
@@ -71,7 +69,7 @@ impl Table {
                 _ => {}
             }
         }
-        Ok(text + proofs)
+        Ok(text + &details)
     }
 }
 
@@ -83,11 +81,4 @@ fn sentence(Origin { commit, tier }: &Origin, rows: usize) -> String {
         Some(limit) => format!("the long tier, limited to {limit} inputs per case"),
     };
     format!("All {rows} rows were measured together, in {tier}, at commit {commit}.")
-}
-
-/// A row of the table. Bars are escaped, because they would end a column.
-fn row(case: u32, fields: &[String; FIELDS]) -> String {
-    let [basis, name, inputs, measure, textbook, ours, target] =
-        fields.each_ref().map(|field| field.replace('|', "\\|"));
-    format!("| {case} | {name} | {basis} | {inputs} | {measure} | {textbook} | **{ours}** | {target} |\n")
 }

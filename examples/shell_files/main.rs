@@ -1,5 +1,5 @@
 //! Writes what is made from the flags: the manual page, the completions, and the table in
-//! `docs/command-line.md`.
+//! `docs/flags.md`.
 
 mod completions;
 mod man_page;
@@ -18,7 +18,7 @@ fn main() -> std::io::Result<()> {
     ] {
         fs::write(root.join(file), text)?;
     }
-    let page = root.join("docs/command-line.md");
+    let page = root.join("docs/flags.md");
     let text = fs::read_to_string(&page)?;
     let head = text.lines().take_while(|line| !line.starts_with(table::HEAD));
     let rest = text

@@ -1,4 +1,4 @@
-//! The table of `docs/command-line.md`, generated from the flags.
+//! The table of `docs/flags.md`, generated from the flags.
 
 use clap::Arg;
 

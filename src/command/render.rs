@@ -143,7 +143,7 @@ fn render_rows(
         signals.goes_on()
     };
     match (prepared.render_rows(request, &watch, &mut take_row), failure) {
-        (_, Some(error)) => Err(error.into()),
+        (_, Some(error)) => Err(error),
         (Err(Stopped::Cancelled { rows }), None) => Ok(Err(rows)),
         (rendered, None) => Ok(Ok(rendered?)),
     }

@@ -1,4 +1,4 @@
-//! The lists of `docs/course.md`, which tell how each of the course's pictures compares. `BLESS=1` writes them.
+//! The lists of the course's pictures in `docs/accuracy.md`. `BLESS=1` writes them.
 
 use crate::course::command_lines;
 use crate::support::{Folder, course, finish, program};
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-const PAGE: &str = "docs/course.md";
+const PAGE: &str = "docs/accuracy.md";
 const START: &str = "<!-- lists -->\n";
 const END: &str = "<!-- end of the lists -->\n";
 
@@ -66,7 +66,7 @@ fn compared(course: &Path) -> Vec<(String, Comparison)> {
 /// The three lists.
 fn lists(compared: &[(String, Comparison)]) -> String {
     let mut text = String::new();
-    let heading = |title: &str, count: usize| format!("\n## {title}: {count}\n\n");
+    let heading = |title: &str, count: usize| format!("\n### {title}: {count}\n\n");
     let identical: Vec<_> = compared.iter().filter(|(_, c)| c.pixels_that_differ() == 0).collect();
     text += &heading("Identical", identical.len());
     let mut by_assignment: BTreeMap<char, Vec<String>> = BTreeMap::new();
@@ -115,8 +115,8 @@ fn the_course_page_s_lists_are_true() {
 
 #[test]
 fn every_reason_is_a_section_of_the_page() {
-    let page = include_str!("../../docs/course.md");
+    let page = include_str!("../../docs/accuracy.md");
     for (section, _) in REASONS {
-        assert!(page.contains(&format!("\n## {section}\n")), "{section}");
+        assert!(page.contains(&format!("\n### {section}\n")), "{section}");
     }
 }

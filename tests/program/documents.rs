@@ -14,19 +14,20 @@ use std::process;
 /// How many blocks of a document are not run.
 const NOT_RUN_BLOCKS: &[(&str, usize)] = &[
     ("README.md", 2),
-    ("docs/accuracy.md", 1),
-    ("docs/command-line.md", 1),
-    ("docs/course.md", 1),
+    ("CONTRIBUTING.md", 1),
+    ("docs/accuracy.md", 2),
     ("docs/development.md", 2),
-    ("docs/shipping.md", 3),
-    ("docs/farm.md", 4),
+    ("docs/guide.md", 4),
     ("docs/install.md", 5),
     ("docs/live.md", 3),
-    ("docs/mutants.md", 1),
+    ("docs/shipping.md", 3),
 ];
 
 /// Pictures that examples draw instead of commands.
 const DRAWN_BY_EXAMPLES: &[&str] = &["acne.png", "edge_map.png"];
+
+/// A plot that `front_plot.rs` compares with its table.
+const PLOT: &str = "front.svg";
 
 /// Pictures that `tests/browser/live.py` takes of the page.
 const TAKEN_IN_BROWSER: &[&str] = &["turned.png", "rays.png", "error.png", "comparison.png", "pixels.png"];
@@ -40,7 +41,7 @@ fn root() -> &'static Path {
 
 /// The names of all documents, from the project's folder.
 fn documents() -> Vec<String> {
-    let mut names = vec!["README.md".to_string(), "CHANGELOG.md".to_string()];
+    let mut names = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"].map(str::to_owned).to_vec();
     let entries = fs::read_dir(root().join("docs")).expect("documents").flatten();
     let docs = entries.map(|entry| format!("docs/{}", entry.file_name().to_string_lossy()));
     names.extend(docs.filter(|name| name.ends_with(".md")));
@@ -122,7 +123,7 @@ fn compare_pictures(folder: &Folder, document: &str, text: &str) {
     for (link, _) in links(text).into_iter().filter(|&(_, is_picture)| is_picture) {
         let name = Path::new(link).file_name().expect("a name").to_str().expect("a text");
         let made = folder.path().join(name);
-        if DRAWN_BY_EXAMPLES.contains(&name) || TAKEN_IN_BROWSER.contains(&name) {
+        if DRAWN_BY_EXAMPLES.contains(&name) || TAKEN_IN_BROWSER.contains(&name) || name == PLOT {
             continue;
         }
         assert!(made.exists(), "{document}: no command writes {name}");
@@ -147,6 +148,11 @@ fn every_command_of_every_document_does_what_it_shows() {
     assert!(commands > 50, "{commands}");
 }
 
+/// The text of an item of a list, behind `* ` or a number.
+fn item(line: &str) -> Option<&str> {
+    line.trim_start_matches(|c: char| c.is_ascii_digit()).strip_prefix(". ").or(line.strip_prefix("* "))
+}
+
 /// The lengths of the paragraphs of a text in words, each with its start. Lines of tables, headings and code are none.
 fn paragraphs(text: &str) -> Vec<(usize, String)> {
     let code: Vec<&str> = blocks(text).into_iter().flat_map(|block| block.lines).map(str::trim).collect();
@@ -156,12 +162,12 @@ fn paragraphs(text: &str) -> Vec<(usize, String)> {
     let mut all = vec![String::new()];
     for line in text.lines() {
         match all.last_mut() {
-            Some(last) if is_text(line) && !line.is_empty() && !line.starts_with("* ") => {
+            Some(last) if is_text(line) && !line.is_empty() && item(line).is_none() => {
                 last.push_str(line);
                 last.push(' ');
             }
             // An item of a list is a paragraph too.
-            _ => all.push(line.strip_prefix("* ").map_or(String::new(), |item| format!("{item} "))),
+            _ => all.push(item(line).map_or(String::new(), |item| format!("{item} "))),
         }
     }
     let start = |paragraph: &str| paragraph.split_whitespace().take(6).collect::<Vec<_>>().join(" ");
@@ -170,11 +176,30 @@ fn paragraphs(text: &str) -> Vec<(usize, String)> {
 }
 
 #[test]
-fn no_paragraph_about_the_command_line_is_long() {
+fn no_paragraph_is_long() {
     const MOST_WORDS: usize = 80;
-    let found = paragraphs(&read("docs/command-line.md"));
-    let long: Vec<_> = found.iter().filter(|(words, _)| *words > MOST_WORDS).collect();
-    assert!(found.len() > 50 && long.is_empty(), "{} paragraphs, too long: {long:#?}", found.len());
+    for document in documents().iter().filter(|name| *name != "CHANGELOG.md") {
+        let found = paragraphs(&read(document));
+        let long: Vec<_> = found.iter().filter(|(words, _)| *words > MOST_WORDS).collect();
+        assert!(!found.is_empty() && long.is_empty(), "{document}: too long: {long:#?}");
+    }
+}
+
+/// Files that a document names by their path, such as `src/scene/lexer.rs`.
+fn named_files(text: &str) -> impl Iterator<Item = &str> {
+    const FOLDERS: [&str; 8] =
+        ["src/", "tests/", "examples/", "fuzz/", "benches/", "scenes/", "templates/", "proofs/"];
+    let quoted = text.split('`').skip(1).step_by(2);
+    quoted.filter(|name| FOLDERS.iter().any(|folder| name.starts_with(folder)) && !name.contains(' '))
+}
+
+#[test]
+fn every_named_file_exists() {
+    for document in documents().iter().filter(|name| *name != "CHANGELOG.md") {
+        let text = read(document);
+        let missing: Vec<_> = named_files(&text).filter(|name| !root().join(name).exists()).collect();
+        assert!(missing.is_empty(), "{document}: {missing:?}");
+    }
 }
 
 #[test]

@@ -21,6 +21,7 @@ mod editions;
 mod error_report;
 mod floats;
 mod foreign_pictures;
+mod front_plot;
 mod farm;
 #[cfg(unix)]
 mod grade;
@@ -28,6 +29,7 @@ mod image_files;
 mod json;
 mod json_form;
 mod json_numbers;
+mod known_bugs;
 mod little_memory;
 #[cfg(feature = "gui")]
 mod live;
@@ -54,6 +56,7 @@ mod runs;
 mod sampling;
 mod scene_errors;
 mod scene_robustness;
+mod scene_words;
 mod first_error;
 mod shell_files;
 mod signals;

@@ -2,7 +2,7 @@
 
 use crate::support::Folder;
 
-const TABLE: &str = include_str!("../../docs/command-line.md");
+const TABLE: &str = include_str!("../../docs/flags.md");
 const README: &str = include_str!("../../README.md");
 
 #[test]

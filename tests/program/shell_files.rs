@@ -1,4 +1,4 @@
-//! The manual page, the completions and the table in `docs/command-line.md` agree with the flags, and the completions
+//! The manual page, the completions and the table in `docs/flags.md` agree with the flags, and the completions
 //! work in the shells.
 
 #[path = "../../examples/shell_files/completions.rs"]
@@ -80,7 +80,7 @@ fn the_files_are_those_of_the_table() {
         assert!(found == text, "{file}: write it anew by `cargo run --example shell_files`");
     }
     let is_row = |line: &&str| line.starts_with('|');
-    let page = include_str!("../../docs/command-line.md").lines();
+    let page = include_str!("../../docs/flags.md").lines();
     let rows = page.skip_while(|line| !line.starts_with(table::HEAD)).take_while(is_row);
     let found: String = rows.map(|line| line.to_owned() + "\n").collect();
     assert!(found == table::table(), "the table: write it anew by `cargo run --example shell_files`");

@@ -179,10 +179,10 @@ fn a_grid_saves_tests_and_changes_no_ray() {
     assert!(grid.intersections < brute.intersections / 4, "{grid:?}");
 }
 
-/// The rows of the table in docs/command-line.md of rays and tests: the number of a scene, the flags, the rays and the
+/// The rows of the table in docs/performance.md of rays and tests: the number of a scene, the flags, the rays and the
 /// tests.
 fn documented_rows() -> Vec<(&'static str, &'static str, u64, u64)> {
-    let lines = include_str!("../../docs/command-line.md").lines();
+    let lines = include_str!("../../docs/performance.md").lines();
     let table = lines.skip_while(|line| !line.starts_with("| Scene | Flags | Rays")).skip(2);
     let mut scene = "";
     let row = |line: &'static str| {

@@ -1,5 +1,4 @@
-//! Each mistake is made, alone and together with another, and must not be taken for a third. `docs/confusion.md` shows
-//! what is named.
+//! Makes each mistake, alone and with another one, and writes the answers of the search to `tables.md`.
 
 use super::{Case, cases, named};
 use crate::caster::choose::Structure;
@@ -14,21 +13,20 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
-const PAGE: &str = "docs/confusion.md";
+const PAGE: &str = "src/tools/causes/tests/tables.md";
 
 const HEAD: &str = "# Which cause is named
 
-What `-compare` says of pictures whose mistakes are known, since this program has made them. A test makes this page, and
-compares: `BLESS=1 cargo test --lib confusion` writes it anew. A name is wrong if it is neither that of the mistake nor
-that of another which makes the same picture to the byte. There is none in the first table. The scene `everything` is in
-the test.
+The answers of `-compare` for pictures with known mistakes. `BLESS=1 cargo test --lib confusion` writes this page. An
+answer is right if it is the mistake, or another one that makes the same picture to the byte; in the first table all are.
+The scene `everything` is in the test.
 
 ";
 
 const ALONE: &str = "
 ## One mistake
 
-In how many of these scenes the mistake shows and is named, and what is named in the others, where it makes the same
+In how many of these scenes the mistake shows and is named, and which other one is named where both make the same
 picture.
 
 | the mistake that is made | named | the same picture |
@@ -38,8 +36,8 @@ picture.
 const UNKNOWN: &str = "
 ## A mistake that is not known
 
-Each mistake stands for one that nobody has thought of: it is made, and only the others are tried. Of most of these
-pictures nothing may be named. The table has those of which something is, which is much like the mistake.
+A leave-one-out test: each mistake is made while it is removed from the candidates. Ideally nothing is named. The table
+has the exceptions, where a similar mistake is named.
 
 | the mistake that is made | named |
 |---|---|
@@ -48,8 +46,8 @@ pictures nothing may be named. The table has those of which something is, which 
 const BOTH: &str = "
 ## Two mistakes
 
-Two mistakes in one picture: one of them is named as `at least`, or nothing is. Where one hides the other, or both make
-what a third makes, that is the picture.
+One of the two is named with `at least`, or nothing is. If one hides the other, or both together equal a third, that one
+is named.
 
 | one mistake | the other | named |
 |---|---|---|
