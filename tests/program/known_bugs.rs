@@ -1,6 +1,6 @@
 //! The table of known bugs in `docs/check-your-own.md` has every cause that `-compare` tries.
 
-use raytracer::tools::causes::Cause;
+use raytracer::tools::causes::Mistake;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -10,10 +10,10 @@ const END: &str = "<!-- end of the known bugs -->\n";
 /// Returns a row for each name in the JSON document, with the texts of its variants.
 fn table() -> String {
     let mut rows: Vec<([String; 2], Vec<String>)> = vec![];
-    for cause in Cause::all().skip(1) {
-        let json = serde_json::to_value(cause).expect("a value");
+    for mistake in Mistake::all().skip(1) {
+        let json = serde_json::to_value(mistake).expect("a value");
         let name = ["kind", "name"].map(|member| json[member].as_str().expect("a text").to_owned());
-        let text = cause.to_string().trim_start().to_owned();
+        let text = mistake.to_string().trim_start().to_owned();
         match rows.iter_mut().find(|(other, _)| *other == name) {
             Some((_, texts)) => texts.push(text),
             None => rows.push((name, vec![text])),
