@@ -210,8 +210,11 @@ impl<'w> Caster<'w> {
     /// How the ray enters the structure.
     #[inline(always)]
     fn entry<S: Simd>(&self, simd: S, ray: &Ray) -> Entry<S> {
-        let structure = self.structure.as_deref();
-        structure.map_or(Entry::Misses, |structure| structure.region.entry(simd, ray, ray.t_max))
+        // A closure would not be compiled for the instructions of the caller.
+        match self.structure.as_deref() {
+            Some(structure) => structure.region.entry(simd, ray, ray.t_max),
+            None => Entry::Misses,
+        }
     }
 
     /// Whether a ray that enters the structure in this way hits nothing. Most rays that hit nothing end here.

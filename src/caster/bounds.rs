@@ -59,7 +59,10 @@ impl Region {
         if !is_in_proven_range {
             return Entry::TooFar;
         }
-        intersect_aabb(&self.simd_bounds, ray_lanes, ray.t_min, last).map_or(Entry::Misses, Entry::Passes)
+        match intersect_aabb(&self.simd_bounds, ray_lanes, ray.t_min, last) {
+            Some(interval) => Entry::Passes(interval),
+            None => Entry::Misses,
+        }
     }
 }
 
