@@ -210,7 +210,7 @@ impl<'w> Caster<'w> {
     /// How the ray enters the structure.
     #[inline(always)]
     fn entry<S: Simd>(&self, simd: S, ray: &Ray) -> Entry<S> {
-        // Not a closure, which would not be compiled for the instructions of the caller.
+        // A closure would not be compiled for the instructions of the caller.
         match self.structure.as_deref() {
             Some(structure) => structure.region.entry(simd, ray, ray.t_max),
             None => Entry::Misses,

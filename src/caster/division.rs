@@ -25,7 +25,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+    const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
@@ -227,44 +227,4 @@ fn median(items: &mut [Item], bounds: Bounds) -> usize {
     let middle = (items.len() / 2).next_multiple_of(LANES).min(items.len() - 1);
     items.select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]));
     middle
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::DVec3;
-
-    /// Items of this side, whose lower corners are these points.
-    fn items(corners: impl Iterator<Item = DVec3>, side: f64) -> Vec<Item> {
-        corners.zip(0..).map(|(min, id)| Item::new(&frame(), &Aabb { min, max: min + side }, id)).collect()
-    }
-
-    fn frame() -> Frame {
-        Frame::new(&Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) })
-    }
-
-    /// The heuristic divides off the items that are far from the others.
-    #[test]
-    fn items_are_halved_by_the_heuristic_or_by_their_number() {
-        let point = |k: u32| match k {
-            0..4 => DVec3::splat(0.9),
-            _ => DVec3::new(0.0, 0.0, 1e-3 * f64::from(k)),
-        };
-        for (by_number, first) in [(false, 4), (true, 256)] {
-            let mut items = items((0..500).map(point), 0.01);
-            let lengths = ItemRun::new(&mut items).halves(by_number).map(|half| half.items.len());
-            assert_eq!(lengths.into_iter().min(), Some(first.min(500 - first)), "{lengths:?}");
-        }
-    }
-
-    /// The centre of the large items' boxes is in the middle of the small ones.
-    #[test]
-    fn large_items_are_apart_from_small_ones_in_their_middle() {
-        let point = |k: u32| (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * f64::from(k)).fract();
-        let mut items = items((0..500).map(|k| 1e-3 * point(k)), 1e-5);
-        let large = Aabb { min: DVec3::new(-0.9, 0.0, -0.9), max: DVec3::new(0.9, 0.0, 0.9) };
-        items.extend([500, 501].map(|id| Item::new(&frame(), &large, id)));
-        let lengths = ItemRun::new(&mut items).halves(false).map(|half| half.items.len());
-        assert_eq!(lengths, [2, 500]);
-    }
 }

@@ -1,20 +1,22 @@
 //! A tree of boxes over all primitives: a bounding volume hierarchy with eight branches per node and eight primitives per
 //! leaf.
 //!
-//! A node is made by halving the largest of its branches until there are eight (Wald, Benthin and Boulos, "Getting Rid of
-//! Packets", IEEE Symposium on Interactive Ray Tracing 2008). Where the primitives of a branch are too small for the
-//! coordinates of the frame, the branch gets a frame of its own.
+//! Where the primitives of a branch are too small for the coordinates of the frame, the branch gets a frame of its own.
 
 use crate::base::memory;
 use crate::caster::block::{Frame, LANES, NONE};
 use crate::caster::bounds::{Region, widened};
 use crate::caster::box8::Box8;
-use crate::caster::division::{Item, ItemRun};
+use crate::caster::division::{Bounds, Item, ItemRun};
 use crate::caster::lattice::GridTooLarge;
 use crate::math::aabb::Aabb;
 use crate::world::World;
-use arrayvec::ArrayVec;
+use binary::{BinaryTree, BranchContent, HEURISTIC_LEVELS, Half};
 use rayon::prelude::*;
+
+pub use binary::MAX_LEVELS;
+
+mod binary;
 
 /// A branch of a tree is a node with this index, or has one of the following bits.
 pub type Branch = u32;
@@ -25,31 +27,22 @@ pub const LEAF: Branch = 1 << 31;
 /// The branch has a frame of its own, and the other bits are its index among such branches.
 pub const SMALL: Branch = 1 << 30;
 
-/// The number of levels that are divided by the heuristic. Below them the primitives are divided by their number, which
-/// bounds the depth of trees of primitives that the heuristic does not divide evenly.
-const HEURISTIC_LEVELS: usize = 40;
-
-/// Upper bound on the number of levels: [`HEURISTIC_LEVELS`], and 29 that halve the at most 2^29 leaves.
-pub const MAX_LEVELS: usize = HEURISTIC_LEVELS + 29;
-
 /// The number of levels that a branch with a frame of its own counts as, so that at most eight are nested.
 const LEVELS_OF_SMALL: usize = HEURISTIC_LEVELS / 8;
 
-/// From this number of items on, the branches of a node are built at the same time.
-const PARALLEL_ITEMS: usize = 1 << 13;
-
 /// The tree.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Tree {
     /// Everything, which is not a leaf.
     pub root: Branch,
+    /// The nodes.
     pub nodes: Vec<Box8>,
     /// The branches with frames of their own.
     pub small: Vec<Small>,
 }
 
 /// The leaves of a tree.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Leaves {
     /// The ids of the primitives in each leaf, in ascending order and followed by [`NONE`].
     pub ids: Vec<[u32; LANES]>,
@@ -66,25 +59,23 @@ pub struct Small {
 }
 
 impl Tree {
-    /// Builds the tree of all primitives that rays may hit, in the coordinates of a frame whose box contains them, and its
-    /// leaves.
+    /// The tree of all primitives that rays may hit, in the coordinates of a frame whose box contains them, and its leaves.
     pub fn new(world: &World, frame: &Frame) -> Result<(Self, Leaves), GridTooLarge> {
         let ids =
             (0..world.finite_count() as u32).filter(|&id| !world.is_triangle(id) || world.may_be_hit(id));
         let ids: Vec<u32> = ids.collect();
         memory::ask(least_bytes(ids.len())).map_err(|_| GridTooLarge)?;
-        let mut growing = Growing::new(world);
-        growing.leaves.frames.push((0, *frame));
-        let mut items = items(world, &ids, frame);
-        let all = ItemRun::new(&mut items);
-        growing.tree.root = match all.items.len() {
-            // The root is not a leaf.
-            0..=LANES => growing.add_node(all, frame, 0),
-            _ => growing.add_branch(all, frame, 0),
+        let tree = Self { root: 0, nodes: vec![], small: vec![] };
+        let mut growing = Growing { tree, leaves: Leaves { ids: vec![], frames: vec![(0, *frame)] }, world };
+        let mut items = growing.items(&ids, frame);
+        let ItemRun { items, bounds, is_small, .. } = ItemRun::new(&mut items);
+        growing.tree.root = match items.len() {
+            0..=LANES => growing.add_single_leaf(items, bounds),
+            _ if is_small => growing.add_small(items, frame, 0),
+            _ => growing.add_tree(items, frame, 0),
         };
-        let Growing { tree, leaves, .. } = growing;
-        let fits = tree.nodes.len() <= SMALL as usize && leaves.ids.len() <= SMALL as usize;
-        if fits { Ok((tree, leaves)) } else { Err(GridTooLarge) }
+        let fits = growing.tree.nodes.len() <= SMALL as usize && growing.leaves.ids.len() <= SMALL as usize;
+        if fits { Ok((growing.tree, growing.leaves)) } else { Err(GridTooLarge) }
     }
 
     /// Whether a condition holds for the block of any leaf of a branch. The leaves after it are not visited.
@@ -99,14 +90,10 @@ impl Tree {
     }
 }
 
-/// Returns the memory that a tree of this many primitives takes at least while it is built: if all leaves are full.
+/// The memory that a tree of so many primitives takes at least while it is built: if all leaves are full.
 fn least_bytes(count: usize) -> u64 {
-    (count * size_of::<Item>() + count / LANES * size_of::<[u32; LANES]>()) as u64
-}
-
-/// Some primitives in the coordinates of a frame.
-fn items(world: &World, ids: &[u32], frame: &Frame) -> Vec<Item> {
-    ids.par_iter().map(|&id| Item::new(frame, &world.box_of(id), id)).collect()
+    let per_leaf = LANES * size_of::<Item>() + 2 * size_of::<Half>() + size_of::<[u32; LANES]>();
+    (count / LANES * per_leaf) as u64
 }
 
 /// A tree that is being built.
@@ -116,20 +103,12 @@ struct Growing<'w> {
     world: &'w World,
 }
 
-impl<'w> Growing<'w> {
-    fn new(world: &'w World) -> Self {
-        Self { tree: Tree::default(), leaves: Leaves::default(), world }
-    }
-
-    /// Adds items below so many levels.
-    fn add_branch(&mut self, run: ItemRun, frame: &Frame, level: usize) -> Branch {
-        if run.items.len() <= LANES {
-            self.add_leaf(run.items)
-        } else if is_small(&run, level) {
-            self.add_small(run.items, frame, level)
-        } else {
-            self.add_node(run, frame, level)
-        }
+impl Growing<'_> {
+    /// Adds a node with nothing but a leaf.
+    fn add_single_leaf(&mut self, items: &[Item], bounds: Bounds) -> Branch {
+        let mut node = Box8::EMPTY;
+        node.set(0, [bounds.min, bounds.max], self.add_leaf(items));
+        self.push_node(node)
     }
 
     fn add_leaf(&mut self, items: &[Item]) -> Branch {
@@ -140,86 +119,55 @@ impl<'w> Growing<'w> {
         LEAF | (self.leaves.ids.len() as u32 - 1)
     }
 
-    fn add_small(&mut self, own: &[Item], outer: &Frame, level: usize) -> Branch {
-        let boxes = own.iter().map(|item| self.world.box_of(item.id));
-        let region = Region::new(&widened(boxes.fold(Aabb::EMPTY, Aabb::union)), f64::INFINITY);
-        self.leaves.frames.push((self.leaves.ids.len(), region.frame));
-        let ids: Vec<u32> = own.iter().map(|item| item.id).collect();
-        let mut items = items(self.world, &ids, &region.frame);
-        let branch = self.add_node(ItemRun::new(&mut items), &region.frame, level + LEVELS_OF_SMALL);
-        self.leaves.frames.push((self.leaves.ids.len(), *outer));
+    fn add_small(&mut self, items: &[Item], outer: &Frame, level: usize) -> Branch {
+        let boxes = items.iter().map(|item| self.world.box_of(item.id));
+        let bounds = widened(boxes.fold(Aabb::EMPTY, |all, bounds| all.union(bounds)));
+        let region = Region::new(&bounds, f64::INFINITY);
+        let frame = region.frame;
+        self.set_frame(frame);
+        let ids: Vec<u32> = items.iter().map(|item| item.id).collect();
+        let mut items = self.items(&ids, &frame);
+        let branch = self.add_tree(&mut items, &frame, level + LEVELS_OF_SMALL);
+        self.set_frame(*outer);
         self.tree.small.push(Small { branch, region });
         SMALL | (self.tree.small.len() as u32 - 1)
     }
 
-    fn add_node(&mut self, run: ItemRun, frame: &Frame, level: usize) -> Branch {
-        let index = self.tree.nodes.len();
-        self.tree.nodes.push(Box8::EMPTY);
-        let is_large = run.items.len() >= PARALLEL_ITEMS;
-        let runs = branches(run, level);
-        let bounds: ArrayVec<_, LANES> = runs.iter().map(|(run, _)| run.bounds).collect();
-        let children: Vec<Branch> = if is_large {
-            let world = self.world;
-            let build = |(run, level)| {
-                let mut own = Self::new(world);
-                (own.add_branch(run, frame, level), own)
+    /// Sets the frame of the leaves that follow.
+    fn set_frame(&mut self, frame: Frame) {
+        self.leaves.frames.push((self.leaves.ids.len(), frame));
+    }
+
+    /// Adds the nodes of more items than fit into a leaf, below so many levels.
+    fn add_tree(&mut self, items: &mut [Item], frame: &Frame, level: usize) -> Branch {
+        let tree = BinaryTree::new(items, level);
+        self.add_node(&tree, tree.root(), items, frame)
+    }
+
+    fn add_node(&mut self, tree: &BinaryTree, half: &Half, items: &[Item], frame: &Frame) -> Branch {
+        let index = self.push_node(Box8::EMPTY);
+        for (lane, child) in tree.children(half).into_iter().enumerate() {
+            let own = &items[child.items.clone()];
+            let branch = match child.content {
+                BranchContent::Leaf => self.add_leaf(own),
+                BranchContent::Small { level } => self.add_small(own, frame, level),
+                BranchContent::Halves(_) => self.add_node(tree, child, items, frame),
             };
-            let built: Vec<_> = runs.into_iter().collect::<Vec<_>>().into_par_iter().map(build).collect();
-            built.into_iter().map(|(branch, own)| self.append(branch, own)).collect()
-        } else {
-            runs.into_iter().map(|(run, level)| self.add_branch(run, frame, level)).collect()
-        };
-        for (lane, (bounds, child)) in bounds.into_iter().zip(children).enumerate() {
-            self.tree.nodes[index].set(lane, [bounds.min, bounds.max], child);
+            let Bounds { min, max } = child.bounds;
+            self.tree.nodes[index as usize].set(lane, [min, max], branch);
         }
-        index as Branch
+        index
     }
 
-    /// Appends what has been built apart, and returns what its root is here.
-    fn append(&mut self, root: Branch, other: Self) -> Branch {
-        let [nodes, small] = [self.tree.nodes.len(), self.tree.small.len()].map(|count| count as u32);
-        let leaves = self.leaves.ids.len();
-        let moved = |branch: Branch| match branch {
-            LEAF.. => branch + leaves as u32,
-            SMALL.. => branch + small,
-            _ => branch + nodes,
-        };
-        self.tree.nodes.extend(other.tree.nodes.into_iter().map(|mut node| {
-            node.children.iter_mut().for_each(|child| *child = moved(*child));
-            node
-        }));
-        let own_small = other.tree.small.into_iter();
-        self.tree.small.extend(own_small.map(|small| Small { branch: moved(small.branch), ..small }));
-        self.leaves.ids.extend(other.leaves.ids);
-        self.leaves.frames.extend(other.leaves.frames.iter().map(|&(leaf, frame)| (leaf + leaves, frame)));
-        moved(root)
+    fn push_node(&mut self, node: Box8) -> Branch {
+        self.tree.nodes.push(node);
+        self.tree.nodes.len() as u32 - 1
     }
-}
 
-/// Whether items below so many levels get a frame of their own.
-fn is_small(run: &ItemRun, level: usize) -> bool {
-    level < HEURISTIC_LEVELS && run.is_small
-}
-
-/// Divides the items of a node into its branches, each with the number of levels above it.
-fn branches(run: ItemRun, level: usize) -> ArrayVec<(ItemRun, usize), LANES> {
-    let is_divisible = run.items.len() > LANES;
-    let mut branches = ArrayVec::<_, LANES>::new();
-    branches.push((run, level));
-    // The node itself is divided also where a branch would be small.
-    let mut next = Some(0).filter(|_| is_divisible);
-    while let Some(index) = next {
-        let (run, level) = branches.swap_remove(index);
-        branches.extend(run.halves(level >= HEURISTIC_LEVELS).map(|half| (half, level + 1)));
-        let area = |i: &usize| branches[*i].0.bounds.half_area();
-        let is_divisible = |i: &usize| {
-            let (run, level) = &branches[*i];
-            run.items.len() > LANES && !is_small(run, *level)
-        };
-        let divisible = (0..branches.len()).filter(|i| branches.len() < LANES && is_divisible(i));
-        next = divisible.max_by(|i, j| area(i).total_cmp(&area(j)));
+    /// Some primitives in the coordinates of a frame.
+    fn items(&self, ids: &[u32], frame: &Frame) -> Vec<Item> {
+        ids.par_iter().map(|&id| Item::new(frame, &self.world.box_of(id), id)).collect()
     }
-    branches
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 use super::*;
 use crate::caster::box8::PADDING;
-use crate::caster::division::Bounds;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use glam::DVec3;
@@ -116,41 +115,4 @@ fn items_have_padded_boxes_in_the_frame() {
     assert_eq!(min.to_array(), [-0.25 - padding, -0.5 - padding, -padding]);
     assert_eq!(max.to_array(), [padding, 0.25 + padding, 0.5 + padding]);
     assert_eq!(id, 7);
-}
-
-#[test]
-fn nodes_are_more_than_half_full() {
-    let (tree, leaves) = Tree::new(&world(5000, scattered), &frame()).unwrap();
-    let children = (tree.nodes.len() - 1 + leaves.ids.len()) as f64 / tree.nodes.len() as f64;
-    assert!(children > 5.5, "{children}");
-}
-
-/// Enough primitives for branches that are built at the same time.
-#[test]
-fn branches_that_are_built_apart_become_one_tree() {
-    let two_sizes = world(3 * PARALLEL_ITEMS as u32, |i| match i % 8 {
-        0 => (0.6 + 1e-5 * scattered(i).0, 1e-7),
-        _ => scattered(i),
-    });
-    let (_, per_leaf) = shape(&two_sizes);
-    assert!(per_leaf > 4.0, "{per_leaf}");
-    let grown = Tree::new(&two_sizes, &frame()).unwrap();
-    let mut ids = vec![];
-    for small in &grown.0.small {
-        ids_under(&grown, small.branch, &mut ids);
-    }
-    assert!(ids.iter().filter(|&id| id % 8 == 0).count() > 3000, "{}", ids.len());
-}
-
-#[test]
-fn of_many_small_items_a_branch_is_small_unless_there_are_too_many_levels_above_it() {
-    let near = (0..100).map(|k| DVec3::splat(0.5) + 1e-5 * DVec3::new(f64::from(k), f64::from(k % 7), 0.0));
-    let far = (0..100).map(|k| DVec3::new(-0.5, -0.5, 0.005 * f64::from(k)));
-    let corners = near.chain(far).zip(0..);
-    let mut items: Vec<Item> =
-        corners.map(|(min, id)| Item::new(&frame(), &Aabb { min, max: min + 1e-6 }, id)).collect();
-    for (level, has_small) in [(0, true), (HEURISTIC_LEVELS - 2, true), (HEURISTIC_LEVELS, false)] {
-        let branches = branches(ItemRun::new(&mut items), level);
-        assert_eq!(branches.iter().any(|(run, level)| is_small(run, *level)), has_small, "{level}");
-    }
 }
