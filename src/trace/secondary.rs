@@ -8,6 +8,7 @@ use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::scene::limits::BRIGHTEST;
 use crate::scene::model::Split;
+use crate::world::SurfacePoint;
 use glam::DVec3;
 
 /// The history of a ray since it left the camera.
@@ -91,7 +92,10 @@ impl<H: Hints> Tracer<'_, H> {
         let (direction, normal, indices) = (arrival.ray.direction, arrival.surface.normal, arrival.indices());
         let against = if arrival.is_entering() { normal } else { -normal };
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
-        match refracted_between(direction, against, indices, || self.precise_sine(arrival)) {
+        // The closure has copies: were the ray or its path referred to, they would lie in memory, written part by part and
+        // read as vectors, for which the processor stalls.
+        let (line, surface) = ((arrival.ray.origin, direction), arrival.surface);
+        match refracted_between(direction, against, indices, move || self.precise_sine(line, surface)) {
             Some(direction) => {
                 let path = Path { index: indices[1], ..path };
                 pending.push(self.secondary_ray(kind, arrival, direction, path, observer));
@@ -144,10 +148,10 @@ impl<H: Hints> Tracer<'_, H> {
     /// The sine of the angle between the ray and the surface's normal, with less rounding than that of the unit normal where
     /// that is known.
     #[inline(always)]
-    fn precise_sine(&self, Arrival { ray, surface, .. }: &Arrival) -> SquaredSine {
+    fn precise_sine(&self, line: (DVec3, DVec3), surface: &SurfacePoint) -> SquaredSine {
         // A smooth normal is not the triangle's.
         let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
         let primitive = surface.primitive.filter(|_| !is_smooth);
-        self.world().precise_sine((ray.origin, ray.direction), primitive, surface.normal)
+        self.world().precise_sine(line, primitive, surface.normal)
     }
 }
