@@ -45,7 +45,7 @@ fn trace_at<S: Simd, R: Rules>(
     let FastRow { rows, memory } = row;
     aim::<S>(simd, packet, rows.picture.camera, j);
     if wanted.hits {
-        cast(packet, &rows.caster, rows.visibility.as_ref(), j);
+        cast(packet, rows.caster, rows.visibility.as_ref(), j);
     }
     if wanted.surfaces {
         find_surfaces::<S>(simd, rows.caster.world, packet);
@@ -57,8 +57,7 @@ fn trace_at<S: Simd, R: Rules>(
     }
     if wanted.colors {
         let tracer = Tracer { rules, effects: rows.picture.demand.effects };
-        let shading =
-            Shading { tracer, caster: &rows.caster, shadow_maps: rows.picture.shadow_maps.as_ref() };
+        let shading = Shading { tracer, caster: rows.caster, shadow_maps: rows.picture.shadow_maps.as_ref() };
         for (color, Sample { ray, surface, .. }) in colors.iter_mut().zip(packet.samples()) {
             *color = shading.color(ray, surface.as_ref(), memory);
         }

@@ -32,17 +32,17 @@ fn blocks_hold_the_primitives_of_the_cells() {
     let cells = ids.fill(&[(0, Frame::new(&lattice.bounds))]);
     assert_eq!(Contents::references(&cells.blocks), references.len());
     let mut expected_blocks = 0;
-    for index in 0..lattice.index_count() {
+    for (index, &entry) in entries.iter().enumerate() {
         let mut found: Vec<u32> = vec![];
-        if entries[index] != EMPTY {
-            let own = cells.blocks_of(entries[index]);
+        if entry != EMPTY {
+            let own = cells.blocks_of(entry);
             found.extend(own.iter().flat_map(|block| block.index.ids).filter(|&id| id != NONE));
             found.extend(cells.non_triangles_in(own));
         }
         let listed = references.iter().filter(|[cell, _]| *cell == index as u32);
         let expected: Vec<u32> = listed.map(|&[_, id]| id).collect();
         assert_eq!(found, expected);
-        assert_eq!(entries[index] == EMPTY, expected.is_empty(), "{index}");
+        assert_eq!(entry == EMPTY, expected.is_empty(), "{index}");
         let triangles = expected.iter().filter(|&&id| id < 50).count();
         expected_blocks += triangles.div_ceil(LANES).max(usize::from(!expected.is_empty()));
     }
