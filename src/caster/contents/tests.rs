@@ -32,7 +32,7 @@ fn blocks_hold_the_primitives_of_the_cells() {
     let cells = ids.fill(&[(0, Frame::new(&lattice.bounds))]);
     assert_eq!(Contents::references(&cells.blocks), references.len());
     let mut expected_blocks = 0;
-    for (index, &entry) in entries.iter().enumerate().take(lattice.index_count()) {
+    for (index, &entry) in entries.iter().enumerate() {
         let mut found: Vec<u32> = vec![];
         if entry != EMPTY {
             let own = cells.blocks_of(entry);
