@@ -59,8 +59,8 @@ pub struct Files {
 
 impl Files {
     pub fn open(options: &Options) -> Result<Self, Diagnostic> {
-        let difference = options.comparison.as_ref().and_then(|wanted| wanted.difference.as_deref());
-        let difference = difference.and_then(|path| Some((path, Format::of(path)?)));
+        let wanted = options.comparison.as_ref().and_then(|wanted| wanted.difference.as_deref());
+        let difference = wanted.and_then(|path| Some((path, Format::of(path)?)));
         let difference =
             difference.map(|(path, format)| OutputFile::prepare(path).map(|file| (file, format)));
         let document = options.json.as_deref().map(OutputFile::prepare);

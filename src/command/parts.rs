@@ -25,7 +25,7 @@ pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer
 }
 
 /// Returns a hash of everything that the bytes of a layer's whole picture depend on: the version of the program, the
-/// text and the edition of the scene, its meshes and pictures, and the flags that change the layer.
+/// text and the model of the scene, its meshes and pictures, and the flags that change the layer.
 ///
 /// It is SipHash-1-3 with 128 bits and a key of zeros, which is the same on every machine and in every version of its
 /// crate. It tells apart what was mixed up by mistake, not by malice.

@@ -120,13 +120,10 @@ fn render_rows(
     products: &mut Products,
     signals: &Signals,
 ) -> Result<Result<Counts, usize>, Diagnostic> {
-    let mut failure = None;
-    let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(error) => {
-            failure = Some(error);
-            ControlFlow::Break(())
-        }
+    let mut taken = Ok(());
+    let mut take_row = |layer: usize, row: &[Color]| {
+        taken = products.take_row(layer, row);
+        if taken.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     };
     signals.note_first();
     let progress = ProgressLine::new(options.progress);
@@ -134,10 +131,11 @@ fn render_rows(
         progress.show(|passed| rows_text("rendering", rows, passed));
         signals.goes_on()
     };
-    match (prepared.render_rows(request, &watch, &mut take_row), failure) {
-        (_, Some(error)) => Err(error.into()),
-        (Err(Stopped::Cancelled { rows }), None) => Ok(Err(rows)),
-        (rendered, None) => Ok(Ok(rendered?)),
+    let rendered = prepared.render_rows(request, &watch, &mut take_row);
+    taken?;
+    match rendered {
+        Err(Stopped::Cancelled { rows }) => Ok(Err(rows)),
+        rendered => Ok(Ok(rendered?)),
     }
 }
 
