@@ -1,7 +1,7 @@
 //! Errors, warnings and notes.
 //!
-//! A [`Diagnostic`] is built where a fault is found, gets its file and the line of its text from whoever has read them,
-//! and is formatted once, where it is shown.
+//! A [`Diagnostic`] is built where a fault is found. The code that has read the file adds its name and the line of its
+//! text. It is formatted once, where it is shown.
 
 mod excerpt;
 
@@ -15,17 +15,18 @@ use std::path::{Path, PathBuf};
 /// An error, a warning or a note. `Display` formats all of it, without colour and without a final line end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// How serious it is.
+    /// The severity, which decides the label and the colour.
     pub severity: Severity,
-    /// The place in a file, and where that names a mesh, the place in the mesh. Empty if no file is to blame.
+    /// The place of the fault. If it lies in a mesh, the place that names the mesh comes first. Empty if the fault is
+    /// in no file.
     pub places: Vec<Place>,
-    /// What is wrong, in one line.
+    /// The problem in one line.
     pub message: String,
     /// Advice in one line.
     pub hint: Option<String>,
 }
 
-/// How serious a diagnostic is.
+/// The severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
     /// The run ends.
@@ -110,7 +111,7 @@ impl Diagnostic {
         self.places.first().and_then(|place| place.at)
     }
 
-    /// Formats the message and the hint where there is only one line.
+    /// Formats the message and the hint in one line.
     pub fn in_one_line(&self) -> String {
         let hint = self.hint.as_ref().map(|hint| format!("; {hint}"));
         self.message.clone() + &hint.unwrap_or_default()
@@ -160,7 +161,8 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// Makes an error without a place. A diagnostic is no `Error` itself, so that this holds for all that are.
+/// Makes an error without a place. `Diagnostic` does not implement `Error`, which would make this overlap with
+/// `From<T> for T`.
 impl<E: Error> From<E> for Diagnostic {
     fn from(error: E) -> Self {
         Self::error(error.to_string())

@@ -1,8 +1,8 @@
 //! A ray tracer that mirrors the one of MIT's 6.837 graphics course: it reads the course's scenes, and renders and
 //! counts as the course's program does, but exactly and in milliseconds.
 //!
-//! A [`Renderer`](render::renderer::Renderer) opens a scene once. It is prepared once for each grid, and then renders as often
-//! as one likes: other layers, other effects, a moved camera, or a window of the picture.
+//! A [`Renderer`](render::renderer::Renderer) opens a scene once. Prepared once for each grid, it renders any number of
+//! requests: other layers, other effects, a moved camera, or a window of the picture.
 //!
 //! ```
 //! use raytracer::caster::choose::Structure;
@@ -21,19 +21,19 @@
 //! let pictures = prepared.render(&request)?;
 //! assert_eq!(pictures[0].size, size);
 //!
-//! // The colours of a window are those of the whole picture.
+//! // A window has the same colours as this part of the whole picture.
 //! let window = Window { x: 30, y: 20, width: 8, height: 5 };
 //! let part = prepared.render(&Request { window: Some(window), ..request })?;
 //! assert_eq!(part[0].colors[..8], pictures[0].colors[20 * 80 + 30..][..8]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Prepared::render_rows`](render::renderer::Prepared::render_rows) hands out the rows as they are finished, so that no
-//! picture has to fit into memory, tells how far it has come and can be ended. [`image_io`] writes such rows to TGA,
-//! PNG, PFM and OpenEXR files and reads pictures. Of the [`tools`], [`compare`](tools::compare) measures how two pictures
-//! differ, [`causes`](tools::causes) finds out why, [`grade`](tools::grade) does both for many pictures of many people,
-//! [`error_report`](tools::error_report) measures what settings cost and buy. `live` shows a scene as a page in the
-//! browser.
+//! [`Prepared::render_rows`](render::renderer::Prepared::render_rows) hands out the rows as they are finished, so that
+//! no picture has to fit into memory. It reports its progress and can be cancelled. [`image_io`] writes such rows to
+//! TGA, PNG, BMP, PPM, PFM and OpenEXR files, and reads pictures. Of the [`tools`], [`compare`](tools::compare)
+//! measures how two pictures differ, [`causes`](tools::causes) finds out why, [`grade`](tools::grade) does both for
+//! many pictures of many people, [`error_report`](tools::error_report) measures the time and the error of settings.
+//! `live` shows a scene as a page in the browser.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
 

@@ -20,12 +20,12 @@ pub fn escape(text: &str) -> String {
     shown
 }
 
-/// A word between backticks, escaped, and truncated if it is long. Bytes that are not UTF-8 become U+FFFD.
+/// A word like [`truncated`], between backticks. Bytes that are not UTF-8 become U+FFFD.
 pub fn quoted(word: impl AsRef<OsStr>) -> String {
     format!("`{}`", truncated(word))
 }
 
-/// The same without backticks.
+/// A word, escaped, and truncated if it is long.
 pub fn truncated(word: impl AsRef<OsStr>) -> String {
     let word = word.as_ref().to_string_lossy();
     let shown: String = word.chars().take(MAX_QUOTED).collect();
@@ -33,14 +33,14 @@ pub fn truncated(word: impl AsRef<OsStr>) -> String {
     escape(&shown) + ellipsis
 }
 
-/// Whether `character` is printed unchanged. These are the characters that the standard library does not
-/// escape, and the quotes and the backslash.
+/// Returns true if `character` is printed unchanged: the standard library does not escape it, or it is a quote or the
+/// backslash.
 pub fn prints(character: char) -> bool {
     matches!(character, '\'' | '"' | '\\') || character.escape_debug().count() == 1
 }
 
-/// Escapes text for HTML, also between quotes. Templates apply it to every value that they show. Control characters, and
-/// those that change the direction of writing, become escape sequences.
+/// Escapes text for HTML, also between quotes. Templates apply it to every value that they show. Control characters,
+/// and characters that change the direction of writing, become escape sequences.
 #[derive(Clone, Copy, Debug)]
 pub struct Html;
 
@@ -60,8 +60,8 @@ impl askama::filters::Escaper for Html {
     }
 }
 
-/// A field of comma-separated values: the text between quotes (RFC 4180). One that a spreadsheet would take for a
-/// formula starts with an apostrophe.
+/// A field of comma-separated values: the text between quotes (RFC 4180). An apostrophe comes before text that a
+/// spreadsheet would take for a formula.
 pub fn csv_field(text: &str) -> String {
     let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
     let apostrophe = if is_formula { "'" } else { "" };

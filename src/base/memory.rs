@@ -1,15 +1,15 @@
-//! Memory that is asked for beforehand, so that too little of it is an error and not the end of the program.
+//! Asks for memory before large work, so that a lack of it is an error and does not end the program.
 //!
-//! Where it is known before some work how much memory the work takes, and it may be much (a picture, the cells of a
-//! grid, a mesh by its file), the work asks for it once, and a refusal is an error that says how much is needed.
-//! Everything else simply allocates: the program's allocator ends the program with one line when an allocation fails.
+//! Work that may take much memory and knows how much (a picture, the cells of a grid, a mesh by its file) asks once
+//! before it starts. A refusal is an error that says how much is needed. Everything else simply allocates: the
+//! program's allocator ends the program with one line when an allocation fails.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::hint::black_box;
 use std::{fmt, io};
 
-/// Fewer bytes than this are not asked for. Such blocks are parts of a heap, and those that come and go leave gaps in
-/// it, which the program keeps.
+/// The least number of bytes to ask for. Smaller blocks lie in the heap, and asking for them would leave gaps there,
+/// which the program keeps.
 const WORTH_ASKING: u64 = 1 << 20;
 
 /// Returns an error if the system has less memory than this. Does not keep the memory.
@@ -36,7 +36,7 @@ pub fn ask(bytes: u64) -> Result<(), NoMemory> {
 /// Too little memory. The error is displayed as a part of a line that says how much was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoMemory {
-    /// How much was asked for at once, in bytes. More may be needed after it.
+    /// The number of bytes that were asked for at once. More may be needed after it.
     pub bytes: u64,
 }
 

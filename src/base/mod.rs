@@ -1,4 +1,4 @@
-//! What every module may use.
+//! Small utilities that every module may use.
 
 pub mod escape;
 pub mod memory;

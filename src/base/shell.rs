@@ -3,10 +3,10 @@
 use super::escape::{escape, prints};
 use std::ffi::OsStr;
 
-/// The shells of a system, which read a word alike.
+/// The shells of a system. They all read the words that are written here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shell {
-    /// Those of POSIX, bash and zsh.
+    /// The shell of POSIX, bash and zsh.
     Posix,
     /// cmd.exe and PowerShell.
     Windows,
@@ -36,8 +36,8 @@ impl Shell {
     }
 }
 
-/// A word between single quotes if it has other characters than those of plain names, and with escape sequences between
-/// `$'` and `'` if it has bytes that do not print, which the plainest shells do not read.
+/// A word as it is if all its characters are plain, with escape sequences between `$'` and `'` if it has bytes that do
+/// not print (the simplest shells do not read this form), and otherwise between single quotes.
 fn posix_word(word: &OsStr) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:=@%,".contains(c);
     match word.to_str() {
@@ -61,12 +61,12 @@ fn escaped_byte(byte: u8) -> String {
     }
 }
 
-/// A word that cmd.exe and PowerShell read alike: between double quotes if it has other characters than those of plain
-/// names. What PowerShell replaces between them stands between single quotes, which cmd.exe does not know. cmd.exe
-/// replaces `%NAME%` wherever it stands. Neither can be told characters that do not print: those are escaped as in a
-/// message.
+/// A word that cmd.exe and PowerShell read alike: as it is if all its characters are plain, and otherwise between
+/// double quotes. Three cases have no form that both read. A word with characters that PowerShell replaces between
+/// double quotes is put between single quotes, which cmd.exe does not know. cmd.exe replaces `%NAME%` everywhere.
+/// Neither has a form for characters that do not print, so they are escaped as in a message.
 fn windows_word(word: &str) -> String {
-    /// Those that end a text between double quotes in PowerShell, or are replaced in it.
+    /// Characters that end a text between double quotes in PowerShell, or are replaced in it.
     const REPLACED: [char; 5] = ['$', '`', '\u{201c}', '\u{201d}', '\u{201e}'];
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/\\._-+:=".contains(c);
     // PowerShell takes `-a.b` for two words, unless it is a number.

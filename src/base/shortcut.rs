@@ -1,22 +1,22 @@
-//! The shortcuts of the program: ways to find sooner what the tracer finds.
+//! Optional accelerations. They never change the picture.
 //!
-//! None changes a picture. Without the feature `fast` none is taken, and with the feature `ablation` those are left out
-//! that the environment variable `WITHOUT` names, to measure what each of them saves.
+//! The feature `fast` turns them on. With the feature `ablation`, the environment variable `WITHOUT` names the ones to
+//! leave out, to measure what each of them saves.
 
 use std::sync::OnceLock;
 
-/// A way to find something sooner.
+/// An optional acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shortcut {
-    /// The first hits of camera rays are found by rasterization.
+    /// Rasterization finds the first hits of camera rays.
     FirstHits,
-    /// What stands before a light is found by rasterization.
+    /// Rasterization finds the surfaces that a light reaches.
     ShadowMaps,
-    /// The instructions of AVX2 are used where the processor has them.
+    /// AVX2 instructions are used where the processor has them.
     Avx2,
-    /// Those of SSE4.2 are used where the processor has them, and not AVX2.
+    /// SSE4.2 instructions are used where the processor has them, but not AVX2.
     Sse4_2,
-    /// Meshes of positions and triangles alone have a reader of their own.
+    /// A special reader reads meshes that have only positions and triangles.
     PlainMeshes,
 }
 
@@ -36,7 +36,7 @@ impl Shortcut {
         }
     }
 
-    /// Whether it is taken. This is known when the program is compiled, except with the feature `ablation`.
+    /// Returns true if it is used. This is a constant, except with the feature `ablation`.
     #[inline(always)]
     pub fn is_taken(self) -> bool {
         cfg!(feature = "fast") && !(cfg!(feature = "ablation") && self.is_left_out())

@@ -9,7 +9,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 /// Parses the command lines of a text, all of which render a scene. Each starts with the name of the program, which may
-/// be any; words are separated by white space. Empty lines, and those that start with `#`, are skipped. The error about
+/// be any; words are separated by white space. Empty lines and lines that start with `#` are skipped. The error about
 /// the first line that cannot be used has its number.
 pub fn parse_commands(text: &str) -> Result<Vec<Options>, Diagnostic> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));

@@ -1,4 +1,4 @@
-//! Errors of the command line: clap's message in one line, and what may have been meant.
+//! Errors of the command line: clap's message in one line, and a suggestion.
 
 use super::flags::{find, meant};
 use super::values::has_ending;

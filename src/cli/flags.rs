@@ -36,7 +36,7 @@ const HEADINGS: [(&str, &str); 10] = [
 ];
 /// The flags and groups that shape the colour picture.
 const SHAPING: [&str; 6] = ["size", "edition", "uv", "Shading", "Sampling", "Grid"];
-/// Those that only a run that renders a scene understands, beside these.
+/// The other flags and groups that need a scene.
 const RENDERING: [&str; 6] = ["layers", "compare", "difference", "Statistics", "Live page", "strict"];
 /// The flags that have no meaning for a part of a picture.
 pub(super) const NOT_OF_PARTS: [&str; 8] =

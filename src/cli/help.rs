@@ -9,7 +9,7 @@ use std::ffi::OsString;
 
 /// The length of the longest lines in characters.
 const WIDTH: usize = 80;
-/// The room that clap leaves before flags for short ones, which there are not.
+/// The characters that clap reserves before each flag for a short one. No flag has a short one.
 const ROOM: usize = 5;
 
 const USUAL_TAIL: &str = "
@@ -63,7 +63,7 @@ fn summary(flag: &Arg) -> String {
     help.split(". ").next().unwrap_or_default().to_owned()
 }
 
-/// All about the flag of this name, or the one that other programs call so; otherwise the flags with the word.
+/// The whole help of the flag with this name, here or in other programs; otherwise the flags with this word.
 fn about(name: &str) -> Result<String, Diagnostic> {
     if let Some(flag) = known(name) {
         let mut some = only(|other| other.get_id() == flag.get_id()).term_width(WIDTH + ROOM);
@@ -88,7 +88,7 @@ fn bare(word: &str) -> &str {
     word.trim_start_matches('-')
 }
 
-/// The flag that is called so here or elsewhere.
+/// The flag with this name, here or in other programs.
 fn known(name: &str) -> Option<Arg> {
     find(name).or_else(|| find(meant(name)?))
 }
@@ -105,7 +105,7 @@ fn show(command: clap::Command) -> String {
     single_dashes(&command.term_width(WIDTH + ROOM).render_help().to_string())
 }
 
-/// One dash before each flag, and lines without the room for short ones.
+/// Writes one dash before each flag, and removes the characters for short flags.
 fn single_dashes(text: &str) -> String {
     let moved = |line: &str| match line.strip_prefix("      --") {
         Some(rest) => format!("  -{rest}\n"),

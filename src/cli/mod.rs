@@ -1,6 +1,6 @@
 //! Parses the command line to [`Options`] with clap.
 //!
-//! The syntax is that of the course: long flags with a single dash, in any order, each at most once, with
+//! The syntax is the course's: long flags with a single dash, in any order, each at most once, with
 //! values as separate words. A word that starts with one or two dashes and a letter is a flag, and any other
 //! word is a value. So `-2` and `-.5` are numbers, and a file called `-a.tga` has to be written as
 //! `./-a.tga`.
@@ -44,7 +44,7 @@ pub enum Command {
     Print(String),
 }
 
-/// A folder with a folder of pictures for every name, and what they are to be.
+/// A folder with a folder of pictures for every name, and the references to grade them by.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Grading {
     pub folder: PathBuf,
@@ -56,26 +56,26 @@ pub struct Grading {
     pub progress: ShowProgress,
 }
 
-/// Where the reference pictures come from: the files of a folder, or command lines in a file that render them.
+/// The reference pictures: the files of a folder, or the renderings of command lines in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum References {
     Folder(PathBuf),
     Commands(PathBuf),
 }
 
-/// Parts of a picture, and what they become.
+/// Parts of a picture, and the picture to make of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merging {
     /// The parts, of which there is at least one. They end in `.tga` or `.png`.
     pub parts: Vec<PathBuf>,
-    /// Where the picture goes. Its format is one of bytes.
+    /// The picture to write, in a format of bytes.
     pub output: Output,
     /// The part of the picture that they become; none for the whole.
     pub region: Option<Window>,
     pub progress: ShowProgress,
 }
 
-/// A picture, and where it goes in another format, which is one of bytes.
+/// A picture to convert, and the picture to write in a format of bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Converting {
     pub picture: PathBuf,
@@ -83,12 +83,12 @@ pub struct Converting {
     pub progress: ShowProgress,
 }
 
-/// A report on what settings cost and buy.
+/// A report on the time and the error of settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorReporting {
-    /// The scene and what is asked for. There is a scene.
+    /// The options of the rendering, which has a scene.
     pub options: Options,
-    /// Where the report is written. The folder need not exist.
+    /// The folder for the report. It need not exist.
     pub folder: PathBuf,
     /// The error to reach, in levels, not negative.
     pub target: Option<f64>,

@@ -7,6 +7,7 @@ use super::values::{NOT_NEGATIVE, Sides, json_target, lossy_or_null, number, pic
 use crate::base::memory::Bytes;
 use crate::caster::choose::{Resolution, Structure};
 use crate::diagnostic::Diagnostic;
+use crate::image_io::ReadFile;
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
@@ -15,7 +16,7 @@ use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::edition::Edition;
-use crate::scene::load::Hints;
+use crate::scene::load::{Hints, LoadedScene, load_with};
 use crate::tools::compare::Tolerance;
 use crate::trace::{Effects, Shadows};
 use clap::value_parser;
@@ -60,7 +61,7 @@ pub struct Options {
     pub visualize_grid: bool,
     pub comparison: Option<Comparison>,
     pub stats: bool,
-    /// How often the scene is rendered, 1 to 10000, if the times are to be compared.
+    /// The number of renderings, 1 to 10000, if their times are to be compared.
     pub repeat: Option<u32>,
     /// Treats warnings as errors.
     pub strict: bool,
@@ -98,7 +99,7 @@ pub struct LivePage {
     pub words: Vec<String>,
 }
 
-/// A comparison of two pictures. One that has no file is rendered, and not both are.
+/// A comparison of two pictures. A picture without a file is rendered; at least one has a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Comparison {
     /// The picture in question.
@@ -118,7 +119,7 @@ impl Comparison {
         if flags.compare.is_none() && flags.reference.is_none() {
             return Ok(None);
         }
-        // Where a folder is graded, it is a folder.
+        // clap does not check this value, since it is a folder for `-grade`.
         let reference = flags.reference.as_ref();
         let reference = reference.map(|path| value("reference", path.as_os_str(), picture())).transpose()?;
         let (picture, difference) = (flags.compare.clone(), flags.difference.clone());
@@ -131,7 +132,7 @@ impl Comparison {
     }
 }
 
-/// Where progress is shown on standard error.
+/// When progress is shown on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShowProgress {
@@ -151,7 +152,7 @@ impl ShowProgress {
 }
 
 impl Options {
-    /// Checks what depends on more than one flag. `words` are the flags that the live page begins with.
+    /// Checks the flags together. `words` are the flags that the live page begins with.
     pub(super) fn new(flags: Flags, words: Vec<String>) -> Result<Self, Diagnostic> {
         let triples = flags.edition != Some(Edition::Y2019);
         let size = size(&flags.size)?;
@@ -200,7 +201,7 @@ impl Options {
         Ok(options)
     }
 
-    /// Settles what depends on the edition, which is known when the scene is read.
+    /// Settles the options that depend on the edition, which is known once the scene is read.
     #[must_use]
     pub fn in_edition(&self, edition: Edition) -> Self {
         let mut options = self.clone();
@@ -213,7 +214,12 @@ impl Options {
         options
     }
 
-    /// What the flags tell of the scene.
+    /// Reads the scene with the files that it names.
+    pub fn load_scene(&self) -> Result<LoadedScene, Diagnostic> {
+        load_with(self.input.as_deref().unwrap_or(Path::new("")), &self.hints())
+    }
+
+    /// Returns what the flags say about the scene.
     pub fn hints(&self) -> Hints {
         Hints { edition: self.edition, shows_places: self.uv }
     }
@@ -247,6 +253,13 @@ impl Options {
         Ok(())
     }
 
+    /// The scene and the compared pictures, without the files that the scene names.
+    pub fn files(&self) -> impl Iterator<Item = ReadFile> {
+        let compared = self.comparison.iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
+        let pictures = compared.flatten().map(|picture| ("picture", picture.clone()));
+        self.input.iter().map(|input| ("scene", input.clone())).chain(pictures)
+    }
+
     /// The names of the pictures to write, where `-` is standard output.
     pub fn pictures(&self) -> impl Iterator<Item = &Path> {
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
@@ -269,7 +282,7 @@ impl Options {
         counts || self.repeat.is_some() || self.pixel.is_some() || self.comparison.is_some()
     }
 
-    /// How the picture is traced: counted where counts are shown.
+    /// Returns how the picture is traced: counted if counts are shown.
     pub fn tracing(&self) -> Tracing {
         let counts = self.stats || self.outputs.iter().any(|output| matches!(output.layer, Layer::Cost(_)));
         if counts { Tracing::Counted } else { Tracing::Fast }
@@ -298,8 +311,8 @@ impl Options {
         })
     }
 
-    /// The layer that a comparison takes from the rendering: that of the only picture that is written, or else the
-    /// colours, if they are written or nothing is.
+    /// Returns the rendered layer that is compared: the layer of the only picture that is written, or else the colours
+    /// if they are written or nothing is.
     pub fn compared_layer(&self) -> Option<Layer> {
         match self.outputs.as_slice() {
             [only] => Some(only.layer),
@@ -319,7 +332,7 @@ impl Options {
         }
     }
 
-    /// What the renderer is asked for.
+    /// Returns the request for the renderer.
     pub fn request(&self) -> Request {
         Request {
             size: if self.jitter { self.size.map(|n| n * REDUCTION) } else { self.size },
@@ -339,7 +352,7 @@ impl Options {
     }
 }
 
-/// Returns the edition that is named, or the one that has a flag.
+/// Returns the edition of `-edition`, or the one that another flag implies.
 fn edition(flags: &Flags) -> Result<Option<Edition>, Diagnostic> {
     let flags_of_editions = [
         ("jitter", flags.jitter, Edition::Y2012A5),
@@ -420,7 +433,7 @@ fn structure(values: &[OsString]) -> Result<Structure, Diagnostic> {
     let [x, y, z] = match values {
         [word] if word == "auto" => return Ok(Structure::Grid(Resolution::Auto)),
         [word] if word == "none" => return Ok(Structure::List),
-        [x, y, z] => [x, y, z].map(|word| value::<_>("grid", word, value_parser!(u32).range(1..=MAX_INT))),
+        [x, y, z] => [x, y, z].map(|word| value("grid", word, value_parser!(u32).range(1..=MAX_INT))),
         _ => return fail("-grid takes 3 values, as in '-grid 20 20 20', or 'auto' or 'none'"),
     };
     let [x, y, z] = [x?, y?, z?];

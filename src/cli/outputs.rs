@@ -14,19 +14,20 @@ use std::path::{Path, PathBuf};
 /// A picture to write.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Output {
-    /// What it shows. Depths and their difference are finite, and the sides of an enlarged picture are below 65536.
+    /// The layer that it shows. Depths and their difference are finite, and the sides of an enlarged picture are below
+    /// 65536.
     #[serde(flatten)]
     pub layer: Layer,
     /// The picture's file, or `-` for standard output.
     #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
-    /// How it is written. Only layers that are rendered colours are written as floating-point numbers.
+    /// Only layers of rendered colours are written as floating-point numbers.
     pub format: Format,
 }
 
 impl Output {
     /// Reads a file's name, and the name of the format after it if the file's has no ending of a picture. `-` and
-    /// `/dev/stdout` are standard output. The layers are those of a picture of bytes and of floating-point numbers.
+    /// `/dev/stdout` are standard output. `layers` are the ones for bytes and for floating-point numbers.
     fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, Diagnostic> {
         let name = values.first().cloned().unwrap_or_default();
         let is_standard_output = name == "-" || name == "/dev/stdout";
@@ -58,7 +59,7 @@ impl Output {
     }
 }
 
-/// The pictures that the flags ask for, in the order of the help. `size` is that of the picture.
+/// The pictures that the flags ask for, in the order of the help. `size` is the value of `-size`.
 pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, Diagnostic> {
     let normals = [Layer::Normals, Layer::SignedNormals];
     let all = [

@@ -1,4 +1,4 @@
-//! Parsers of values, which clap calls, and which the flags call whose values are of different kinds.
+//! Parsers of values. clap calls them for most flags; [`value`] calls them for flags with values of several kinds.
 
 use super::error::of_clap;
 use crate::diagnostic::Diagnostic;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// The range of a picture's sides, in pixels.
 pub(super) const SIDES: RangeInclusive<usize> = 1..=65535;
 
-/// A range of numbers, and the words for what is not in it.
+/// A range of numbers, and the description of a number outside it.
 type Numbers = (RangeInclusive<f64>, &'static str);
 
 pub(super) const FINITE: Numbers = (f64::MIN..=f64::MAX, "not a finite number");

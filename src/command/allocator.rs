@@ -1,7 +1,8 @@
 //! The program's allocator: the system's, but an allocation that fails ends the program with one line, where Rust would
 //! abort it.
 //!
-//! What takes much memory asks for it beforehand ([`raytracer::base::memory`]), and a refusal there is an error as any other.
+//! Work that takes much memory asks for it beforehand ([`raytracer::base::memory`]); a refusal there is an ordinary
+//! error.
 
 use raytracer::base::memory::Bytes;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -45,8 +46,8 @@ fn given(block: *mut u8, bytes: usize) -> *mut u8 {
     if block.is_null() { end(bytes) } else { block }
 }
 
-/// Ends the program. The line is formatted without an allocation, and written at once, so that no other thread that finds
-/// no memory breaks it.
+/// Ends the program. The line is formatted without an allocation, and written at once, so that no other thread that
+/// finds no memory breaks it.
 #[cold]
 fn end(bytes: usize) -> ! {
     while IS_ENDING.swap(true, Ordering::Relaxed) {

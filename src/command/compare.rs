@@ -1,7 +1,7 @@
-//! Compares two pictures, of which one may be the rendering.
+//! Compares two pictures. One of them may be rendered.
 
 use super::log::Log;
-use super::outputs::{self, Outputs, prepare};
+use super::outputs::{self, Outputs};
 use super::report::Report;
 use super::signals::Signals;
 use super::{End, Outcome, live, threads};
@@ -22,7 +22,7 @@ use std::path::Path;
 /// Compares two pictures that need no scene.
 pub fn run(options: &Options, signals: &Signals, log: &Log) -> Result<Outcome, End> {
     threads::start(options.threads, options.size[1])?;
-    outputs::check(options, [])?;
+    outputs::check(options, vec![])?;
     let pair = Pair::open(options, log)?;
     let files = Files::open(options)?;
     let outputs = Outputs::new(vec![], signals)?;
@@ -51,7 +51,7 @@ impl Display for ComparisonResult {
     }
 }
 
-/// The files that are written beside the rendered pictures, and are known to be writable.
+/// The files to write beside the rendered pictures. They are known to be writable.
 pub struct Files {
     pub difference: Option<(OutputFile, Format)>,
     pub document: Option<OutputFile>,
@@ -59,10 +59,11 @@ pub struct Files {
 
 impl Files {
     pub fn open(options: &Options) -> Result<Self, Diagnostic> {
-        let difference = options.comparison.as_ref().and_then(|wanted| wanted.difference.as_deref());
-        let difference = difference.and_then(|path| Some((path, Format::of(path)?)));
-        let difference = difference.map(|(path, format)| prepare(path).map(|file| (file, format)));
-        let document = options.json.as_deref().map(prepare);
+        let wanted = options.comparison.as_ref().and_then(|wanted| wanted.difference.as_deref());
+        let difference = wanted.and_then(|path| Some((path, Format::of(path)?)));
+        let difference =
+            difference.map(|(path, format)| OutputFile::prepare(path).map(|file| (file, format)));
+        let document = options.json.as_deref().map(OutputFile::prepare);
         Ok(Self { difference: difference.transpose()?, document: document.transpose()? })
     }
 }
@@ -149,14 +150,14 @@ pub fn shows_scene(options: &Options, renderer: &Renderer, layer: Layer) -> bool
     layer.is_of_scene() && !options.visualize_grid && renderer.scene.model.shows == Shows::Scene
 }
 
-/// Why a picture from outside differs, if that is known: by the scene, or by what became of the finished picture. The
-/// scene is left out where something else is drawn in its place, with adaptive samples, and where its picture has another
-/// size.
+/// Finds why a picture from outside differs from the reference: by other renderings of the scene, or else by changes to
+/// the finished picture. The scene cannot be used if something else is drawn in its place, with adaptive samples, or if
+/// its picture has another size.
 fn cause(options: &Options, scene: Option<&Renderer>, a: &Picture, b: &Picture) -> Option<Finding> {
     /// The colours and bytes of two pictures and the bytes of several wrong ones, with something to spare.
     const BYTES_PER_PIXEL: u64 = 128;
     memory::ask(size(a).map(u64::from).iter().product::<u64>() * BYTES_PER_PIXEL).ok()?;
-    // Where samples depend on what they show, a wrong picture differs by its samples too.
+    // Adaptive samples depend on the colours, so a wrong picture has other samples too.
     let layer = options.compared_layer().filter(|&layer| layer != Layer::Color || options.adaptive.is_none());
     let is_shown = |&(renderer, layer): &_| shows_scene(options, renderer, layer);
     let rendered = scene.zip(layer).filter(is_shown).filter(|_| rendered_size(options) == Some(size(a)));
@@ -177,8 +178,8 @@ fn rendered_size(options: &Options) -> Option<[u32; 2]> {
     Some(options.request().layer_size(&layer).map(|n| n as u32))
 }
 
-/// Reads a picture. Notes say how many of its pixels are `done`, as in "compared", clamped, and whether a line end
-/// follows the last one.
+/// Reads a picture. Notes say how many of its pixels are clamped, where `done` is "compared" or "converted", and
+/// whether a line end follows the last one.
 pub fn read_picture(path: &Path, done: &str, log: &Log) -> Result<Picture, Diagnostic> {
     let (picture, Remarks { clamped, has_line_end }) = read_remarked_picture(path)?;
     let shown = quoted(path);

@@ -1,4 +1,4 @@
-//! Measures what settings cost and buy, and writes the page and the table of it.
+//! Measures the time and the error of settings, and writes a page and a table.
 
 use super::log::Log;
 use super::outputs::prepare_report;
@@ -10,10 +10,9 @@ use raytracer::base::escape::quoted;
 use raytracer::base::shell::Shell;
 use raytracer::cli::{ErrorReporting, Options};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{Written, check_distinct, put_in_place};
+use raytracer::image_io::{check_distinct, put_in_place};
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
-use raytracer::scene::load;
 use raytracer::tools::error_report::{
     Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
 };
@@ -30,11 +29,9 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
 
     // Load the scene and settle the options.
     let start = Instant::now();
-    let input = options.input.as_deref().unwrap_or(Path::new(""));
-    let loaded = many.install(|| load::load_with(input, &options.hints()))?;
-    let written = reporting.report_files().into_iter().chain(["-".into()]).map(Written::Named);
-    let read = [("scene", input.to_owned())].into_iter().chain(loaded.files());
-    check_distinct(written, read).map_err(refused)?;
+    let loaded = many.install(|| options.load_scene())?;
+    let written = reporting.report_files().into_iter().chain(["-".into()]);
+    check_distinct(written, options.files().chain(loaded.files())).map_err(refused)?;
     let remarks = [no_lights(&loaded.scene), loaded.choice.remark()];
     remarks.into_iter().flatten().for_each(|found| log.tell(found));
     let options = &options.in_edition(loaded.choice.edition);
@@ -80,11 +77,11 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
         log.tell(Diagnostic::note("the run was ended; the report has what was measured until then"));
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
-    let outcome = Outcome::of_text(text(&report, &answers, Shell::OF_SYSTEM));
-    Ok(Outcome { passes, ..outcome.tell_of(reporting.report_files(), options.progress) })
+    let text = text(&report, &answers, Shell::OF_SYSTEM);
+    Ok(Outcome { passes, ..Outcome::new(text, reporting.report_files(), options.progress) })
 }
 
-/// How far a sweep has come after this time, and how long the rest takes at this speed.
+/// Formats the progress of a sweep after this time, and how long the rest takes at this speed.
 fn told(progress: SweepProgress, elapsed: Duration) -> String {
     let SweepProgress { share, doing } = progress;
     let left = elapsed.as_secs_f64() * (1.0 - share) / share;
@@ -94,11 +91,11 @@ fn told(progress: SweepProgress, elapsed: Duration) -> String {
 
 /// The program, and the flags of a setting, each with its values.
 fn command(options: &Options, setting: &Setting) -> Vec<String> {
-    let input = options.input.as_deref().unwrap_or(Path::new("")).to_string_lossy();
+    let input = options.input.as_deref().unwrap_or(Path::new(""));
     let [width, height] = options.size;
     let mut words = vec![
         "raytracer".into(),
-        format!("-input {}", Shell::OF_SYSTEM.word(&*input)),
+        format!("-input {}", Shell::OF_SYSTEM.word(input)),
         format!("-size {width} {height}"),
     ];
     if setting.edition != Edition::default() {

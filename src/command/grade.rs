@@ -12,7 +12,7 @@ use folder::{Folder, entries};
 use raytracer::base::escape::escape;
 use raytracer::cli::{self, Grading};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{Written, check_distinct};
+use raytracer::image_io::check_distinct;
 use raytracer::picture::Picture;
 use raytracer::tools::grade::{Column, Page, Table, csv, summary};
 use references::{Reference, References};
@@ -28,7 +28,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     let references = References::open(&options.references)?;
     let names: Vec<_> = references.names().collect();
     let folder = Folder::new(&options.folder, listed, &names)?;
-    let written = options.report_files().into_iter().flatten().chain(["-".into()]).map(Written::Named);
+    let written = options.report_files().into_iter().flatten().chain(["-".into()]);
     let commands = match &options.references {
         cli::References::Commands(file) => Some(("list of commands", file.clone())),
         cli::References::Folder(_) => None,
@@ -47,7 +47,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     for (index, name) in names.iter().enumerate() {
         let shown = name.to_string_lossy().into_owned();
         progress.show(|_| format!("grading {} of {}: {}", index + 1, names.len(), escape(&shown)));
-        let compare = |reference: Result<Reference, String>| {
+        let compare = |reference: Result<Reference, String>| -> Result<Column, Diagnostic> {
             let Reference { picture, mut explain } = match reference {
                 Ok(reference) => reference,
                 Err(problem) => {
@@ -56,7 +56,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
                 }
             };
             page.iter_mut().for_each(|page| page.add_column(&picture));
-            // Causes stand in the report alone.
+            // Only the page names causes.
             let explain = |wrong: &[Picture]| match &mut page {
                 Some(page) => {
                     page.add_different(&picture, wrong);
@@ -93,11 +93,11 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
         Outputs::new(complete, signals)?.name_all()?;
     }
     let written = options.report_files().into_iter().flatten();
-    let outcome = Outcome::of_text(summary(&table)).tell_of(written, options.progress);
+    let outcome = Outcome::new(summary(&table), written, options.progress);
     Ok(Outcome { passes: options.tolerance.is_none() || table.passes(), ..outcome })
 }
 
-/// Tells whose pictures were found under other names, in a line for each name.
+/// Tells in a line for each name which of its pictures were found under other names.
 fn tell_other_names(table: &Table, log: &Log) {
     for (row, name) in table.names.iter().enumerate() {
         let found = |column: &Column| Some((column.found_as[row].clone()?, column.picture.clone()));

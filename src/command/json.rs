@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 /// is added.
 const FORMAT: u32 = 1;
 
-/// Returns the document in one line. Numbers have all their digits; those that JSON does not have are null.
+/// Returns the document in one line. Numbers have all their digits; NaN and infinities are null.
 pub fn document(report: &Report, options: &Options, warnings: &[String]) -> String {
     let statistics = report.statistics.as_ref();
     let is_counted = options.tracing() == Tracing::Counted;

@@ -1,4 +1,4 @@
-//! `-gui`: whether the scene is shown as a live page, and how it gets into a browser.
+//! `-gui`: serves the scene as a live page, and opens it in a browser.
 
 use super::log::Log;
 use super::signals::Signals;
@@ -7,7 +7,7 @@ use raytracer::diagnostic::Diagnostic;
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
 
-/// What there is to say about the flags of the course's preview, unless the page is shown.
+/// Returns a note about flags of the course's preview that have no effect.
 pub fn note(options: &Options) -> Option<&'static str> {
     match &options.page {
         Some(_) if is_shown(options) => None,
@@ -19,7 +19,7 @@ pub fn note(options: &Options) -> Option<&'static str> {
     }
 }
 
-/// Whether there is a page for the options: a scene, and somebody to look at it.
+/// Returns true if the page is shown: there is a scene, and somebody to look at it.
 pub fn is_shown(options: &Options) -> bool {
     let has_reader = |page: &LivePage| page.port.is_some() || stdin().is_terminal() && stderr().is_terminal();
     cfg!(feature = "gui") && scene_file(options).is_some() && options.page.as_ref().is_some_and(has_reader)
@@ -58,7 +58,7 @@ mod server {
             return Ok(());
         }
         let opened = Opened::default();
-        // The file would be left behind.
+        // A signal would leave the file behind.
         let to_remove = opened.clone();
         signals.before_end(move || to_remove.remove());
         let server = Server::open(options, input, page.port.unwrap_or(0))?;
@@ -110,7 +110,7 @@ mod server {
         }
     }
 
-    /// Returns the program that opens a file on this desktop; none where there is no desktop.
+    /// Returns the program that opens a file on this desktop; `None` without a desktop.
     fn opener() -> Option<&'static str> {
         match env::consts::OS {
             "macos" => Some("open"),

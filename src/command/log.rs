@@ -38,18 +38,18 @@ impl Log {
     }
 }
 
-/// Whether messages go to a person, at a terminal that understands control sequences.
+/// Returns true if standard error is a terminal that understands control sequences.
 pub fn has_reader() -> bool {
     stderr().is_terminal() && understands_sequences()
 }
 
-/// Whether the terminal of standard error understands control sequences: every one does.
+/// Returns true, because every terminal understands control sequences.
 #[cfg(not(windows))]
 fn understands_sequences() -> bool {
     true
 }
 
-/// Whether the console of standard error understands control sequences: from Windows 10 on, if it is asked to.
+/// Asks the console of standard error to understand control sequences. From Windows 10 on, it does.
 #[cfg(windows)]
 fn understands_sequences() -> bool {
     use std::os::windows::io::AsRawHandle;
@@ -58,20 +58,20 @@ fn understands_sequences() -> bool {
     };
     let console = stderr().as_raw_handle();
     let mut mode = 0;
-    // SAFETY: the handle is that of standard error, which the program does not close, and only `mode` is written.
+    // SAFETY: `console` is the handle of standard error, which the program does not close, and only `mode` is written.
     unsafe {
         GetConsoleMode(console, &mut mode) != 0
             && SetConsoleMode(console, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING) != 0
     }
 }
 
-/// Whether the user wants colours (no-color.org).
+/// Returns true unless the environment asks for no colours (no-color.org).
 fn has_color() -> bool {
     let variable = |name| std::env::var_os(name).unwrap_or_default();
     variable("NO_COLOR").is_empty() && variable("TERM") != "dumb"
 }
 
-/// A time in the unit in which people read it.
+/// Formats a time with one or two units.
 fn time(time: Duration) -> String {
     let seconds = time.as_secs();
     match seconds {

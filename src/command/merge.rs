@@ -1,19 +1,19 @@
-//! Puts parts of a picture together.
+//! Joins parts of a picture.
 
-use super::outputs::{Outputs, prepare};
+use super::outputs::Outputs;
 use super::progress::{ProgressLine, rows_text};
 use super::signals::Signals;
 use super::{End, Outcome, refused};
 use raytracer::cli::Merging;
-use raytracer::image_io::{Content, Merge, Written, check_distinct};
+use raytracer::image_io::{Content, Merge, OutputFile, check_distinct};
 use raytracer::render::Progress;
 
 /// Reads the parts and writes the picture.
 pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
     let Merging { parts, output, region, progress } = options;
     let read = parts.iter().map(|part| ("part", part.clone()));
-    check_distinct([Written::Named(output.file.clone())], read).map_err(refused)?;
-    let file = prepare(&output.file)?;
+    check_distinct([output.file.clone()], read).map_err(refused)?;
+    let file = OutputFile::prepare(&output.file)?;
     let merge = Merge::open(parts, *region)?;
     let mut writer = file.begin(output.format, merge.size(), Content::Colors, merge.part.as_ref())?;
     let line = ProgressLine::new(*progress);
@@ -23,5 +23,5 @@ pub fn run(options: &Merging, signals: &Signals) -> Result<Outcome, End> {
     })?;
     drop(line);
     Outputs::new(vec![writer.complete()?], signals)?.name_all()?;
-    Ok(Outcome::of_text(String::new()).tell_of([output.file.clone()], *progress))
+    Ok(Outcome::new(String::new(), [output.file.clone()], *progress))
 }

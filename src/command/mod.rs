@@ -1,4 +1,4 @@
-//! What each command of the program does, one file per command. Nothing else prints or ends the program.
+//! The commands of the program, one file per command. No other module prints or ends the program.
 
 mod allocator;
 mod signals;
@@ -38,16 +38,9 @@ const DIFFERENT: u8 = 3;
 /// Why a run ends before it is complete.
 #[derive(Debug)]
 pub struct End {
-    /// The error to tell; none if there is nothing more to say.
+    /// The error to tell; `None` if there is nothing to tell.
     error: Option<Diagnostic>,
     status: u8,
-}
-
-impl End {
-    /// The end by a signal, with the status that shells give it.
-    fn by_signal(signal: i32) -> Self {
-        Self { error: None, status: (128 + signal) as u8 }
-    }
 }
 
 impl<E: Into<Diagnostic>> From<E> for End {
@@ -56,7 +49,7 @@ impl<E: Into<Diagnostic>> From<E> for End {
     }
 }
 
-/// The end of a run whose command line asks for something that is not done.
+/// The end of a run whose command line cannot be followed.
 fn refused(error: impl Into<Diagnostic>) -> End {
     End { status: REFUSED, ..End::from(error) }
 }
@@ -72,14 +65,11 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    fn of_text(text: String) -> Self {
-        Self { text, written: vec![], passes: true }
-    }
-
-    /// Leaves out standard output, and all files if the user wishes to see no progress.
-    fn tell_of(self, written: impl IntoIterator<Item = PathBuf>, wish: ShowProgress) -> Self {
-        let is_told = |file: &PathBuf| wish != ShowProgress::Never && file.as_os_str() != "-";
-        Self { written: written.into_iter().filter(is_told).collect(), ..self }
+    /// The result of a run that has written these files. It leaves out standard output, and all files if the user wants
+    /// to see no progress.
+    fn new(text: String, written: impl IntoIterator<Item = PathBuf>, progress: ShowProgress) -> Self {
+        let is_told = |file: &PathBuf| progress != ShowProgress::Never && file.as_os_str() != "-";
+        Self { text, written: written.into_iter().filter(is_told).collect(), passes: true }
     }
 }
 
@@ -102,12 +92,13 @@ fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
     let signals = Signals::watch()?;
     let command = cli::parse(argv.iter().cloned()).map_err(refused)?;
     let Outcome { text, written, passes } = match &command {
-        Command::Print(text) => Outcome::of_text(text.clone()),
+        Command::Print(text) => Outcome::new(text.clone(), [], ShowProgress::Never),
         Command::Render(options) => {
             live::note(options).iter().for_each(|note| log.tell(Diagnostic::note(*note)));
-            match &options.input {
-                Some(input) => render::run(options, input, argv, &signals, log)?,
-                None => compare::run(options, &signals, log)?,
+            if options.input.is_some() {
+                render::run(options, argv, &signals, log)?
+            } else {
+                compare::run(options, &signals, log)?
             }
         }
         Command::Grade(options) => grade::run(options, &signals, log)?,

@@ -1,4 +1,4 @@
-//! The files of a run: told apart at its start, and named together at its end or before a signal ends it.
+//! The files that a run writes: checked at its start, and named together at its end or before a signal ends it.
 
 use super::log::Log;
 use super::signals::Signals;
@@ -12,25 +12,20 @@ use raytracer::render::Layer;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Checks that a file can be written; `-` is standard output.
-pub fn prepare(path: &Path) -> Result<OutputFile, Diagnostic> {
-    if path == Path::new("-") { Ok(OutputFile::standard_output()) } else { OutputFile::prepare(path) }
-}
-
 /// Checks that a page and the table beside it can be written.
 pub fn prepare_report(files: [PathBuf; 2]) -> Result<[OutputFile; 2], Diagnostic> {
-    let [page, table] = files.map(|file| prepare(&file));
+    let [page, table] = files.map(|file| OutputFile::prepare(&file));
     Ok([page?, table?])
 }
 
-/// Refuses a run that renders or compares if it would write a file twice, or one that it reads. `scene` lists the
-/// scene's files.
-pub fn check(options: &Options, scene: impl IntoIterator<Item = ReadFile>) -> Result<(), End> {
+/// Refuses a run that renders or compares if it would write a file twice, or one that it reads. `in_scene` are the
+/// files that the scene names.
+pub fn check(options: &Options, in_scene: Vec<ReadFile>) -> Result<(), End> {
     let standard_output = Path::new("-");
     let prints = options.has_text() && !options.written().any(|file| file == standard_output);
     let named = options.written().chain(prints.then_some(standard_output));
     let named = named.map(|file| Written::Named(file.to_owned()));
-    // Of a picture there may be a part if the run is stopped.
+    // A stopped run writes a part of a picture.
     let part = |output: &Output| {
         let has_parts =
             !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
@@ -38,9 +33,7 @@ pub fn check(options: &Options, scene: impl IntoIterator<Item = ReadFile>) -> Re
         Some(Written::PartOf { picture: output.file.clone(), part })
     };
     let written = named.chain(options.outputs.iter().filter_map(part));
-    let compared = options.comparison.iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
-    let compared = compared.flatten().map(|picture| ("picture", picture.clone()));
-    check_distinct(written, scene.into_iter().chain(compared)).map_err(refused)
+    check_distinct(written, options.files().chain(in_scene)).map_err(refused)
 }
 
 /// Regular files that are complete and have no names yet.
@@ -48,8 +41,8 @@ pub fn check(options: &Options, scene: impl IntoIterator<Item = ReadFile>) -> Re
 pub struct Outputs(Arc<Mutex<Vec<CompleteFile>>>);
 
 impl Outputs {
-    /// The files of a run, of which those that are pipes, devices or standard output have been written. That may wait
-    /// for ever: from now on a signal ends the program, after the others have got their names.
+    /// Writes the files that are pipes, devices or standard output, and keeps the others. Writing may wait for ever, so
+    /// from now on a signal ends the program, after the kept files have got their names.
     pub fn new(files: Vec<CompleteFile>, signals: &Signals) -> Result<Self, End> {
         let (streams, regular) = files.into_iter().partition(CompleteFile::is_stream);
         let all = Self(Arc::new(Mutex::new(regular)));
@@ -74,9 +67,9 @@ impl Outputs {
         Ok(())
     }
 
-    /// Gives the files their names, or none of them if that fails for one.
+    /// Gives all files their names, or none if one fails.
     pub fn name_all(&self) -> Result<(), Diagnostic> {
-        // Where two threads do so, one waits until the other is done.
+        // The lock is held, so that a second thread waits until all have their names.
         let mut files = self.files();
         put_in_place(std::mem::take(&mut files))
     }

@@ -1,4 +1,4 @@
-//! Parts of pictures: what each says about the whole, and the lines that tell what a stopped run kept of which.
+//! Parts of pictures: what a part says about the whole, and the lines about the parts that a stopped run keeps.
 
 use raytracer::base::escape::escape;
 use raytracer::base::shell::Shell;
@@ -12,8 +12,8 @@ use std::ffi::{OsStr, OsString};
 use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 
-/// Returns the part in this window of a layer's picture. `None` if the layer has no parts, because it shows the
-/// filter, is scaled by the most expensive pixel, or comes from a request of which no command line renders a part.
+/// Returns what the part in this window says about the whole picture of a layer. `None` if the layer has no parts: it
+/// shows the filter, is scaled by the most expensive pixel, or its pixels are reduced or displaced.
 pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
     let is_whole = request.is_reduced || request.sampler == Sampler::DISPLACED;
     if is_whole || matches!(layer, Layer::Filter { .. } | Layer::Cost(_)) {
@@ -24,8 +24,8 @@ pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer
     Some(Part { whole: pixels(request.size), at: pixels([window.x, window.y]), fingerprint })
 }
 
-/// Returns a hash of all that the bytes of a layer's whole picture depend on: the version of the program, the text of
-/// the scene and what it means, its meshes and pictures, and those of the flags that change the layer.
+/// Returns a hash of everything that the bytes of a layer's whole picture depend on: the version of the program, the
+/// text and the model of the scene, its meshes and pictures, and the flags that change the layer.
 ///
 /// It is SipHash-1-3 with 128 bits and a key of zeros, which is the same on every machine and in every version of its
 /// crate. It tells apart what was mixed up by mistake, not by malice.
@@ -63,7 +63,7 @@ pub fn window(request: &Request) -> Window {
     request.window.unwrap_or(Window { x: 0, y: 0, width, height })
 }
 
-/// Returns the lines after this number of rows: what was kept of each picture, and how to make the rest.
+/// Returns the lines after a stop at this row: the part that was kept of each picture, and the commands for the rest.
 pub fn lines(argv: &[OsString], options: &Options, rows: usize, kept: &[Option<PathBuf>]) -> Vec<String> {
     let all = window(&options.request());
     let stopped = format!("stopped at row {rows} of {}", all.height);
@@ -89,7 +89,7 @@ pub fn lines(argv: &[OsString], options: &Options, rows: usize, kept: &[Option<P
     [vec![first], merges].concat()
 }
 
-/// The part of a layer's picture that shows this part of the scene's.
+/// Scales a window of the colour picture to a layer's picture.
 fn enlarged(Window { x, y, width, height }: Window, layer: Layer) -> Window {
     let ([x, y], [width, height]) = (layer.size([x, y]), layer.size([width, height]));
     Window { x, y, width, height }

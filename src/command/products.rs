@@ -1,4 +1,4 @@
-//! What becomes of the rows of each layer: a file, a picture that is kept, or a map of costs.
+//! Takes the rows of each layer, for a file, a picture in memory, or a cost map.
 
 use super::parts::{part, window};
 use raytracer::base::memory::with_room;
@@ -17,13 +17,13 @@ use std::time::{Duration, Instant};
 pub struct Products<'r> {
     prepared: &'r Prepared<'r>,
     request: &'r Request,
-    /// One for each layer of the request.
+    /// In the order of the layers of the request.
     layers: Vec<Product>,
-    /// The time that taking the rows has taken.
+    /// The time that was spent on taking rows.
     pub encoding: Duration,
-    /// For each layer the colour where nothing is hit, unless the layer or the scene has nothing to hit.
+    /// For each layer the colour of a pixel that hits nothing. `None` if the layer or the scene has nothing to hit.
     blank: Vec<Option<Color>>,
-    /// True if every pixel of a picture of the scene so far is as if nothing had been hit.
+    /// True if the pixels so far look as if no ray had hit anything.
     pub is_blank: bool,
 }
 
@@ -99,7 +99,7 @@ impl<'r> Products<'r> {
         Ok(())
     }
 
-    /// Returns the colours so far that the files do not show as they are.
+    /// Counts the colours so far that the files do not show as they are.
     pub fn exceptional(&self) -> Exceptional {
         let mut all = Exceptional::default();
         for product in &self.layers {

@@ -1,4 +1,4 @@
-//! Progress: one line on standard error that tells how far a run has come.
+//! The progress of a run, in a line on standard error.
 
 use super::log::has_reader;
 use raytracer::cli::ShowProgress;
@@ -7,7 +7,7 @@ use std::io::{Write, stderr};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// How texts are shown one after the other.
+/// The way to show one text after another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Style {
     /// The time before the first text.
@@ -20,7 +20,7 @@ struct Style {
     after: &'static str,
 }
 
-/// One line, which is written again and again. Short runs have none.
+/// One line that each text overwrites. Short runs have none.
 const TERMINAL: Style = Style {
     delay: Duration::from_secs(1),
     interval: Duration::from_millis(200),
@@ -28,16 +28,16 @@ const TERMINAL: Style = Style {
     before: "\r\x1b[2K",
     after: "",
 };
-/// A line after the other.
+/// A new line for each text.
 const LINES: Style =
     Style { delay: Duration::from_secs(10), interval: Duration::from_secs(10), before: "", after: "\n" };
 
-/// The line that tells how far a run has come, until it is dropped.
+/// The line that shows the progress. Dropping it erases the line.
 pub struct ProgressLine {
     /// None shows nothing.
     style: Option<Style>,
     start: Instant,
-    /// When there is to be another text.
+    /// The time of the next text.
     next: Mutex<Duration>,
 }
 
@@ -84,8 +84,8 @@ fn style(wish: ShowProgress, is_terminal: bool) -> Option<Style> {
     }
 }
 
-/// How far work on rows has come after this time, how long all of it takes at this speed, and how many rays are cast in
-/// a second if they are counted.
+/// Formats the progress of work on rows after this time, with the time for all rows at this speed, and the rays per
+/// second if they are counted.
 pub fn rows_text(doing: &str, progress: render::Progress, passed: Duration) -> String {
     let render::Progress { done, rows, rays } = progress;
     let whole = passed.mul_f64(rows as f64 / done.max(1) as f64);

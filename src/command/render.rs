@@ -1,4 +1,4 @@
-//! Renders a scene, with everything that is written and printed of it.
+//! Renders a scene: reads it, writes its pictures, and reports.
 
 use super::compare::{Files, Pair};
 use super::log::Log;
@@ -11,36 +11,27 @@ use super::signals::Signals;
 use super::{End, Outcome, threads, warnings};
 use raytracer::cli::{Options, Output};
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::Exceptional;
+use raytracer::image_io::{Exceptional, OutputFile};
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::scene::edition::Edition;
-use raytracer::scene::load::load_with;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
 use raytracer::tools::warnings::{lights_without_effect, nothing_visible};
 use std::ffi::OsString;
-use std::iter;
 use std::ops::ControlFlow;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How long the rays behind a pixel are followed. It is as much as millions of rays take.
+/// The limit for following the rays behind a pixel. Millions of rays take this long.
 const LONGEST_EXPLANATION: Duration = Duration::from_secs(60);
 
-/// How many of the fullest cells are named.
+/// The number of the fullest cells that are named.
 const FULLEST: usize = 5;
 
-/// Renders the scene in this file as the options ask for, which come from the command line `argv`.
-pub fn run(
-    options: &Options,
-    input: &Path,
-    argv: &[OsString],
-    signals: &Signals,
-    log: &Log,
-) -> Result<Outcome, End> {
+/// Renders a scene with the options of the command line `argv`.
+pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -> Result<Outcome, End> {
     threads::start(options.threads, options.size[1])?;
 
     // Load the scene.
@@ -49,11 +40,11 @@ pub fn run(
         let now = Instant::now();
         now - std::mem::replace(&mut last, now)
     };
-    let mut loaded = load_with(input, &options.hints())?;
+    let mut loaded = options.load_scene()?;
 
     // Settle the options.
     let options = &options.in_edition(loaded.choice.edition);
-    outputs::check(options, iter::once(("scene", input.to_owned())).chain(loaded.files()))?;
+    outputs::check(options, loaded.files())?;
     let reading = lap();
     let pair = Pair::open(options, log)?;
 
@@ -70,7 +61,7 @@ pub fn run(
     let building = lap();
 
     // Open the outputs.
-    let open = |output: &Output| Ok((outputs::prepare(&output.file)?, output.format));
+    let open = |output: &Output| Ok((OutputFile::prepare(&output.file)?, output.format));
     let pictures = options.outputs.iter().map(open).collect::<Result<_, Diagnostic>>()?;
     let files = Files::open(options)?;
     let mut products = Products::begin(pictures, &prepared, &request)?;
@@ -111,7 +102,8 @@ pub fn run(
     report.finish(options, files.document, &outputs, log)
 }
 
-/// The layers that are written, and the one that is compared. A map of costs is drawn when it is complete.
+/// Returns the request for the layers that are written or compared. A cost map is compared when it is complete, without
+/// a layer of its own.
 fn request(options: &Options) -> Request {
     let mut request = options.request();
     if options.comparison.as_ref().is_some_and(|wanted| wanted.needs_scene()) {
@@ -128,13 +120,10 @@ fn render_rows(
     products: &mut Products,
     signals: &Signals,
 ) -> Result<Result<Counts, usize>, Diagnostic> {
-    let mut failure = None;
-    let mut take_row = |layer: usize, row: &[Color]| match products.take_row(layer, row) {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(error) => {
-            failure = Some(error);
-            ControlFlow::Break(())
-        }
+    let mut taken = Ok(());
+    let mut take_row = |layer: usize, row: &[Color]| {
+        taken = products.take_row(layer, row);
+        if taken.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     };
     signals.note_first();
     let progress = ProgressLine::new(options.progress);
@@ -142,10 +131,11 @@ fn render_rows(
         progress.show(|passed| rows_text("rendering", rows, passed));
         signals.goes_on()
     };
-    match (prepared.render_rows(request, &watch, &mut take_row), failure) {
-        (_, Some(error)) => Err(error),
-        (Err(Stopped::Cancelled { rows }), None) => Ok(Err(rows)),
-        (rendered, None) => Ok(Ok(rendered?)),
+    let rendered = prepared.render_rows(request, &watch, &mut take_row);
+    taken?;
+    match rendered {
+        Err(Stopped::Cancelled { rows }) => Ok(Err(rows)),
+        rendered => Ok(Ok(rendered?)),
     }
 }
 
@@ -171,7 +161,7 @@ fn statistics(
     })
 }
 
-/// Returns the times of `count` renderings, of which the first took this time. The others leave nothing behind.
+/// Renders until there are `count` renderings, whose first took the time `first`. Returns their times.
 fn repeated(
     options: &Options,
     prepared: &Prepared,
@@ -208,15 +198,15 @@ fn not_shown(exceptional: &Exceptional) -> Vec<Diagnostic> {
     [black, nan, beyond].into_iter().flatten().map(Diagnostic::warning).collect()
 }
 
-/// The meshes are kept for the view of the grid's cells, for naming the objects behind a pixel, and for finding the
-/// cause of a difference, which renders other scenes with the same meshes.
+/// Keeps the meshes to draw the grid's cells, to name the objects behind a pixel, and to find the cause of a
+/// difference, which renders other scenes with the same meshes.
 fn meshes(options: &Options) -> Meshes {
     let has_outside = options.comparison.as_ref().is_some_and(|wanted| wanted.picture.is_some());
     let keeps = options.visualize_grid || options.pixel.is_some() || has_outside;
     if keeps { Meshes::Kept } else { Meshes::Moved }
 }
 
-/// Returns the rays behind a pixel, traced and counted as by the course's program, like all that is counted.
+/// Returns the rays behind a pixel, traced and counted as by the course's program; `None` if it is outside the window.
 fn explanation(
     options: &Options,
     renderer: &Renderer,

@@ -1,4 +1,4 @@
-//! The end of a run that renders or compares: what it found out, as a text and as a JSON document.
+//! The results of a run that renders or compares, as a text and as a JSON document.
 
 use super::compare::ComparisonResult;
 use super::log::Log;
@@ -28,7 +28,7 @@ pub struct Report<'r> {
 }
 
 impl Report<'_> {
-    /// Writes the document to its file, gives all files their names, and returns the text to print.
+    /// Writes the document to its file, gives all files their names, and returns the outcome with the text to print.
     pub fn finish(
         &self,
         options: &Options,
@@ -46,8 +46,8 @@ impl Report<'_> {
             text.clear();
         }
         let passes = self.comparison.as_ref().is_none_or(|compared| compared.passes() != Some(false));
-        let outcome = Outcome::of_text(text).tell_of(options.written().map(Path::to_owned), options.progress);
-        Ok(Outcome { passes, ..outcome })
+        let written = options.written().map(Path::to_owned);
+        Ok(Outcome { passes, ..Outcome::new(text, written, options.progress) })
     }
 
     fn text(&self, options: &Options) -> String {

@@ -1,7 +1,7 @@
 //! Signals that ask the program to end: Ctrl-C, SIGTERM, and SIGHUP of a terminal that closes.
 //!
-//! They end it at once, also while it waits for a pipe. While rows are rendered, the first one is only noted: the
-//! render's watch sees it, and the complete rows are kept.
+//! A signal ends it at once, also while it waits for a pipe. While rows are rendered, the first signal is only noted:
+//! the watch of the render sees it, and the complete rows are kept.
 
 use super::End;
 use raytracer::image_io::NAMING;
@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// A task that is done before a signal ends the program.
 type Task = Box<dyn FnOnce() + Send>;
 
-/// What signals do.
+/// The reaction to signals.
 #[derive(Clone, Default)]
 pub struct Signals {
     /// The last signal that came; 0 for none.
@@ -36,7 +36,8 @@ impl Signals {
     pub fn received(&self) -> Option<End> {
         match self.received.load(Ordering::SeqCst) {
             0 => None,
-            signal => Some(End::by_signal(signal as i32)),
+            // The status that shells give it.
+            signal => Some(End { error: None, status: (128 + signal) as u8 }),
         }
     }
 

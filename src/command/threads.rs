@@ -1,4 +1,4 @@
-//! The threads of a run: as many as the user asks for, or as there are cores.
+//! Starts the threads of a run: the number that the user asks for, or one for each core.
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use raytracer::diagnostic::Diagnostic;
@@ -8,11 +8,11 @@ use std::{io, thread};
 /// number of bounces do not matter.
 const STACK: usize = 2 << 20;
 
-/// Starts the threads on which all parallel work runs; the calling thread is one of them. More than rows or cores would
-/// have no work.
+/// Starts the threads for all parallel work; the calling thread is one of them. There are no more threads than rows or
+/// cores, whichever is larger.
 pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), Diagnostic> {
     let pool = ThreadPoolBuilder::new().num_threads(count(wanted, rows)).use_current_thread();
-    let pool = pool.spawn_handler(spawn(wanted)).build().map_err(refused)?;
+    let pool = pool.spawn_handler(spawn(wanted.is_some())).build().map_err(refused)?;
     // The threads run until the program ends.
     std::mem::forget(pool);
     Ok(())
@@ -21,19 +21,19 @@ pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), Diagnostic> {
 /// Returns a pool of its own, without the calling thread.
 pub fn pool(wanted: Option<usize>, rows: usize) -> Result<ThreadPool, Diagnostic> {
     let pool = ThreadPoolBuilder::new().num_threads(count(wanted, rows));
-    pool.spawn_handler(spawn(wanted.or(Some(1)))).build().map_err(refused)
+    pool.spawn_handler(spawn(true)).build().map_err(refused)
 }
 
-/// The number of threads. The library would read it from the environment.
+/// Returns the number of threads. Without one, the library would take it from the environment.
 fn count(wanted: Option<usize>, rows: usize) -> usize {
     let cores = thread::available_parallelism().map_or(1, usize::from);
     wanted.map_or(cores, |wanted| wanted.min(rows.max(cores)))
 }
 
-/// Starts a thread. If the system refuses one that the user did not ask for, the others do all the work.
-fn spawn(wanted: Option<usize>) -> impl FnMut(ThreadBuilder) -> io::Result<()> {
+/// Starts a thread. If the system refuses one that is not needed, the others do all the work.
+fn spawn(is_needed: bool) -> impl FnMut(ThreadBuilder) -> io::Result<()> {
     move |worker| match thread::Builder::new().stack_size(STACK).spawn(|| worker.run()) {
-        Err(error) if wanted.is_some() => Err(error),
+        Err(error) if is_needed => Err(error),
         _ => Ok(()),
     }
 }

@@ -43,10 +43,10 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
         found.extend(warnings::colors_not_asked_for(&request, options.edition.unwrap_or_default()));
         return found;
     }
-    // `-bounces 0` is meant. In later editions every material with a highlight mirrors if it is asked to, and is not
-    // doubtful without.
+    // `-bounces 0` is meant. In later editions every material with a highlight can mirror, so not to bounce is no
+    // mistake.
     let is_meant = options.given.bounces == Some(0) || options.edition.unwrap_or_default() != Edition::Y2004;
-    // Where the cells of the grid are drawn no ray bounces.
+    // No ray bounces if the cells of the grid are drawn.
     if !options.visualize_grid {
         found.extend(warnings::rays_without_effect(scene, effects, is_meant));
         found.extend(warnings::rays_not_followed(scene, effects, is_meant));
@@ -57,7 +57,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     found
 }
 
-/// Returns true if the colours of pixels are computed for anything that the run leaves behind, or shows.
+/// Returns true if the run computes the colours of pixels for its pictures, its text or its page.
 fn shows_colors(options: &Options) -> bool {
     let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
     options.outputs.iter().any(|output| has_layer(&output.layer))
@@ -68,7 +68,7 @@ fn shows_colors(options: &Options) -> bool {
         || options.outputs.is_empty()
 }
 
-/// Returns true if a run would leave nothing behind.
+/// Returns true if a run would neither write nor print anything.
 fn asks_for_nothing(options: &Options) -> bool {
     options.written().next().is_none() && !options.has_text() && !options.preview
 }

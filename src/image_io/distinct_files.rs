@@ -23,17 +23,24 @@ pub enum Written {
     },
 }
 
+impl From<PathBuf> for Written {
+    fn from(path: PathBuf) -> Self {
+        Self::Named(path)
+    }
+}
+
 /// A file that a run reads: its kind, as in "scene", and its path. The path `-` is standard input.
 pub type ReadFile = (&'static str, PathBuf);
 
 /// Returns an error if two of the written files are the same, or one of them is also read. Pipes and devices are left
 /// out. `read` is not used if none of the written files exists.
 pub fn check_distinct(
-    written: impl IntoIterator<Item = Written>,
+    written: impl IntoIterator<Item = impl Into<Written>>,
     read: impl IntoIterator<Item = ReadFile>,
 ) -> Result<(), Diagnostic> {
     let mut known: HashMap<FileId, Written> = HashMap::new();
     for file in written {
+        let file = file.into();
         let (Written::Named(path) | Written::PartOf { part: path, .. }) = &file;
         let Some(identity) = FileId::of(path, "/dev/stdout") else { continue };
         if let Some(other) = known.get(&identity) {
@@ -72,7 +79,7 @@ fn is_stream(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Identifies a regular file, by whatever links and paths it is named.
+/// Identifies a regular file, independent of the links and paths that lead to it.
 #[derive(PartialEq, Eq, Hash)]
 struct FileId {
     /// The file, or the folder of one that does not exist yet.

@@ -15,10 +15,10 @@ const MAX_INFLATION: u64 = 1032;
 const LONGEST_ROW: u64 = 1 << 24;
 /// The compressions that are not read, from the fifth on.
 const COMPRESSIONS: [&str; 8] = ["PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB", "HTJ2K256", "HTJ2K32"];
-/// What to do with a file that is not read.
+/// Advice for a file that is not supported.
 const CONVERT: &str = "convert it, as with `oiiotool a.exr --scanline --compression zip -o b.exr`";
 
-/// What the attributes say of the numbers.
+/// The attributes that are used.
 #[derive(Default)]
 struct Header<'a> {
     channels: Vec<Channel<'a>>,
@@ -32,7 +32,7 @@ struct Header<'a> {
 struct Channel<'a> {
     name: &'a [u8],
     kind: i32,
-    /// One number for each pixel.
+    /// True if each pixel has a number.
     is_full: bool,
 }
 
@@ -98,7 +98,7 @@ pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagno
         };
         let bytes = rest.split_off(..length).ok_or_else(short)?;
         let unpacked = match header.compression {
-            // What would not become shorter is stored as it is.
+            // A block that compression does not shorten is stored as it is.
             _ if length == whole => Some(Cow::from(bytes)),
             0 => None,
             1 => run_lengths(bytes, whole).map(undo_differences).map(Cow::from),
@@ -212,7 +212,7 @@ impl Header<'_> {
         Err(Diagnostic { hint, ..Diagnostic::error(problem) })
     }
 
-    /// Returns the colours of a row, whose numbers are those of the first channel, then those of the next.
+    /// Returns the colours of a row, which has the numbers of the first channel, then the next channel's.
     fn row(&self, row: &[u8], width: usize, red_green_blue: [usize; 3]) -> Vec<Color> {
         let [red, green, blue] = red_green_blue.map(|index| {
             let start: usize = self.channels[..index].iter().map(|channel| channel.bytes() * width).sum();

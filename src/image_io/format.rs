@@ -7,7 +7,7 @@ use crate::diagnostic::Diagnostic;
 use serde::Serialize;
 use std::path::Path;
 
-/// What the colours of a picture mean.
+/// The meaning of a picture's colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// Red, green and blue, or the coordinates of normals.
@@ -92,11 +92,11 @@ impl Format {
 pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// The number of bytes at the start of a file by which its format is known.
 pub(super) const START: usize = 4096;
-/// How many bytes of an unknown file are shown.
+/// The number of bytes of an unknown file that are shown.
 const SHOWN: usize = 24;
-/// What is wrong with a file that is too short.
+/// The problem of a file that ends too early.
 pub(super) const CUT_HEADER: &str = "it ends within its header";
-/// What to do if a picture has other text in it.
+/// Advice for a picture with other text in it.
 pub(super) const OTHER_TEXT: &str = "messages belong to the standard error, as `std::cerr`";
 
 /// The starts of files that are not read, and what to do with them.

@@ -49,7 +49,7 @@ pub(super) fn header(
 
 /// Returns the header of a TGA file as the course's program writes it: uncompressed true colour of 24 bits, with rows
 /// from the top. No side may be above 65535 pixels, of the whole either if the picture is a part. The header of a part
-/// has an origin, which is its lower left corner from that of the whole, and an image ID.
+/// has an origin, the offset of its lower left corner from the whole picture's, and an image ID.
 fn tga([width, height]: [usize; 2], part: Option<&Part>) -> Vec<u8> {
     let origin = part.map_or([0; 2], |part| {
         let below = part.whole[1].saturating_sub(part.at[1]).saturating_sub(height as u32);
@@ -117,7 +117,7 @@ fn exr(size: [usize; 2], whole: [usize; 2], at: [usize; 2], channels: &[&str]) -
 }
 
 /// Returns what precedes the numbers of a row of an OpenEXR file, which is counted from the top of the whole: its index
-/// and its length in bytes. The numbers are those of the first channel, then those of the next.
+/// and its length in bytes. The numbers of the first channel come first, then the next channel's.
 pub(super) fn exr_row(row: usize, numbers: usize) -> [u8; 8] {
     let length = numbers * size_of::<f32>();
     (row as u64 | (length as u64) << 32).to_le_bytes()

@@ -1,4 +1,4 @@
-//! Parts of a picture are put together, row by row.
+//! Joins the parts of a picture row by row.
 
 use super::part::{Part, PartFile, Rows};
 use super::writer::PictureWriter;
@@ -14,7 +14,7 @@ pub struct Merge {
     parts: Vec<PartFile>,
     /// The place of the result in the whole.
     target: Window,
-    /// What the result is a part of, unless it is the whole.
+    /// The place of the result in the whole picture; `None` if it is the whole.
     pub part: Option<Part>,
 }
 
@@ -96,8 +96,8 @@ impl Merge {
     }
 }
 
-/// Returns the first pixels of `target` that no part covers, by rows from the top and then from the left: the columns
-/// that lack, in as many rows as lack them all.
+/// Returns the first window of `target` that no part covers, by rows from the top and then from the left. It has the
+/// missing columns of its first row, and ends where a part covers one of them.
 fn first_gap(parts: &[PartFile], target: Window) -> Option<Window> {
     // A gap begins in the first row or where a part ends.
     let mut starts: Vec<usize> = parts.iter().map(|part| part.window.bottom()).chain([target.y]).collect();

@@ -37,7 +37,7 @@ pub fn beside(path: &Path, word: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Adds to a reason what cannot be done: a verb such as "read", and the path as the user gave it.
+/// Puts "cannot", a verb such as "read" and the path before the reason of an error.
 fn cannot(action: &str, path: &Path, reason: impl Into<Diagnostic>) -> Diagnostic {
     let reason = reason.into();
     Diagnostic { message: format!("cannot {action} {}: {}", quoted(path), reason.message), ..reason }

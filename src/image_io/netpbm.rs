@@ -17,7 +17,7 @@ const SHOWN: usize = 40;
 /// The largest sample that the formats allow for white.
 const LARGEST_WHITE: u32 = 65535;
 
-/// What the header says.
+/// The values of the header.
 #[derive(Clone, Copy, Default)]
 struct Header {
     size: [u32; 2],
@@ -80,7 +80,7 @@ pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagno
 struct Text<'a> {
     /// The whole file.
     start: &'a [u8],
-    /// What has not been read.
+    /// The bytes that have not been read.
     rest: &'a [u8],
     /// Width and height, once the header has been read.
     size: Option<[u32; 2]>,

@@ -47,10 +47,13 @@ enum Target {
 }
 
 impl OutputFile {
-    /// Checks that a file can be written to `path`: its folder and the permissions.
+    /// Checks that a file can be written to `path`: its folder and the permissions. `-` is standard output.
     ///
     /// A pipe or a device is opened, which may block until there is a reader.
     pub fn prepare(path: &Path) -> Result<Self, Diagnostic> {
+        if path == Path::new("-") {
+            return Ok(Self::standard_output());
+        }
         match Target::of(path) {
             Ok(target) => Ok(Self { path: path.to_owned(), target }),
             Err(reason) => Err(cannot("write", path, reason)),

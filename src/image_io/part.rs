@@ -59,7 +59,7 @@ impl fmt::Display for Part {
 pub struct PartFile {
     /// The path as the user gave it.
     pub path: PathBuf,
-    /// What the file says about itself.
+    /// The place in the whole that the file states.
     pub part: Part,
     /// The part's place in the whole.
     pub window: Window,

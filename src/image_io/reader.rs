@@ -18,18 +18,18 @@ use std::fs::{self, File};
 use std::io::{self, Cursor, Read};
 use std::path::Path;
 
-/// Upper bound on the length of a file, in bytes: that of the largest picture in single precision, with alpha.
+/// Upper bound on the length of a file, in bytes.
 const LONGEST_FILE: u64 = 1 << 32;
 /// Upper bound on the size of a decoded picture from a file, in bytes.
 const MAX_BYTES: u64 = 1 << 29;
 /// Upper bound on the bytes for a row of a PNG file and for its metadata, such as a compressed colour
 /// profile.
 const MAX_PNG_EXTRA_BYTES: u64 = 1 << 26;
-/// Upper bound on the pixels per byte of a file. In PNG files, which are the densest, a byte of a deflate stream encodes
-/// at most 1032 bytes, and each of these at most eight pixels.
+/// Upper bound on the pixels per byte of a file. In PNG files, which are the densest, a byte of a deflate stream
+/// encodes at most 1032 bytes, and each of these at most eight pixels.
 const MAX_PIXELS_PER_BYTE: u64 = 1032 * 8;
 
-/// What a user should know about a picture that was read.
+/// Facts that a user should know about a picture that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Remarks {
     /// The number of pixels that a byte does not show, because they are below 0, above 1 or not numbers.
@@ -59,8 +59,8 @@ pub fn read_remarked_picture(path: &Path) -> Result<(Picture, Remarks), Diagnost
     load_picture(path).map_err(|reason| cannot("read", path, reason))
 }
 
-/// Reads a picture like [`read_picture`] from the bytes of a file with this name. One that takes more than `limit` bytes
-/// when it is decoded is an error.
+/// Reads a picture like [`read_picture`] from the bytes of a file with this name. One that takes more than `limit`
+/// bytes when it is decoded is an error.
 pub fn read_picture_from(name: &Path, bytes: &[u8], limit: u64) -> Result<Picture, Diagnostic> {
     decode(name, bytes, limit).map(|(picture, _)| picture).map_err(|reason| cannot("read", name, reason))
 }
@@ -119,8 +119,8 @@ fn has_no_pixels(format: Format, bytes: &[u8]) -> bool {
     sides.into_iter().any(|side| bytes.get(side).is_some_and(|side| side.iter().all(|&byte| byte == 0)))
 }
 
-/// Returns a TGA file for the image crate, which decodes all unknown types as grey, and expects the number of alpha bits
-/// that belongs to the size of a pixel. Many programs store another one, such as 8 for pixels of 24 bits, which is
+/// Returns a TGA file for the image crate, which decodes all unknown types as grey, and expects the number of alpha
+/// bits that belongs to the size of a pixel. Many programs store another one, such as 8 for pixels of 24 bits, which is
 /// harmless, because alpha is ignored.
 fn tga(bytes: &[u8]) -> Result<impl Read, Diagnostic> {
     let (&header, rest) =
@@ -213,7 +213,7 @@ pub(super) fn level(sample: u32, white: u32) -> u8 {
     ((sample * 255 + white / 2) / white) as u8
 }
 
-/// Sets a row of bytes to these colours. Returns the number of those that are beyond bytes.
+/// Sets a row of bytes to these colours. Returns the number of colours beyond bytes.
 pub(super) fn fill_row(colors: &[Color], row: &mut [u8]) -> u64 {
     truncate_to_bytes::<RED_FIRST>(colors, row);
     let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);

@@ -18,12 +18,12 @@ const PNG_CHUNK: usize = 1 << 16;
 /// The number of pixels whose colours a file does not show, or not as they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Exceptional {
-    /// Those that are black in a file of bytes because a channel is not a number.
+    /// Pixels that are black in a file of bytes because a channel is not a number.
     pub black: u64,
-    /// Those that have a NaN in a file of floating-point numbers.
+    /// Pixels that have a NaN in a file of floating-point numbers.
     pub nan: u64,
-    /// Those with a number that is infinite in a file of floating-point numbers, or a distance that is 0 there, because
-    /// single precision ends at about 3.4e38 and 1.4e-45.
+    /// Pixels with a number that is infinite in a file of floating-point numbers, or a distance that is 0 there,
+    /// because single precision ends at about 3.4e38 and 1.4e-45.
     pub out_of_range: u64,
 }
 
@@ -178,7 +178,7 @@ impl PictureWriter {
         Ok(())
     }
 
-    /// Writes the rows so far to a file beside that of the picture: to `o.partial.tga` instead of `o.tga`. Returns the
+    /// Writes the rows so far to a file beside the picture's: to `o.partial.tga` instead of `o.tga`. Returns the
     /// file, or `None` if there are no rows, if the picture does not go to a regular file whose name tells its format,
     /// or if its format has no parts.
     pub fn write_part(mut self, part: &Part) -> Result<Option<PathBuf>, Diagnostic> {

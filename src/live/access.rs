@@ -1,4 +1,4 @@
-//! Who is let in: a request with the key that comes from the page itself, under a name of this machine.
+//! Admits a request if it has the key and comes from the page itself, under a name of this machine.
 
 use super::http::{Answer, Head};
 use std::io;
@@ -7,7 +7,7 @@ use subtle::ConstantTimeEq;
 /// The number of random bits in the key.
 const BITS: usize = 128;
 
-/// A random number that only the address shows, in hexadecimal digits.
+/// A random number in hexadecimal digits, which only the address shows.
 pub struct Key(pub String);
 
 impl Key {
@@ -21,8 +21,8 @@ impl Key {
     /// Lets a request in, or says why not. The reason does not depend on how wrong the key is.
     ///
     /// A page of another origin can send requests here, and a name of its own can be made to resolve to this machine
-    /// (DNS rebinding). The first has another `Origin`, the second another `Host`. Ports are not compared, since a tunnel
-    /// may have another one at its end.
+    /// (DNS rebinding). The first has another `Origin`, the second another `Host`. Ports are not compared, since a
+    /// tunnel may have another one at its end.
     pub fn admit(&self, head: &Head) -> Result<(), Answer> {
         let host = head.host.as_deref().ok_or_else(|| Answer::text(400, "the request names no host"))?;
         if !is_this_machine(host) {

@@ -1,8 +1,7 @@
 //! Requests and answers of HTTP/1.1, as far as a page needs them.
 //!
-//! The part that is easy to get wrong, the head of a request, is parsed by `httparse`, the parser of hyper; what is
-//! allowed and how long it may take is decided here. Of the crates that are whole servers, none has time limits for whole
-//! requests.
+//! The head of a request, which is easy to get wrong, is parsed by `httparse`, the parser of hyper. This module decides
+//! what is allowed and how long it may take. No crate with a whole server limits the time of whole requests.
 
 use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
 use crate::diagnostic::Diagnostic;
@@ -27,7 +26,7 @@ pub struct Head {
     pub closes: bool,
 }
 
-/// How every answer starts.
+/// The start of every answer.
 const START: &[u8] = b"HTTP/1.1 ";
 
 /// A connection, on which requests follow each other.
@@ -35,7 +34,7 @@ pub struct Connection<'s> {
     stream: &'s TcpStream,
     /// The bytes that have been received and not been used.
     received: Vec<u8>,
-    /// How many bytes of the answer have been sent to find out whether the other side still listens.
+    /// The number of bytes of the answer that have been sent to find out whether the other side still listens.
     probed: usize,
 }
 
@@ -87,8 +86,8 @@ impl<'s> Connection<'s> {
 
     /// Returns true if the other side no longer waits for its answer, as far as can be told.
     ///
-    /// One that has closed the connection looks at first like one that only says no more. The difference shows when
-    /// something is sent: so it gets the first bytes of the answer, which are the same for all, one by one.
+    /// A client that has closed the connection looks at first like a client that only sends no more. Sending something
+    /// shows the difference, so it gets the first bytes of the answer, which are the same for all, one by one.
     pub fn has_left(&mut self) -> bool {
         let mut stream = self.stream;
         let found = stream.set_nonblocking(true).and_then(|()| stream.peek(&mut [0]));
@@ -131,7 +130,7 @@ fn until(deadline: Instant) -> io::Result<Duration> {
     if left.is_zero() { Err(io::ErrorKind::TimedOut.into()) } else { Ok(left) }
 }
 
-/// Parses the head at the start of these bytes, and returns its length, too; none if it is not complete.
+/// Parses the head at the start of these bytes. Returns it with its length, or `None` if it is not complete.
 fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
     let mut headers = [EMPTY_HEADER; MAX_HEADERS];
     let mut request = Request::new(&mut headers);
@@ -171,7 +170,7 @@ fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
     Ok(Some((head, end)))
 }
 
-/// Returns a header that means something here. One that could be read in two ways is refused.
+/// Returns the value of a header. Refuses one that could be read in two ways.
 fn header(headers: &[httparse::Header], name: &str) -> Result<Option<String>, Answer> {
     let mut found = headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
     let (Some(header), second) = (found.next(), found.next()) else { return Ok(None) };

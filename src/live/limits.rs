@@ -1,4 +1,4 @@
-//! How much one request may ask for, and all of them together.
+//! The limits of a request, and of all requests together.
 
 use super::http::Answer;
 use crate::caster::choose::{Resolution, Structure};
@@ -6,29 +6,29 @@ use crate::cli::{self, Command, Options};
 use std::ffi::OsString;
 use std::time::Duration;
 
-/// The bytes of a request's head, and its headers.
+/// The bytes and the headers of a request's head.
 pub const MAX_HEAD: usize = 1 << 14;
 pub const MAX_HEADERS: usize = 64;
-/// The bytes of a question, with the text of a scene, and those of a picture that is dropped on the page.
+/// The bytes of a question, with the text of a scene, and of a picture that is dropped on the page.
 pub const MAX_QUESTION: usize = 1 << 21;
 pub const MAX_PICTURE_FILE: usize = 1 << 25;
 
 /// Connections at the same time.
 pub const MAX_CONNECTIONS: usize = 32;
-/// How long the head of a request and its body may take to arrive, and an answer to be received.
+/// The time for the head of a request to arrive, for its body, and for an answer to be received.
 pub const HEAD_TIME: Duration = Duration::from_secs(5);
 pub const BODY_TIME: Duration = Duration::from_secs(20);
 pub const SEND_TIME: Duration = Duration::from_secs(60);
-/// How long a connection that has shown the key may rest, and a page waits to hear that the program is still there.
+/// The time that a connection with the key may rest, and that a page waits to hear that the program is still there.
 pub const IDLE_TIME: Duration = Duration::from_secs(120);
 pub const ALIVE_TIME: Duration = Duration::from_secs(30);
 
-/// The bytes that requests take together. One that takes more by itself waits for all others, and one that takes few for
-/// none.
+/// The bytes that requests take together. A request that takes more waits until it is alone; one that takes few does
+/// not wait.
 pub const MAX_BYTES: u64 = 400_000_000;
 pub const FEW_BYTES: u64 = 8_000_000;
-/// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is built
-/// for each primitive in a cell, and of reading a picture, with something to spare.
+/// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is
+/// built for each primitive in a cell, and of reading a picture, with something to spare.
 pub const BYTES_PER_PIXEL: u64 = 32;
 pub const BYTES_PER_PRIMITIVE: u64 = 256;
 pub const BYTES_PER_REFERENCE: u64 = 64;
@@ -41,10 +41,10 @@ pub const MAX_REFERENCES: u64 = 1 << 22;
 /// Camera rays of a picture for whose difference a cause is looked for: the search renders it some fifty times.
 pub const MAX_CAUSE_RAYS: usize = 1 << 22;
 
-/// The triangles, shapes and planes of a scene that is typed in, with those of its meshes, and of all such scenes that
-/// are open or prepared.
+/// The triangles, shapes and planes of a scene that is typed in, including its meshes, and of all such scenes together
+/// that are open or prepared.
 pub const MAX_PRIMITIVES: usize = 1_000_000;
-/// The lights of such a scene times its primitives: it is looked for which of them lie on each other.
+/// The lights of such a scene times its primitives. Each pair is tested for a light that lies on a primitive.
 pub const MAX_LIGHT_PAIRS: usize = 1 << 24;
 /// The mesh files that it names, and their bytes: reading them takes about a second.
 pub const MAX_MESHES: usize = 32;
@@ -74,7 +74,7 @@ fn amounts(options: &Options) -> [usize; 5] {
     [side, samples as usize, options.effects.bounces as usize, options.filter.support(), cells]
 }
 
-/// The most that a picture may ask for, in this order: the amounts of the command line, or those of any page.
+/// The most that a picture may ask for, in the order of [`AMOUNTS`].
 pub struct Most(pub [usize; 5]);
 
 impl Most {
@@ -93,7 +93,7 @@ impl Most {
         let line = line.into_iter().chain(words.iter().map(String::as_str)).map(OsString::from);
         let flags = |words: &[String]| words.iter().filter(|word| is_flag(word)).count();
         let options = match cli::parse(line)? {
-            // The words of its page are those that shape a picture.
+            // The page's words are the flags that shape a picture.
             Command::Render(options)
                 if options.page.as_ref().is_some_and(|page| flags(&page.words) == flags(words)) =>
             {

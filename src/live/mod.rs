@@ -5,7 +5,7 @@
 //! and answers only a request with the key in the address that it prints.
 //!
 //! The page asks in the program's own words: the flags of a command line, and the camera's block of scene text. So
-//! each of its pictures is one that a command line writes, byte for byte, and messages are those of the parsers. Requests
+//! each of its pictures is one that a command line writes, byte for byte, and messages come from the parsers. Requests
 //! are worked on by threads, and end when their client has left; what cannot be ended is bounded beforehand.
 
 mod access;

@@ -1,4 +1,4 @@
-//! Which object of the scene's text each pixel shows.
+//! Finds the object of the scene's text behind each pixel.
 
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
@@ -10,8 +10,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Returns the objects behind the centres of a picture's pixels, and for each pixel, row by row from the top, the index
-/// of its object and one, as two bytes with the lower one first; 0 where nothing is. Incomplete where it is stopped.
+/// Returns the objects behind the centres of a picture's pixels, and two bytes for each pixel, row by row from the top:
+/// 1 plus the index of its object, the lower byte first, or 0 for no object. The result is incomplete if it was
+/// stopped.
 pub fn object_map(
     prepared: &Prepared,
     camera: Option<Camera>,
@@ -20,7 +21,7 @@ pub fn object_map(
 ) -> Result<(Vec<ObjectPart>, Vec<u8>), Diagnostic> {
     let known = Objects::new(prepared.renderer())?;
     let view = prepared.camera(&Request { camera, ..Request::new([width, height]) });
-    // Every ray is cast, also where a picture would be rasterized.
+    // All rays are cast, without rasterization.
     let seen = |pixel: usize| {
         let at = DVec2::new((pixel % width) as f64, (height - 1 - pixel / width) as f64);
         let nearest = || prepared.caster().nearest(&view.ray(at, DVec2::ZERO), None, &mut Quiet);

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Lines and cells beyond this number are not drawn.
 const MAX_DRAWN: usize = 4000;
-/// The text is cut after so many lines.
+/// The text is cut after this number of lines.
 const MAX_TEXT: usize = 5000;
 
 /// A line in space.
@@ -29,7 +29,7 @@ pub struct Segment {
 pub struct Rays {
     /// The text of `-pixel`, line by line.
     pub text: Vec<String>,
-    /// The line in space that each line of the text tells of, by its index.
+    /// For each line of the text, the index of its line in space.
     pub tells: Vec<Option<usize>>,
     pub segments: Vec<Segment>,
     /// The cells that the rays pass through, each by its lower corner.
@@ -62,10 +62,10 @@ impl Rays {
 
 /// Lines in space under construction, in the order of the text.
 struct Drawing {
-    /// How far a ray is drawn that meets nothing.
+    /// The length of a ray that hits nothing.
     far: f64,
     segments: Vec<Segment>,
-    /// For each ray of the text, the index of its line, and those of its lights.
+    /// For each ray of the text, the index of its line, and the indices of its lights' lines.
     owners: Vec<(usize, Vec<Option<usize>>)>,
 }
 
@@ -107,8 +107,8 @@ impl Drawing {
     }
 }
 
-/// The line in space that each line of the text tells of. Rays and lights stand in the text in the order in which they
-/// were drawn.
+/// Returns for each line of the text the index of its line in space. The text has the rays and lights in the order in
+/// which they were drawn.
 fn tells(text: &[String], owners: &[(usize, Vec<Option<usize>>)]) -> Vec<Option<usize>> {
     let (mut rays, mut lights) = (owners.iter(), [].iter());
     let (mut ray, mut current) = (None, None);

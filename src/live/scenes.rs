@@ -1,4 +1,4 @@
-//! The scenes that are open: the one of the command line, and those that were typed in last.
+//! The open scenes: the command line's scene, and the scenes that were typed in last.
 
 use super::limits::*;
 use crate::base::memory;
@@ -21,11 +21,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// A scene that can be rendered.
 #[derive(Debug)]
 pub struct OpenScene {
-    /// By which a page names it; 0 is the command line's.
+    /// The number by which a page names it; 0 for the command line's scene.
     pub revision: u64,
     /// The edition that was named, if any.
     pub named: Option<Edition>,
-    /// The one that it was read in.
+    /// The edition in which it was read.
     pub choice: Choice,
     /// The files of its meshes and pictures.
     pub files: Vec<ReadFile>,
@@ -48,9 +48,9 @@ pub struct Scenes {
     path: PathBuf,
     hints: Hints,
     pub first: Arc<OpenScene>,
-    /// The one that was used last is the last.
+    /// In the order of their last use.
     typed: Mutex<Vec<Arc<OpenScene>>>,
-    /// The last revision. Held while a scene is read, so that only one takes the memory for it.
+    /// The last revision. Locked while a scene is read, so that only one scene at a time takes memory for reading.
     reading: Mutex<u64>,
 }
 
@@ -73,8 +73,8 @@ impl Scenes {
         typed.last().cloned()
     }
 
-    /// Opens a text, in this edition if one is named. Scenes for which there is no room are closed. An error says why the
-    /// text is no scene.
+    /// Opens a text, in this edition if one is named. Scenes for which there is no room are closed. An error says why
+    /// the text is no scene.
     pub fn type_in(
         &self,
         text: String,
@@ -130,8 +130,8 @@ impl Scenes {
         Some((content, files[index].1.clone()))
     }
 
-    /// Reads a mesh in the scene's folder or below it; no way leads out of there, nor does a link. `left` has the numbers
-    /// of meshes and of bytes that may still be read.
+    /// Reads a mesh in the scene's folder or below it. Neither the name nor a link may lead out of the folder. `left`
+    /// has the numbers of meshes and of bytes that may still be read.
     fn mesh_beside(
         &self,
         MeshFile { name, at, .. }: &MeshFile,

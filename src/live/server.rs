@@ -1,4 +1,4 @@
-//! Listens, and answers one request after the other on each connection.
+//! Listens, and answers the requests of each connection in turn.
 
 use super::access::Key;
 use super::http::{Answer, Connection, Head};
@@ -36,7 +36,7 @@ struct Shared {
 
 struct Open {
     stream: TcpStream,
-    /// One of the following. Connections with a lower one make room first, and those that ask for something never.
+    /// `HAS_NO_KEY`, `RESTS` or `ASKS`. A connection with a lower rank makes room first; one that asks never does.
     rank: AtomicU8,
 }
 
@@ -45,8 +45,8 @@ const RESTS: u8 = 1;
 const ASKS: u8 = 2;
 
 impl Server {
-    /// Opens the scene of a command line, and listens on the loopback interface at this port, where 0 is any free one. An
-    /// error is a line, or the message for a scene.
+    /// Opens the scene of a command line, and listens on the loopback interface at this port, where 0 is any free one.
+    /// An error is a line, or the message for a scene.
     pub fn open(options: &Options, input: &Path, port: u16) -> Result<Self, Diagnostic> {
         let session = Session::open(options, input)?;
         let listen = || {
@@ -120,7 +120,7 @@ impl Shared {
                 Err(answer) => return connection.refuse(&answer),
             };
             time = IDLE_TIME;
-            // One that sends no body asks for nothing yet.
+            // The connection asks for something only when the body has arrived.
             own.rank.store(RESTS, Ordering::Relaxed);
             let body = connection.body(length, Instant::now() + BODY_TIME)?;
             let answer = match (head.is_post, head.path.as_str()) {

@@ -12,7 +12,7 @@ use crate::base::memory;
 use crate::base::shell::Shell;
 use crate::cli::{Options, Output};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{Written, check_distinct, put_in_place, read_picture, read_picture_from};
+use crate::image_io::{check_distinct, put_in_place, read_picture, read_picture_from};
 use crate::picture::{CHANNELS, Picture};
 use crate::render::{Cost, Layer, Progress, grid_view};
 use crate::scene::parser::parse_camera;
@@ -83,7 +83,7 @@ impl Session {
     pub fn open(line: &Options, input: &Path) -> Result<Self, Diagnostic> {
         let compared =
             line.comparison.iter().find_map(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
-        // One that cannot be read has been complained about.
+        // The comparison of the command line has told about a picture that cannot be read.
         let picture = compared.and_then(|path| Some((path, read_picture(path).ok()?)));
         let reference = picture.map(|(path, picture)| {
             Arc::new(Reference { name: path.to_string_lossy().into_owned(), picture })
@@ -105,10 +105,11 @@ impl Session {
         })
     }
 
-    /// Answers a question. `has_left` is asked often whether the other side no longer waits.
+    /// Answers a question. `has_left` is called often, and returns true if the client no longer waits.
     pub fn answer(&self, path: &str, query: &str, body: &[u8], has_left: &mut dyn FnMut() -> bool) -> Found {
-        // The kind of questions of which only the newest of a page counts; how many seconds it may take, with the time
-        // for which it waits for others; and the pictures and the copies of the scene that it takes memory for.
+        // The kind of question, if only a page's newest one of a kind counts; the seconds that it may take, including
+        // the time for which it waits for others; and the pictures and the copies of the scene that it needs memory
+        // for.
         let (kind, seconds, pictures, copies) = match path {
             "/start" | "/reference" => (None, 20, 0, 0),
             "/scene" => (Some("scene"), 20, 0, 0),
@@ -228,7 +229,7 @@ impl Session {
         let output = self.outputs.iter().find(|output| output.layer == layer);
         let mut line = vec!["raytracer".into(), "-input".into(), text(&self.input)];
         line.extend_from_slice(&view.words);
-        // Which edition the words of the scene tell depends on the pictures that are written, too.
+        // Names an edition that the scene's words have told, so that the command line prints no note about it.
         let choice = &view.scene.choice;
         if choice.because.is_some() {
             line.extend(["-edition".into(), choice.edition.to_string()]);
@@ -247,12 +248,8 @@ impl Session {
             let reason = "the command line names no picture to write; copy the one below";
             return Err(Answer::text(422, reason));
         }
-        let written = self.outputs.iter().map(|output| Written::Named(output.file.clone()));
-        let compared = self.line.comparison.iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
-        let compared = compared.flatten().map(|picture| ("picture", picture.clone()));
-        let read =
-            [("scene", self.input.clone())].into_iter().chain(view.scene.files.clone()).chain(compared);
-        check_distinct(written, read)?;
+        let written = self.outputs.iter().map(|output| output.file.clone());
+        check_distinct(written, self.line.files().chain(view.scene.files.clone()))?;
         let files = self.outputs.iter().map(|output| self.painter.complete(view, output, stop));
         put_in_place(files.collect::<Result<_, _>>()?)?;
         let names: Vec<String> = self.outputs.iter().map(|output| quoted(&output.file)).collect();
@@ -310,7 +307,7 @@ impl Session {
         Ok(Answer::described(&meta, &[&rgba(picture), &rgba(&own.picture), &difference.concat()]))
     }
 
-    /// Finds what makes the difference, in the words of the command line; none where nothing can be tried.
+    /// Finds the cause of the difference, in the words of the command line; null if no cause can be tried.
     fn cause(&self, view: View, stop: &Stop) -> Found {
         let (structure, request) = (view.options.structure, view.request(Layer::Color));
         let scene = view.scene.clone();

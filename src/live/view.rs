@@ -1,4 +1,4 @@
-//! Views of scenes, and their pictures. Scenes stay prepared, so that the next picture of them starts at once.
+//! Views of scenes, and their pictures. Scenes stay prepared, so that their next picture starts at once.
 
 use super::http::Answer;
 use super::limits::*;
@@ -18,18 +18,18 @@ use self_cell::self_cell;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// About the rays of a scene that turns for a while, by which its structure is chosen.
+/// A typical number of rays while a scene is turned, by which its structure is chosen.
 const MANY_RAYS: usize = 1 << 21;
-/// How many of the fullest cells are named.
+/// The number of the fullest cells that are named.
 const FULLEST: usize = 5;
 
 /// A view of a scene, as the controls and the hand have set it.
 #[derive(Clone)]
 pub struct View {
     pub scene: Arc<OpenScene>,
-    /// The flags.
+    /// The flags that shape the picture, with their values.
     pub words: Vec<String>,
-    /// The picture that they ask for, with its structure. Nothing else of it is used.
+    /// The options that they ask for. Only the picture and its structure are used.
     pub options: Options,
     pub camera: Option<Camera>,
     /// The cost that is shown in place of the colours.
@@ -60,9 +60,9 @@ impl View {
 /// A picture that is finished.
 pub struct Painted {
     pub picture: Picture,
-    /// What it cost, if that is shown.
+    /// The costs of its pixels, if they are shown.
     pub costs: Option<CostReport>,
-    /// How many of its colours are not numbers.
+    /// The number of colours that are not numbers.
     pub nans: u64,
 }
 
@@ -80,7 +80,7 @@ self_cell! {
 type Preparation = (u64, Structure, bool, bool, Option<usize>);
 
 pub struct Painter {
-    /// The structure that the command line asks for, whatever it takes.
+    /// The command line's structure, which has no limit.
     own: Structure,
     /// The last scenes that were prepared, the newest last.
     ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
@@ -174,7 +174,7 @@ impl Painter {
             memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
         }
         let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
-        // Others need not wait meanwhile. The same may be prepared twice.
+        // Without the lock, so that others need not wait. Two requests may prepare the same.
         let ready = Arc::new(Ready::try_new(scene.clone(), |scene| match structure {
             Structure::Grid(grid) if shows_cells => {
                 scene.renderer.prepare_cells(grid, whole.camera_rays(), tracing)

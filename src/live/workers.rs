@@ -1,7 +1,8 @@
-//! The requests that are worked on, each on threads of its own, until nobody waits for its answer any more.
+//! Runs requests, each on threads of its own, until its client leaves.
 //!
-//! Work ends by its [`Stop`], which it asks often. There is no order among requests: the system shares the processors
-//! out, so that long ones hold up no short ones. Connections bound their number, and their memory is shared out here.
+//! Work checks its [`Stop`] often, which ends it. Requests have no order: the system shares the processors among them,
+//! so that a long one does not delay a short one. The number of connections bounds their number. Their memory is
+//! bounded here.
 
 use super::http::Answer;
 use super::limits::{FEW_BYTES, MAX_BYTES};
@@ -12,9 +13,9 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How often is looked whether somebody still waits.
+/// The interval at which a request looks whether its client still waits.
 const LOOK: Duration = Duration::from_millis(20);
-/// How many pages and kinds of their questions are remembered.
+/// The number of pairs of a page and a kind of question that are remembered.
 const MAX_TURNS: usize = 64;
 
 pub struct Workers {
@@ -34,7 +35,7 @@ struct State {
     turns: HashMap<(u64, &'static str), u64>,
 }
 
-/// The number of a question among those of a kind that a page asks.
+/// A page, a kind of question, and the number of a question of this kind.
 pub type Turn = (u64, &'static str, u64);
 
 impl Workers {
@@ -46,7 +47,7 @@ impl Workers {
     pub fn note(&self, (page, kind, number): Turn) {
         let turns = &mut self.lock().turns;
         if turns.len() >= MAX_TURNS {
-            // The older ones of those that are forgotten are answered, too.
+            // Older questions of a forgotten pair are answered too.
             turns.clear();
         }
         let newest = turns.entry((page, kind)).or_default();
@@ -58,8 +59,8 @@ impl Workers {
         self.lock().turns.get(&(page, kind)).is_some_and(|&newest| newest > number)
     }
 
-    /// Does work that takes this number of bytes when there is memory for it, and returns the result. `gives_up` is asked
-    /// often whether its client has left, and what to answer then.
+    /// Waits for memory of this number of bytes, runs `work`, and returns its result. `gives_up` is called often, and
+    /// returns an answer if the work is to end.
     pub fn run<T: Send>(
         &self,
         bytes: u64,
@@ -88,7 +89,7 @@ impl Workers {
         state.idle.push(threads);
         drop(state);
         self.freed.notify_all();
-        // Where it was stopped, the result says no more than that.
+        // The result of stopped work is incomplete.
         match refusal.or_else(|| stop.is_over().then(gives_up).flatten()) {
             Some(answer) => Err(answer),
             None => found.map_err(|_| Answer::text(503, "the work has ended without a result")),

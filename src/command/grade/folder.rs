@@ -1,4 +1,4 @@
-//! A folder that has a folder of pictures for every name.
+//! A folder with a folder of pictures for every name.
 
 use raytracer::base::escape::quoted;
 use raytracer::base::memory;
@@ -11,23 +11,23 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// How many files without a reference are named for each name.
+/// The number of files without a reference that are listed for each name.
 const NAMED: usize = 10;
 
-/// The folders in a folder. Those whose names start with a dot are no names.
+/// The folders in a folder, without the ones whose names start with a dot.
 pub struct Folder {
     path: PathBuf,
     /// In order.
     pub names: Vec<OsString>,
     /// For each wanted picture, the file that is taken for it in the folder of each name, by its path there.
     pub taken: Vec<Vec<PathBuf>>,
-    /// What is in the folder and is not graded, a line each.
+    /// A line for each thing in the folder that is not graded.
     pub notes: Vec<String>,
 }
 
-/// How deep pictures are looked for.
+/// The depth of folders to which pictures are looked for.
 const DEEPEST: usize = 6;
-/// How many pictures of a name are listed.
+/// The number of pictures of a name after which no more are looked for.
 const MOST: usize = 10_000;
 
 impl Folder {
@@ -59,7 +59,7 @@ impl Folder {
         files.filter(|file| fs::symlink_metadata(file).is_ok_and(|found| found.is_file()))
     }
 
-    /// Reads what each name handed in as a wanted picture, which is of this width and height.
+    /// Reads the files that are taken for a wanted picture, which has this width and height.
     pub fn submissions(
         &self,
         index: usize,
@@ -80,11 +80,11 @@ fn taken_for(picture: &OsStr, folder: &Path, files: &[PathBuf], wanted: &[&OsStr
     if fs::symlink_metadata(folder.join(picture)).is_ok() {
         return picture.into();
     }
-    let alike = files.iter().filter_map(|file| Some((likeness(file, picture, wanted)?, file)));
+    let alike = files.iter().filter_map(|file| Some((mismatch(file, picture, wanted)?, file)));
     alike.min().map_or(picture.into(), |(_, file)| file.clone())
 }
 
-/// Names the pictures in a folder that are neither wanted nor taken for one that is, if there are any.
+/// Lists the pictures in a folder that are neither wanted nor taken for a wanted one, if there are any.
 fn others_in(folder: &Path, taken: &[PathBuf], wanted: &[&OsStr]) -> Option<String> {
     let mut others = match entries(folder) {
         Ok(files) => files,
@@ -100,8 +100,8 @@ fn others_in(folder: &Path, taken: &[PathBuf], wanted: &[&OsStr]) -> Option<Stri
     (!others.is_empty()).then(|| format!("no reference for {}{more}", named.join(", ")))
 }
 
-/// The pictures in a folder and the folders in it, by their paths from there. What cannot be read is left out, and so
-/// are links, and names that start with a dot.
+/// The pictures in a folder and the folders in it, by their paths from there. Leaves out links, names that start with a
+/// dot, and folders that cannot be read.
 fn pictures(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut waiting = vec![(PathBuf::new(), 0)];
@@ -121,9 +121,9 @@ fn pictures(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// How much a file is like a picture of this name, where less is more alike: how deep it lies, whether its name has
-/// another case, and another ending. None where it is another picture, or stands where another wanted one has its own.
-fn likeness(file: &Path, picture: &OsStr, wanted: &[&OsStr]) -> Option<(usize, bool, bool)> {
+/// Returns how much the path of a file differs from a picture's name, to be compared in this order: how deep the file
+/// lies, and whether its name has another case or another ending. `None` if it is another picture.
+fn mismatch(file: &Path, picture: &OsStr, wanted: &[&OsStr]) -> Option<(usize, bool, bool)> {
     let name = file.file_name()?;
     let depth = file.components().count() - 1;
     if wanted.contains(&name) && (depth == 0 || name != picture) {
@@ -135,7 +135,7 @@ fn likeness(file: &Path, picture: &OsStr, wanted: &[&OsStr]) -> Option<(usize, b
     (own.to_lowercase() == wanted.to_lowercase()).then_some((depth, own != wanted, has_other_ending))
 }
 
-/// The sorted names of what is in a folder, without those that start with a dot.
+/// Lists the sorted names in a folder, without the ones that start with a dot.
 pub fn entries(path: &Path) -> Result<Vec<OsString>, Diagnostic> {
     let unreadable = |error| Diagnostic::error(format!("cannot read the folder {}: {error}", quoted(path)));
     let all = fs::read_dir(path).map_err(unreadable)?.map(|entry| entry.map(|entry| entry.file_name()));
@@ -145,8 +145,8 @@ pub fn entries(path: &Path) -> Result<Vec<OsString>, Diagnostic> {
     Ok(names)
 }
 
-/// Reads a picture. One that is a link is not read, because it may lead to another name's picture. Too little memory for
-/// a picture of this size is an error, since it says nothing of the picture.
+/// Reads a picture. A link is not read, because it may lead to another name's picture. Too little memory for a picture
+/// of this size is an error, and not a fault of the picture.
 fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, Diagnostic> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Submission::Missing),
@@ -156,7 +156,7 @@ fn submission(path: &Path, size: [u32; 2]) -> Result<Submission, Diagnostic> {
     let bytes = size.iter().map(|&side| u64::from(side)).product::<u64>() * CHANNELS as u64;
     memory::ask(bytes)
         .map_err(|error| Diagnostic::error(format!("cannot read {}: {error}", quoted(path))))?;
-    // The path is known.
+    // The report has the path already.
     match load_picture(path).map(|(picture, _)| picture) {
         Ok(picture) if [picture.width(), picture.height()] == size => Ok(Submission::Picture(picture)),
         Ok(picture) => {

@@ -1,4 +1,4 @@
-//! What pictures are graded by: files, or what command lines render.
+//! The pictures to grade by: files, or renderings of command lines.
 
 use super::super::compare::shows_scene;
 use super::folder::entries;
@@ -10,15 +10,15 @@ use raytracer::image_io::{Format, ReadFile, read_picture};
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Layer, Request, Tracing};
-use raytracer::scene::load;
+use raytracer::scene::load::mesh_files;
 use raytracer::tools::causes::{Finding, FinishedPicture, Mistake, Original};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-/// The names of references, in order, each of which is made when it is needed.
+/// The names and origins of references, in order. Each is made when it is needed.
 pub struct References(Vec<(OsString, Origin)>);
 
-/// Where a reference comes from.
+/// The origin of a reference.
 enum Origin {
     File(PathBuf),
     Rendered(Box<Options>, Layer),
@@ -34,7 +34,7 @@ pub struct Reference<'r> {
 }
 
 impl References {
-    /// Lists the folder's pictures, or those that the command lines write. Where two lines write the same file, the
+    /// Lists the folder's pictures, or the pictures that the command lines write. If two lines write the same file, the
     /// later one counts, as it would on the disk.
     pub fn open(from: &cli::References) -> Result<Self, Diagnostic> {
         let all = match from {
@@ -47,13 +47,13 @@ impl References {
         }
     }
 
-    /// The files that are read for them: pictures, or scenes with their meshes.
+    /// The files to read: pictures, or scenes with their meshes.
     pub fn files(&self) -> impl Iterator<Item = ReadFile> {
         self.0.iter().flat_map(|(_, origin)| match origin {
             Origin::File(path) => vec![("picture", path.clone())],
             Origin::Rendered(options, _) => {
                 let scenes = options.input.iter();
-                let meshes = scenes.clone().flat_map(|scene| load::mesh_files(scene, &options.hints()));
+                let meshes = scenes.clone().flat_map(|scene| mesh_files(scene, &options.hints()));
                 let meshes = meshes.map(|mesh| ("mesh", mesh));
                 scenes.map(|scene| ("scene", scene.clone())).chain(meshes).collect()
             }
@@ -65,48 +65,48 @@ impl References {
         self.0.iter().map(|(name, _)| name.as_os_str())
     }
 
-    /// Makes a reference, and does some work with it or with the reason why there is none.
-    pub fn with<T>(
-        &self,
-        index: usize,
-        work: impl FnOnce(Result<Reference, String>) -> Result<T, Diagnostic>,
-    ) -> Result<T, Diagnostic> {
-        match &self.0[index].1 {
-            Origin::File(path) => match read_picture(path) {
-                Err(error) => work(Err(error.in_one_line())),
-                Ok(picture) => {
-                    let explain =
-                        |wrong: &[_], picture: &_| FinishedPicture::of_picture(picture).explain(wrong);
-                    work(Ok(Reference { picture, explain: Box::new(explain) }))
+    /// Makes a reference, and calls `work` with it, or with the reason why there is none.
+    pub fn with<T>(&self, index: usize, work: impl FnOnce(Result<Reference, String>) -> T) -> T {
+        let (renderer, options);
+        let reference = match &self.0[index].1 {
+            Origin::File(path) => read_picture(path).map(|picture| {
+                let explain = |wrong: &[_], picture: &_| FinishedPicture::of_picture(picture).explain(wrong);
+                Reference { picture, explain: Box::new(explain) }
+            }),
+            Origin::Rendered(given, layer) => match open(given) {
+                Ok(opened) => {
+                    (renderer, options) = opened;
+                    render(&renderer, &options, *layer)
                 }
+                Err(error) => Err(error),
             },
-            Origin::Rendered(options, layer) => match open(options) {
-                Ok((renderer, options)) => work(render(&renderer, &options, *layer)),
-                Err(error) => work(Err(error.headline())),
-            },
-        }
+        };
+        work(reference.map_err(|error| match error.places.is_empty() {
+            true => error.in_one_line(),
+            false => error.headline(),
+        }))
     }
 }
 
-/// The scene, and the options as its edition settles them.
+/// Reads the scene, and settles the options in its edition.
 fn open(options: &Options) -> Result<(Renderer, Options), Diagnostic> {
-    let loaded = load::load_with(options.input.as_deref().unwrap_or(Path::new("")), &options.hints())?;
+    let loaded = options.load_scene()?;
     let options = options.in_edition(loaded.choice.edition);
     Ok((Renderer::new(loaded, Meshes::Kept)?, options))
 }
 
-fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, String> {
-    const NO_MEMORY: &str = "there is no memory for the picture";
+fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, Diagnostic> {
+    let no_memory = || Diagnostic::error("there is no memory for the picture");
     let request = Request { layers: vec![layer], ..options.request() };
     if shows_scene(options, renderer, layer) {
-        let mut original = Original::new(renderer, Structure::Any, &request).ok_or(NO_MEMORY)?;
-        let picture = original.picture(Mistake::Unchanged).ok_or(NO_MEMORY)?;
+        let mut original = Original::new(renderer, Structure::Any, &request).ok_or_else(no_memory)?;
+        let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
         let explain = move |wrong: &[_], picture: &_| original.explain_parts(wrong, picture);
         return Ok(Reference { picture, explain: Box::new(explain) });
     }
-    let prepared = options.prepare(renderer, &request, Tracing::Fast).map_err(|error| error.message)?;
-    let colors = prepared.render(&request).map_err(|error| error.to_string())?;
-    let colors = colors.into_iter().next().ok_or("nothing is rendered")?;
+    let prepared = options.prepare(renderer, &request, Tracing::Fast)?;
+    let colors = prepared.render(&request)?.into_iter().next();
+    let colors = colors.ok_or_else(|| Diagnostic::error("nothing is rendered"))?;
     let picture = colors.to_picture();
     let finished = FinishedPicture::of_colors(colors);
     Ok(Reference { picture, explain: Box::new(move |wrong, _| finished.explain(wrong)) })

@@ -48,7 +48,7 @@ pub const CASES: &[Case] = &[
     (
         "r -compare swapped.png -reference b.tga",
         1,
-        "error: cannot read `swapped.png`: it is a TGA file; name it `swapped.tga`",
+        "error: cannot read `swapped.png`: it is a TGA file\n  hint: name it `swapped.tga`",
     ),
     (
         "r -compare folder.tga -reference b.tga",
