@@ -9,7 +9,7 @@ mod words;
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 
-const WORDS: [&str; 58] = [
+const WORDS: [&str; 61] = [
     "{",
     "}",
     "#",
