@@ -51,7 +51,9 @@ impl<H: Hints> Tracer<'_, H> {
         observer.shadow_ray();
         // A ray to a light that lies on a surface ends there, so that roundings would decide whether it is blocked.
         let is_at_rest = !self.world().primitives_at_light(index).is_empty();
-        let blocker = self.hints.blocker(index, surface.position);
+        // Hints tell nothing of a ray from a sphere.
+        let is_round = surface.primitive.is_some_and(|primitive| self.caster.is_round(primitive));
+        let blocker = if is_round { Blocker::Any } else { self.hints.blocker(index, surface.position) };
         let leaves = self.origin_primitive(surface);
         if !O::COUNTS && blocker == Blocker::Nothing && self.caster.has_no_plane_but(leaves) {
             return is_at_rest;
