@@ -12,7 +12,7 @@ fn table() -> String {
     let mut rows: Vec<([String; 2], Vec<String>)> = vec![];
     for mistake in Mistake::all().skip(1) {
         let json = serde_json::to_value(mistake).expect("a value");
-        let name = ["kind", "name"].map(|member| json[member].as_str().expect("a text").to_owned());
+        let name = [mistake.kind(), json["name"].as_str().expect("a text")].map(str::to_owned);
         let text = mistake.to_string().trim_start().to_owned();
         match rows.iter_mut().find(|(other, _)| *other == name) {
             Some((_, texts)) => texts.push(text),

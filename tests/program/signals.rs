@@ -157,8 +157,8 @@ fn a_picture_whose_parts_no_line_renders_has_none() {
 
 #[test]
 fn the_second_signal_ends_at_once() {
-    // Signals that come together are taken in the order of their numbers: HUP, INT, TERM.
-    for (first, second, status) in [("INT", "TERM", 143), ("HUP", "INT", 130)] {
+    // Either of two signals that come together may be taken first.
+    for (first, second, statuses) in [("INT", "TERM", [130, 143]), ("HUP", "INT", [129, 130])] {
         let folder = Folder::with_scene(&sphere());
         // Within a few hundred rays, the first one would end the run, too.
         let both = format!("kill -{first} $0; kill -{second} $0");
@@ -169,8 +169,7 @@ fn the_second_signal_ends_at_once() {
             assert!(sent.expect("a shell").success());
             Some(wait(child)).filter(|run| run.stderr.is_empty())
         });
-        // Of two signals that come together, the one with the lower number is taken first.
-        assert!([Some(130), Some(status)].contains(&run.status), "{run:?}");
+        assert!(statuses.map(Some).contains(&run.status), "{run:?}");
         assert_eq!(run.stdout, "");
         assert_eq!(folder.names(), ["s.txt"]);
     }
