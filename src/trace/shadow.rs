@@ -27,7 +27,14 @@ impl<H: Hints> Tracer<'_, H> {
             Shadows::None => Color::ONE,
             Shadows::Opaque if self.is_blocked(surface, light, index, observer) => Color::ZERO,
             Shadows::Opaque => Color::ONE,
-            Shadows::Transparent => self.filtered(surface, light, index, observer),
+            Shadows::Transparent => {
+                observer.shadow_ray();
+                // The function gets copies: a light that is referred to lies in memory, written part by part and read as
+                // vectors, for which the processor stalls.
+                let start = (self.shadow_ray(surface, light, observer), self.origin_primitive(surface));
+                let starts_within = surface.normal.dot(light.direction) < 0.0;
+                self.filtered(start, starts_within, index, observer)
+            }
         }
     }
 
@@ -72,23 +79,20 @@ impl<H: Hints> Tracer<'_, H> {
     }
 
     /// Returns the fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an object,
-    /// this is the object's colour to the power of the distance since the last surface (Beer's law).
+    /// this is the object's colour to the power of the distance since the last surface (Beer's law). The ray comes with the
+    /// primitive that it leaves, and `is_within` is true if it starts inside of an object.
     ///
     /// The surfaces that the light lies on are left behind at the light if the ray was within an object before. So it
     /// does not matter which of them the ray meets by its roundings. One that is opaque lets nothing through.
     fn filtered<O: Observer>(
         &self,
-        surface: &SurfacePoint,
-        light: &Incident,
+        (mut ray, mut leaves): (Ray, Option<u32>),
+        mut is_within: bool,
         index: usize,
         observer: &mut O,
     ) -> Color {
-        observer.shadow_ray();
-        let (mut ray, mut leaves) =
-            (self.shadow_ray(surface, light, observer), self.origin_primitive(surface));
         let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
         let at_light = self.world().primitives_at_light(index);
-        let mut is_within = surface.normal.dot(light.direction) < 0.0;
         // The way since the last surface, up to where the ray starts now.
         let mut way = 0.0;
         let through = |passed: Color, tint: Color, way: f64| {
