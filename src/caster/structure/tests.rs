@@ -4,7 +4,7 @@ use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use glam::DVec3;
 
-/// A world of `count` triangles by their numbers, and of a sphere.
+/// Returns a world of `count` triangles, given by their numbers, and a sphere.
 fn world(count: u32, corners: impl Fn(u32) -> [DVec3; 3]) -> World {
     let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 2
          Material { } TriangleMesh { obj_file a.obj } Sphere { center 0.5 0.5 0.5 radius 0.125 } }";

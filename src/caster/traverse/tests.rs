@@ -52,7 +52,7 @@ fn world_with_crowds() -> World {
     World::new(&parse(&text).unwrap(), &[mesh]).unwrap()
 }
 
-/// A point of a sequence that fills the unit cube evenly.
+/// Returns a point of a sequence that fills the unit cube evenly.
 fn point(k: f64) -> DVec3 {
     (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * k).fract()
 }
