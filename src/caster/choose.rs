@@ -1,8 +1,8 @@
 //! Chooses the acceleration structure: a list, a uniform grid or a tree. All policies are in this module.
 //!
 //! *Memory.* A grid of chosen resolution for n primitives holds at most max(16 n, 65,536) references. (A reference is a
-//! primitive listed in a cell.) It has about as many cells as there are primitives, and fewer where their boxes touch more
-//! cells than that. A tree holds each primitive once, and has fewer nodes than leaves.
+//! primitive listed in a cell.) It has about as many cells as there are primitives, and fewer if their boxes would
+//! touch too many cells. A tree holds each primitive once, and has fewer nodes than leaves.
 
 use crate::caster::block::LANES;
 use crate::caster::insertion::{bounds_of, most_references};

@@ -9,15 +9,14 @@
 //! the edge from the first corner to the third, n = e1 x e2, q = d x s, and det = n.d the determinant. The ray hits the
 //! triangle if u = e2.q, v = e1.q and w = det - u - v have the sign of the determinant. The hit is at t = n.s / det.
 //!
-//! *Error bound.* Let r = 2^-24 be the unit roundoff of single precision, b the largest absolute coordinate
-//! of the block's edges, and c the smallest power of two that is at least 1 and at least every coordinate of
-//! its corners. In the block's [`Frame`](crate::caster::block::Frame) the ray's origin, which is moved along the
-//! ray to where it enters the box, has coordinates of at most 1, the largest coordinate of the direction is
-//! 1, and b <= 2 c. Stored numbers are rounded once. Sums of three products are determinants, and a
-//! determinant of numbers of at most 1 is at most 4: it is linear in each number, so the maximum is reached
-//! when all are 1 or -1. With p the vector from the first corner to the point where the ray meets the
-//! triangle's plane, s = t d - p; hence q = p x d, which is small for a small triangle. This table
-//! leaves out terms of less than r/10:
+//! *Error bound.* Let r = 2^-24 be the unit roundoff of single precision, b the largest absolute coordinate of the
+//! block's edges, and c the smallest power of two that is at least 1 and at least every coordinate of its corners. In
+//! the block's [`Frame`](crate::caster::block::Frame) the ray's origin is moved along the ray to the point where it
+//! enters the box. The origin's coordinates are then at most 1, the largest coordinate of the direction is 1, and b <=
+//! 2 c. Stored numbers are rounded once. Sums of three products are determinants, and a determinant of numbers of at
+//! most 1 is at most 4: it is linear in each number, so the maximum is reached when all are 1 or -1. With p the vector
+//! from the first corner to the point where the ray meets the triangle's plane, s = t d - p; hence q = p x d, which is
+//! small for a small triangle. This table leaves out terms of less than r/10:
 //!
 //! | quantity | at most | error at most, portable | with fused multiply-add |
 //! |---|---|---|---|
@@ -258,7 +257,7 @@ mod tests {
         }
     }
 
-    /// The filter neither rejects it nor is certain of it, and the others are decided as without it.
+    /// The filter neither rejects this triangle nor is certain of it. The verdict for the others does not change.
     #[test]
     fn a_triangle_far_larger_than_the_frame_is_left_undecided() {
         let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);
