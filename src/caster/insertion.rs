@@ -171,7 +171,7 @@ impl CellRange {
         }
     }
 
-    /// Returns for each axis if the range has more than one cell along it.
+    /// Returns, for each axis, true if the range has more than one cell along it.
     #[inline(always)]
     fn spans_cells(&self) -> [bool; 3] {
         [0, 1, 2].map(|axis| self.end[axis] > self.start[axis] + 1)
