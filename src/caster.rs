@@ -1,7 +1,7 @@
 //! Ray casting: finds the nearest hit or any hit of a ray. A caster tests the planes first, and then the finite
 //! primitives in a list, a uniform grid or a tree of boxes. These structures are never nested.
 //!
-//! A module imports only from the modules before it in this list.
+//! Each module imports only from the modules before it in this list.
 
 #[doc(hidden)]
 pub mod block;

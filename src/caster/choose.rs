@@ -42,7 +42,7 @@ pub enum Structure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Resolution {
-    /// Exactly this number, whatever it costs.
+    /// Exactly this number, at any cost.
     Cells([usize; 3]),
     /// Chosen according to the scene and the number of rays.
     Auto,
@@ -152,7 +152,7 @@ fn affordable_references(world: &World) -> u64 {
     (16 * world.finite_count() as u64).max(65_536)
 }
 
-/// Returns true if primitives share their cells with so many others, by their centres, that a tree pays for these rays.
+/// Returns true if the cells are so crowded, counted by the primitives' centres, that a tree pays for these rays.
 fn is_crowded(world: &World, cells: [usize; 3], rays: usize) -> bool {
     let count = world.finite_count();
     let lattice = Lattice::new(bounds_of(world), cells);

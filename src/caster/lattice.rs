@@ -23,8 +23,8 @@ impl std::error::Error for GridTooLarge {}
 /// The division of a box into cells.
 ///
 /// The cells are surrounded by a border one cell thick. The traversal ends when it reads a border cell, and needs no
-/// bounds test. Indices include the border: cell (i, j, k), counted from 0, has the index `(i + 1) + (nx + 2) ((j + 1)
-/// + (ny + 2) (k + 1))`.
+/// bounds test. Indices include the border: cell (i, j, k), counted from 0, has the index
+/// `(i + 1) + (nx + 2) ((j + 1) + (ny + 2) (k + 1))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
     /// The box that is divided into cells.

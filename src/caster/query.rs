@@ -305,7 +305,7 @@ impl Nearest {
         Self { best, t_lower_bound: ray.t_max, is_undecided: false }
     }
 
-    /// Returns true if a primitive precedes the best one, if both may lie in the same place.
+    /// Returns true if a primitive that may lie in the same place as the best one precedes it.
     #[cold]
     fn precedes_close(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool {
         self.is_undecided |= self.best.primitive != NONE;

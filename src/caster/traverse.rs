@@ -211,8 +211,8 @@ impl AccelerationStructure {
         }
     }
 
-    /// Returns the child to visit next, and pushes the others that the ray meets onto the stack. It is the nearest
-    /// child, unless any hit will do.
+    /// Returns the child to visit next, which is the nearest one unless any hit will do. Pushes the other children that
+    /// the ray meets onto the stack.
     #[inline(always)]
     fn first_child<G: Goal>(
         &self,

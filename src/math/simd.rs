@@ -321,9 +321,9 @@ pub fn lanes(mut set: u32) -> impl Iterator<Item = usize> {
 
 /// Computes exp(x) for x from -708, below which results would be subnormal, to 0.
 ///
-/// It takes the steps of `libm::exp` (FreeBSD's e_exp.c, Sun Microsystems, 2004), so that the result has the same bits:
-/// x = k ln 2 + r with an integer k and |r| at most ln(2) / 2, and exp(r) = 1 + r + r c / (2 - c) with c = r - (P1 r^2
-/// + ... + P5 r^10). Where that function branches, this one selects.
+/// It takes the steps of `libm::exp` (FreeBSD's e_exp.c, Sun Microsystems, 2004), so that the result has the same
+/// bits: x = k ln 2 + r with an integer k and |r| at most ln(2) / 2, and exp(r) = 1 + r + r c / (2 - c) with
+/// c = r - (P1 r^2 + ... + P5 r^10). Where that function branches, this one selects.
 #[inline(always)]
 pub fn exp_of_negative<S: Simd>(x: f64x4<S>) -> f64x4<S> {
     /// ln 2 in two parts. The first has so few bits that its product with k is exact.

@@ -1,5 +1,5 @@
-//! Searches for inputs whose rounding errors come close to an error bound, for tests that the bound is needed. It finds
-//! the same inputs on every machine.
+//! Searches for inputs whose rounding errors come close to an error bound, for tests that the bound is needed. The
+//! result does not depend on the machine.
 
 use glam::DVec3;
 

@@ -10,7 +10,7 @@ use crate::scene::texels::{CubeFaces, face};
 use glam::{DMat3, DVec2, DVec3};
 
 impl World {
-    /// Returns true if the scene uses the model of 2004, which needs nothing in this file.
+    /// Returns true if the scene uses the course's model of 2004, which needs nothing else in this file.
     pub fn is_of_course(&self) -> bool {
         self.model == Model::COURSE
     }

@@ -20,8 +20,8 @@ use glam::{DMat3, DVec3};
 /// errors may have moved them apart.
 pub(super) const WRITTEN_ROUNDINGS: f64 = 4.0;
 
-/// The distance behind the nearest hit within which others in the same place are looked for is the sum of three parts:
-/// of its t, of the largest coordinate of the finite primitives, and of the largest flattening error.
+/// Other hits in the same place are looked for behind the nearest hit. The search distance is the sum of these parts of
+/// its t, of the largest coordinate of the finite primitives, and of the largest flattening error.
 ///
 /// The t of two hits in the same place differ by the distance of the surfaces over the cosine between the ray and their
 /// normal. The search distance is enough for cosines down to a millionth.
@@ -318,7 +318,7 @@ mod tests {
         assert_eq!(up.reversed(), down);
     }
 
-    /// The normals are parallel as they are written, but not as floats.
+    /// The normals are parallel as written, but not as floats.
     #[test]
     fn parallel_planes_under_the_same_transforms_have_the_same_normal() {
         let plane = |normal: &str, offset: f64| {

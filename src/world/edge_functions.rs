@@ -104,8 +104,8 @@ pub(crate) fn edge_functions<N: Number>([a, b, c]: [Vector<N>; 3]) -> [N; 3] {
 /// product and the difference each have a relative error of u, except that the slope's error is at most u / 2
 /// because it is at most 1. Since X = x + s Z, the error of x is 2 u |x| + 3.5 u |Z|. Let M be the largest
 /// |x| plus the largest |y|, and Z the largest |z| of the three vertices. Then the sign can be wrong only
-/// where the edge function is at most 7 u M Z + 4 u M^2, because of the vertices, plus u M^2, because of its
-/// own roundings. This has no terms of second order, although the error of an edge function has:
+/// if the edge function is at most 7 u M Z + 4 u M^2, because of the vertices, plus u M^2, because of its
+/// own roundings. This has no terms of second order, although the error of an edge function has some:
 /// `proofs/edge_functions.g` shows why, and adds the roundings of the bound.
 ///
 /// Products that underflow add less than 2^-1072 (1 + M) to the error. `MIN_EDGE_ERROR_BOUND` is far larger, so

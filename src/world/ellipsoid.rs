@@ -96,7 +96,8 @@ impl Form for Ellipsoid {
         self.extent
     }
 
-    /// Most of the bound is for the rotations that make the semi-axes orthogonal, which are less than a dozen.
+    /// Most of the bound is for the rotations that make the semi-axes orthogonal, of which there are fewer than a
+    /// dozen.
     fn point_roundings(&self) -> DVec3 {
         POINT_ROUNDINGS * (self.center.abs() + self.half_lengths().into_iter().sum::<f64>())
     }

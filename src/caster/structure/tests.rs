@@ -43,7 +43,7 @@ fn triangles_without_area_are_in_the_structures_of_the_course_alone() {
     }
 }
 
-/// Most triangles are in a corner, so that its cell is crowded.
+/// Returns a world with most of its triangles in a corner, so that this cell is crowded.
 fn corner_crowd(count: u32) -> World {
     world(count, |i| {
         let corner = (DVec3::new(0.618, 0.754, 0.569) * f64::from(i)).fract();

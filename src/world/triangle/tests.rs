@@ -120,7 +120,7 @@ const WORST: [[u64; 12]; 4] = [
      0x3ffb2201614a5234, 0x400052aba04015ce, 0x3fe99681285b7b8a, 0x3ffb195c6b31c49c, 0x40004e5b2cc6698f, 0x3fe985373ad99da2],
 ];
 
-/// The ray, p and q.
+/// Returns the rays, each with its p and q.
 fn worst() -> [(Ray, [DVec3; 2]); 4] {
     WORST.map(|bits| {
         let vector = |i: usize| DVec3::from_array([0, 1, 2].map(|k| f64::from_bits(bits[3 * i + k])));
