@@ -1,5 +1,5 @@
-//! A tree of boxes over all primitives: a bounding volume hierarchy with eight branches per node and eight primitives per
-//! leaf.
+//! A tree of boxes over all primitives: a bounding volume hierarchy with eight branches per node and eight primitives
+//! per leaf.
 //!
 //! A branch whose primitives are too small for the coordinates of the frame gets a frame of its own.
 

@@ -1,10 +1,11 @@
 //! Exact arithmetic: sums of products of floats without rounding, overflow or underflow, and geometric predicates that
 //! use them.
 //!
-//! A sum is a fixed-point accumulator that is wide enough for every bit of a product of three floats (Kulisch, "Computer
-//! Arithmetic and Validity", 2nd edition, de Gruyter, 2013). Every finite float is an integer below 2^53 times
-//! 2^(e - 1074), with e from 0 to 2045. Hence a product of three floats is an integer below 2^159 times 2^(e - 3222),
-//! with e from 0 to 6135. It fits into 6294 bits, and 6400 bits hold the sum of more products than a program can add.
+//! A sum is a fixed-point accumulator that is wide enough for every bit of a product of three floats (Kulisch,
+//! "Computer Arithmetic and Validity", 2nd edition, de Gruyter, 2013). Every finite float is an integer below 2^53
+//! times 2^(e - 1074), with e from 0 to 2045. Hence a product of three floats is an integer below 2^159 times 2^(e -
+//! 3222), with e from 0 to 6135. It fits into 6294 bits, and 6400 bits hold the sum of more products than a program can
+//! add.
 //!
 //! The predicates are the determinants that decide if and where a ray meets a triangle. They are computed from the
 //! given coordinates and rounded only once, at the end, so they are correct for all finite floats. The triangle test

@@ -64,8 +64,8 @@ impl<N: Number> EdgeRange<N> {
     }
 }
 
-/// The error bound of a hit's depth times the sum of the edge functions, in units of the edge functions' error bound times
-/// the depth of the farthest vertex.
+/// The error bound of a hit's depth times the sum of the edge functions, in units of the edge functions' error bound
+/// times the depth of the farthest vertex.
 const DEPTH_BOUNDS: f64 = 5.0;
 
 /// The largest ratio of a triangle's extent to its depth. A larger triangle would lose too many digits of the depth.
