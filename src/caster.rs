@@ -1,8 +1,7 @@
-//! Ray casting: the nearest or any hit of a ray among planes and in a list, a uniform grid or a tree of boxes, none of
-//! which is inside another.
+//! Ray casting: finds the nearest hit or any hit of a ray. A caster tests the planes first, and then the finite
+//! primitives in a list, a uniform grid or a tree of boxes. These structures are never nested.
 //!
-//! The planes are tested first, and then every primitive of the list, the cells of the grid or the boxes of the tree. A
-//! module imports only from the modules before it in this list.
+//! Each module imports only from the modules before it in this list.
 
 #[doc(hidden)]
 pub mod block;
@@ -50,17 +49,17 @@ pub struct Caster<'w> {
     pub world: &'w World,
     /// The instructions that the inner loops use.
     pub level: Level,
-    /// Contains every finite primitive; none if the world has no finite primitives.
+    /// Contains every finite primitive; `None` if the world has no finite primitives.
     structure: Option<Arc<AccelerationStructure>>,
 }
 
 impl<'w> Caster<'w> {
-    /// A caster with a grid of this number of cells along each axis, or without a grid.
+    /// Returns a caster with a grid of this number of cells along each axis, or without a grid.
     pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
         Self::with(world, cells.map_or(Layout::List, Layout::Grid), instructions::available()[0])
     }
 
-    /// A caster with this acceleration structure that uses these instructions.
+    /// Returns a caster with this acceleration structure, which uses these instructions.
     pub fn with(world: &'w World, layout: Layout, level: Level) -> Result<Self, GridTooLarge> {
         let finite = world.finite_count() > 0;
         let structure =
@@ -68,34 +67,35 @@ impl<'w> Caster<'w> {
         Ok(Self { world, level, structure })
     }
 
-    /// Whether a ray is tested against only a few of the primitives: those in the cells of a grid, or in the boxes of a
-    /// tree, that it meets.
+    /// Returns true if a ray is tested only against some of the primitives: those in the grid cells or tree boxes that
+    /// it meets.
     pub fn is_selective(&self) -> bool {
         self.structure.as_ref().is_some_and(|structure| !matches!(structure.order, Order::List))
     }
 
-    /// The cells along each axis of the grid.
+    /// Returns the number of grid cells along each axis, or `None` without a grid.
     pub fn cells(&self) -> Option<[usize; 3]> {
         Some(self.structure.as_ref()?.table()?.lattice().cells())
     }
 
-    /// How full the cells of the grid are, with so many of the fullest; none without a grid.
+    /// Returns how full the grid cells are, with this number of the fullest cells; `None` without a grid.
     pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
         self.structure.as_ref()?.fullness(fullest)
     }
 
-    /// The size of the acceleration structure, for tests.
+    /// Returns the size of the acceleration structure, for tests.
     pub fn size(&self) -> StructureSize {
         self.structure.as_ref().map_or(StructureSize::default(), |structure| structure.size())
     }
 
-    /// The nearest hit on the ray.
+    /// Returns the nearest hit on the ray.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         self.nearest(ray, None, probe).map(|visible| self.world.hit(ray, visible))
     }
 
-    /// The primitive that the ray hits first, decided exactly. `leaves` is the primitive that the ray leaves.
+    /// Finds the primitive that the ray hits first; the decision is exact. `leaves` is the primitive on which the ray
+    /// starts.
     #[inline(always)]
     pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
         let origin = RayOrigin::new(self.world, leaves);
@@ -106,13 +106,13 @@ impl<'w> Caster<'w> {
         (best.primitive != NONE).then_some(best)
     }
 
-    /// Whether the ray hits anything.
+    /// Returns true if the ray hits anything.
     #[inline]
     pub fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         self.any_from(ray, None, probe)
     }
 
-    /// The same for a ray that leaves the primitive `leaves`.
+    /// Returns true if the ray hits anything. `leaves` is the primitive on which the ray starts.
     #[inline(always)]
     pub fn any_from<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
         let origin = RayOrigin::new(self.world, leaves);
@@ -122,7 +122,7 @@ impl<'w> Caster<'w> {
         })
     }
 
-    /// Whether the ray hits a triangle, which is not the one that it leaves.
+    /// Returns true if the ray hits `primitive`. A ray never hits the triangle on which it starts.
     #[inline(never)]
     pub fn is_hit(&self, ray: &Ray, primitive: u32, leaves: Option<u32>) -> bool {
         if leaves == Some(primitive) && self.world.is_triangle(primitive) {
@@ -131,7 +131,7 @@ impl<'w> Caster<'w> {
         self.world.crossing(ray, primitive).is_some()
     }
 
-    /// Whether the world has no plane, or none but this primitive.
+    /// Returns true if the world has no plane other than `primitive`.
     #[inline(always)]
     pub fn has_no_plane_but(&self, primitive: Option<u32>) -> bool {
         match self.world.planes.len() {
@@ -141,21 +141,21 @@ impl<'w> Caster<'w> {
         }
     }
 
-    /// Whether the ray hits a plane, which is not the one that it leaves.
+    /// Returns true if the ray hits a plane other than the one on which it starts.
     #[inline(always)]
     pub fn meets_plane(&self, ray: &Ray, leaves: Option<u32>) -> bool {
         let mut planes = (self.world.first_plane()..).zip(&self.world.planes);
         planes.any(|(id, plane)| leaves != Some(id) && plane.intersect(ray).is_some())
     }
 
-    /// Whether this is a sphere or an ellipsoid.
+    /// Returns true if this is a sphere or an ellipsoid.
     #[inline(always)]
     pub fn is_round(&self, primitive: u32) -> bool {
         self.world.is_shape(primitive)
     }
 
-    /// Finds the nearest primitive, or [`NONE`], because this is returned in registers and an option is not. So is the ray
-    /// passed, by its pairs.
+    /// Finds the nearest primitive, or [`NONE`]. It returns [`NONE`] instead of an `Option`, and takes the ray as pairs
+    /// of coordinates, because these fit into registers.
     #[simd]
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
@@ -182,7 +182,7 @@ impl<'w> Caster<'w> {
         if is_undecided { self.foremost(simd, &stored, origin, best) } else { best }
     }
 
-    /// Whether the ray hits anything.
+    /// Returns true if the ray hits anything.
     #[simd]
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
@@ -207,7 +207,7 @@ impl<'w> Caster<'w> {
         query.goal.is_found
     }
 
-    /// How the ray enters the structure.
+    /// Returns how the ray enters the structure.
     #[inline(always)]
     fn entry<S: Simd>(&self, simd: S, ray: &Ray) -> Entry<S> {
         // A closure would not be compiled for the instructions of the caller.
@@ -217,7 +217,7 @@ impl<'w> Caster<'w> {
         }
     }
 
-    /// Whether a ray that enters the structure in this way hits nothing. Most rays that hit nothing end here.
+    /// Returns true if a ray with this entry hits nothing. Most rays that hit nothing end here.
     #[inline(always)]
     fn misses<S: Simd>(&self, entry: &Entry<S>) -> bool {
         matches!(entry, Entry::Misses) && self.world.planes.is_empty()
@@ -240,8 +240,8 @@ impl<'w> Caster<'w> {
         }
     }
 
-    /// Returns what a ray sees of the primitives that it hits so close to each other that their t do not decide. They are
-    /// collected by another query, since it may have hit some of them before it found the nearest one.
+    /// Decides which primitive a ray sees if it hits several so close together that their t do not decide. Another
+    /// query collects them, since the first query may have hit some of them before it found the nearest one.
     #[cold]
     #[inline(never)]
     fn foremost<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin, nearest: Visible) -> Visible {

@@ -11,7 +11,7 @@ pub type Color = DVec3;
 /// Bytes per pixel: red, green, blue.
 pub const CHANNELS: usize = 3;
 
-/// The error of a picture without pixels, or with more than there is memory for.
+/// The error for a picture without pixels, or with too many pixels for the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BadSize {
     /// The width in pixels.
@@ -70,19 +70,19 @@ impl Window {
         self.y + self.height
     }
 
-    /// True if it has pixels, all of them within a picture of this width and height.
+    /// Returns true if the window has pixels and all of them are in a picture of this width and height.
     pub fn fits(&self, [width, height]: [usize; 2]) -> bool {
         let is_within = |at: usize, side: usize, whole: usize| side > 0 && at < whole && side <= whole - at;
         is_within(self.x, self.width, width) && is_within(self.y, self.height, height)
     }
 
-    /// True if both have a pixel in common.
+    /// Returns true if the two windows have a pixel in common.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.x < other.right() && other.x < self.right() && self.y < other.bottom() && other.y < self.bottom()
     }
 }
 
-/// A picture of colours as they were rendered: neither clamped nor truncated to bytes.
+/// A picture of colours as rendered: neither clamped nor truncated to bytes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloatPicture {
     /// Width and height in pixels.
@@ -92,22 +92,22 @@ pub struct FloatPicture {
 }
 
 impl FloatPicture {
-    /// A picture of this width and height that has no colours yet. No pixels at all, or more than there is
-    /// memory for, is an error.
+    /// Returns an empty picture with room for this width and height. A picture without pixels, or with too many for the
+    /// memory, is an error.
     pub fn with_room(size: [usize; 2]) -> Result<Self, BadSize> {
         let failed = || BadSize { width: size[0], height: size[1] };
         let count = size[0].checked_mul(size[1]).filter(|&count| count > 0).ok_or_else(failed)?;
         Ok(Self { size, colors: with_room(count).map_err(|_| failed())? })
     }
 
-    /// Converts the colours to bytes as [`truncate_to_bytes`] does, and counts those with a NaN.
+    /// Converts the colours to bytes with [`truncate_to_bytes`], and counts the colours with a NaN.
     pub fn to_bytes(&self) -> (Vec<u8>, u64) {
         let mut bytes = vec![0; self.colors.len() * CHANNELS];
         let nans = truncate_to_bytes::<RED_FIRST>(&self.colors, &mut bytes);
         (bytes, nans)
     }
 
-    /// The picture's bytes, as they are written.
+    /// Returns the picture of bytes that is written to a file.
     pub fn to_picture(&self) -> Picture {
         let [width, height] = self.size.map(|n| n as u32);
         Picture::from_rgb(width, height, self.to_bytes().0)
@@ -126,7 +126,7 @@ pub const BLUE_FIRST: usize = 2;
 pub fn truncate_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -> u64 {
     let mut has_nan = false;
     for (pixel, color) in bytes.chunks_exact_mut(CHANNELS).zip(colors) {
-        // The sum is NaN if any channel is, or if two are opposite infinities; to test each channel takes longer.
+        // The sum is NaN if any channel is NaN, or if two are opposite infinities. Testing each channel takes longer.
         has_nan |= (color.x + color.y + color.z).is_nan();
         // The conversion truncates, clamps and maps NaN to 0.
         let [red, green, blue] = (255.0 * color).to_array().map(|channel| channel as u8);
@@ -136,7 +136,7 @@ pub fn truncate_to_bytes<const RED: usize>(colors: &[Color], bytes: &mut [u8]) -
 }
 
 impl Picture {
-    /// A black picture. No pixels at all, or more than there is memory for, is an error.
+    /// Returns a black picture. A picture without pixels, or with too many for the memory, is an error.
     pub fn new(width: u32, height: u32) -> Result<Self, BadSize> {
         let failed = || BadSize { width: width as usize, height: height as usize };
         let size = byte_count(width, height).filter(|&size| size > 0).ok_or_else(failed)?;
@@ -145,7 +145,7 @@ impl Picture {
         Ok(Self { width, height, pixels })
     }
 
-    /// A picture of these bytes, of which there must be `width * height * 3`.
+    /// Returns a picture of these bytes. Their number must be `width * height * 3`.
     pub fn from_rgb(width: u32, height: u32, pixels: Vec<u8>) -> Self {
         debug_assert_eq!(Some(pixels.len()), byte_count(width, height));
         Self { width, height, pixels }
@@ -161,22 +161,22 @@ impl Picture {
         self.height
     }
 
-    /// The bytes of the pixels: red, green and blue each, in rows from the top.
+    /// Returns the bytes of the pixels: red, green and blue of each, in rows from the top.
     pub fn pixels(&self) -> &[u8] {
         &self.pixels
     }
 
-    /// The bytes of the pixels, without the picture.
+    /// Consumes the picture and returns the bytes of the pixels.
     pub fn into_pixels(self) -> Vec<u8> {
         self.pixels
     }
 
-    /// The bytes of the pixels, to be changed.
+    /// Returns the bytes of the pixels for modification.
     pub fn pixels_mut(&mut self) -> &mut [u8] {
         &mut self.pixels
     }
 
-    /// The pixel in column `i` and row `j`, counted from the bottom left; none if it is outside the picture.
+    /// Returns the pixel in column `i` and row `j`, counted from the bottom left; `None` if it is outside the picture.
     pub fn get(&self, i: u32, j: u32) -> Option<[u8; CHANNELS]> {
         let is_inside = i < self.width && j < self.height;
         let row = is_inside.then(|| self.height - 1 - j)?;
@@ -184,7 +184,7 @@ impl Picture {
         self.pixels.get(start..)?.first_chunk().copied()
     }
 
-    /// The bytes of row `j`, counted from the bottom; `j` must be below the height.
+    /// Returns the bytes of row `j`, counted from the bottom. `j` must be less than the height.
     pub fn row_mut(&mut self, j: usize) -> &mut [u8] {
         let bytes = self.width as usize * CHANNELS;
         let from_top = self.height as usize - 1 - j;

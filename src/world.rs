@@ -1,7 +1,7 @@
-//! Flattening: the object tree with its transforms becomes lists of primitives in world space.
+//! Flattening: converts the object tree with its transforms to lists of primitives in world space.
 //!
-//! After this step only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one
-//! range of ids, in the order triangles, shapes, planes.
+//! Only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one range of ids, in the order
+//! triangles, shapes, planes.
 
 #[doc(hidden)]
 pub mod edge_functions;
@@ -48,14 +48,14 @@ pub use placement::{Placement, placements};
 pub use resting_lights::RestingPlace;
 pub use surface::SurfacePoint;
 
-/// A scene in world space, as it is traced.
+/// A scene in world space, ready to be traced.
 #[derive(Clone, Debug)]
 pub struct World {
     /// The vertices of the triangles.
     pub vertices: Vec<DVec3>,
     /// Indices into `vertices`, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Those that are known to have no area, so that no ray hits them, in ascending order.
+    /// The triangles that are known to have no area, so that no ray hits them, in ascending order.
     without_area: Vec<u32>,
     /// The shapes, whose ids follow those of the triangles.
     pub shapes: Vec<Shape>,
@@ -63,7 +63,7 @@ pub struct World {
     pub planes: Vec<Plane>,
     /// Vectors along the normals of the planes, before they are rounded to unit length.
     plane_directions: Vec<DVec3>,
-    /// For each plane, how many of the triangles come before it in the scene.
+    /// For each plane, the number of triangles that precede it in the scene.
     triangles_before_planes: Vec<u32>,
     flattening_errors: FlatteningErrors,
     boundary_width: BoundaryWidth,
@@ -77,8 +77,8 @@ pub struct World {
     pub background: Color,
     /// The ambient light, which reaches every surface.
     pub ambient: Color,
-    /// The bounds of the finite primitives, computed as in the course's program, so that they are not tight
-    /// around a rotated sphere. They are empty if there are none.
+    /// The bounds of the finite primitives; empty if there are none. They are computed as in the course's program, so
+    /// they are not tight around a rotated sphere.
     pub bounds: Aabb,
     /// The largest absolute coordinate of the finite primitives, which bounds the rounding errors of
     /// positions.
@@ -87,16 +87,16 @@ pub struct World {
     material_runs: Vec<(u32, u32)>,
     /// The point lights that lie on surfaces.
     resting_lights: RestingLights,
-    /// What the scene means.
+    /// How the scene is seen, lit and shown.
     pub model: Model,
-    /// A vector along the normal of each vertex whose mesh is smooth; zero for other vertices. The list may be shorter than
-    /// that of the vertices.
+    /// A vector along the normal of each vertex of a smooth mesh; zero for other vertices. May be shorter than
+    /// `vertices`.
     vertex_normals: Vec<DVec3>,
-    /// The texture coordinates of triangles. The list may be shorter than that of the triangles.
+    /// The texture coordinates of the triangles. May be shorter than `triangles`.
     texture_coordinates: Vec<Option<Corners>>,
     /// The pictures that the scene names.
     images: Vec<Arc<Texels>>,
-    /// The pictures that rays see that hit nothing.
+    /// The cube map, which colours the rays that hit nothing.
     cube_map: Option<CubeFaces>,
 }
 
@@ -112,13 +112,14 @@ pub enum Primitive {
 }
 
 impl World {
-    /// The world of a scene. `meshes` are those that the scene names, in its order. An object that cannot be placed in
-    /// world space is an error, and so is too little memory for the copies of the meshes.
+    /// Builds the world of a scene. `meshes` are the meshes that the scene names, in its order. Returns an error if an
+    /// object cannot be placed in world space, or if there is too little memory for the copies of the meshes.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, Diagnostic> {
         Self::build(scene, meshes.iter().map(Cow::Borrowed).collect())
     }
 
-    /// The same as [`World::new`], but a mesh that can be taken over is not copied.
+    /// Builds the world of a scene as [`World::new`] does, but takes over meshes instead of copying them where
+    /// possible.
     pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, Diagnostic> {
         Self::build(scene, meshes.into_iter().map(Cow::Owned).collect())
     }
@@ -159,35 +160,35 @@ impl World {
         }
     }
 
-    /// The number of primitives with finite bounds: all but the planes.
+    /// Returns the number of primitives with finite bounds: all except the planes.
     pub fn finite_count(&self) -> usize {
         self.triangles.len() + self.shapes.len()
     }
 
-    /// The number of finite primitives that rays may hit.
+    /// Returns the number of finite primitives that rays may hit.
     pub fn hittable_count(&self) -> usize {
         self.finite_count() - self.without_area.len()
     }
 
-    /// The largest number of surfaces that a line may cross: each flat one once, and each round one twice. A loop along a
-    /// ray ends after so many, whatever roundings do.
+    /// Returns the largest number of surface crossings on a line: one for each flat primitive, two for each round one.
+    /// A loop along a ray stops after this number of steps, even if rounding errors keep it from ending.
     pub fn most_crossings(&self) -> usize {
         self.triangles.len() + 2 * self.shapes.len() + self.planes.len()
     }
 
-    /// Whether a ray may hit a triangle: it is not known to have no area.
+    /// Returns true if a ray may hit the triangle, which is not known to have no area.
     #[inline(always)]
     pub fn may_be_hit(&self, triangle: u32) -> bool {
         self.without_area.is_empty() || self.without_area.binary_search(&triangle).is_err()
     }
 
-    /// The surfaces that the light with this index lies on.
+    /// Returns the surfaces on which the light with this index lies.
     #[inline(always)]
     pub fn primitives_at_light(&self, light: usize) -> &[RestingPlace] {
         self.resting_lights.places(light)
     }
 
-    /// The primitive with this id.
+    /// Returns the primitive with this id.
     pub fn primitive(&self, id: u32) -> Primitive {
         let i = id as usize;
         if i < self.triangles.len() {
@@ -199,17 +200,17 @@ impl World {
         }
     }
 
-    /// The id of the first plane. Planes have the last ids.
+    /// Returns the id of the first plane. Planes have the last ids.
     pub fn first_plane(&self) -> u32 {
         self.finite_count() as u32
     }
 
-    /// The tight bounds of the shapes, in the order of their ids.
+    /// Returns the tight bounds of the shapes, in the order of their ids.
     pub fn boxes(&self) -> impl Iterator<Item = Aabb> + '_ {
         self.shapes.iter().map(Form::bounds)
     }
 
-    /// The tight bounds of a primitive, which are empty for a plane.
+    /// Returns the tight bounds of a primitive, which are empty for a plane.
     pub fn box_of(&self, id: u32) -> Aabb {
         match self.primitive(id) {
             Primitive::Triangle(i) => Aabb::around(self.corners(i)),
@@ -218,7 +219,7 @@ impl World {
         }
     }
 
-    /// The vertices of a triangle.
+    /// Returns the vertices of a triangle.
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         // Written out, because a mapped array would be stored to memory and loaded again.
@@ -226,24 +227,24 @@ impl World {
         [*a, *b, *c]
     }
 
-    /// The same by reference, for callers that read the coordinates in another order.
+    /// Returns references to the vertices of a triangle, for callers that read the coordinates in another order.
     #[inline(always)]
     pub fn corners_in_place(&self, triangle: usize) -> [&DVec3; 3] {
         let [a, b, c] = self.triangles[triangle];
         [&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]]
     }
 
-    /// Whether a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
+    /// Returns true if a ray's hit of the primitive `one` at `t` precedes its hit of `other` at `other_t`.
     ///
-    /// The nearer hit precedes, and at equal t the one that [comes first](Self::comes_first), so that the result depends
-    /// neither on the grid nor on the order of tests.
+    /// The nearer hit precedes. At equal t, the primitive that [comes first](Self::comes_first) precedes, so that the
+    /// result depends neither on the grid nor on the order of tests.
     #[inline]
     pub fn precedes(&self, (t, one): (f64, u32), (other_t, other): (f64, u32)) -> bool {
         t < other_t || (t == other_t && self.comes_first(one, other))
     }
 
-    /// Orders primitives by the places of their objects in the scene, and the triangles of one object by their own. Spheres
-    /// and ellipsoids, which lie in no plane, come last.
+    /// Returns true if `one` comes before `other`. Primitives are ordered by the positions of their objects in the
+    /// scene, and triangles of one object by their ids. Spheres and ellipsoids, which lie in no plane, come last.
     #[cold]
     pub fn comes_first(&self, one: u32, other: u32) -> bool {
         let place = |id: u32| match self.primitive(id) {
@@ -254,7 +255,7 @@ impl World {
         place(one) < place(other)
     }
 
-    /// The nearest t on a ray at which it hits a primitive.
+    /// Returns the nearest t at which a ray hits a primitive.
     #[inline(always)]
     pub fn crossing(&self, ray: &Ray, primitive: u32) -> Option<f64> {
         match self.primitive(primitive) {
@@ -266,7 +267,7 @@ impl World {
         }
     }
 
-    /// The hit of a ray, computed from the primitive that the ray hits first.
+    /// Returns the hit of a ray, computed from the primitive that the ray hits first.
     pub fn hit(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> Hit {
         let crossing = match self.primitive(primitive) {
             Primitive::Triangle(i) => triangle::Shear::new(ray).hit(self.corners_in_place(i)),
@@ -276,13 +277,13 @@ impl World {
         Hit { t, primitive, weights }
     }
 
-    /// Whether the primitive with this id is a triangle.
+    /// Returns true if the primitive with this id is a triangle.
     #[inline(always)]
     pub fn is_triangle(&self, primitive: u32) -> bool {
         primitive < self.triangles.len() as u32
     }
 
-    /// Whether the primitive with this id is a shape.
+    /// Returns true if the primitive with this id is a shape.
     #[inline(always)]
     pub fn is_shape(&self, primitive: u32) -> bool {
         !self.is_triangle(primitive) && primitive < self.first_plane()
@@ -293,13 +294,13 @@ impl World {
         self.material_run(primitive).1
     }
 
-    /// The run of primitives around this one that share its material, and the material.
+    /// Returns the run of primitives around this one that share its material, and the material.
     #[inline(always)]
     pub(crate) fn material_run(&self, primitive: u32) -> (Range<u32>, MaterialId) {
         self.run_before(self.material_runs.partition_point(|&(start, _)| start <= primitive))
     }
 
-    /// The run of primitives before the one with this index, which may be the number of runs.
+    /// Returns the run of primitives before the run with index `next`, which may be the number of runs.
     #[inline(always)]
     fn run_before(&self, next: usize) -> (Range<u32>, MaterialId) {
         let (first, material) = self.material_runs[next - 1];

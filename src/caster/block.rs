@@ -19,7 +19,7 @@ pub const NONE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Block {
-    /// The first corner's x, y and z. They are NaN in an empty lane, so that the lane fails every comparison.
+    /// The x, y and z of the first corner. They are NaN in an empty lane, so that the lane fails every comparison.
     pub corner: [[f32; LANES]; 3],
     /// The edges from the second corner to the first, and from the first to the third.
     pub edges: [[[f32; LANES]; 3]; 2],
@@ -27,13 +27,13 @@ pub struct Block {
     pub normal: [[f32; LANES]; 3],
     /// The error bounds of the filter for these triangles.
     pub error_bounds: FilterErrorBounds,
-    /// Which triangles these are.
+    /// The triangles that the block holds.
     pub index: BlockIndex,
     /// Fills the last cache line.
     _padding: [u32; 3],
 }
 
-/// What a block holds, without the coordinates.
+/// The contents of a block, without the coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BlockIndex {
@@ -47,23 +47,23 @@ pub struct BlockIndex {
 }
 
 impl BlockIndex {
-    /// Of a block without triangles.
+    /// The index of a block without triangles.
     pub const EMPTY: Self = Self::new([NONE; LANES]);
 
-    /// Of a block of these triangles.
+    /// Returns the index of a block of these triangles.
     pub const fn new(ids: [u32; LANES]) -> Self {
         Self { ids, non_triangles: [0; 2], count: 0 }
     }
 
-    /// The number of triangles.
+    /// Returns the number of triangles.
     pub fn triangles(&self) -> usize {
         self.ids.iter().filter(|&&id| id != NONE).count()
     }
 }
 
 impl Block {
-    /// Fills a zeroed block with the triangles of an index, whose ids end at the first [`NONE`]. `all_in_frame`
-    /// says that all triangles of the world lie in the frame's box, which saves testing them.
+    /// Fills a zeroed block with the triangles of an index, whose ids end at the first [`NONE`]. If `all_in_frame` is
+    /// true, all triangles of the world must lie in the frame's box, and they are not tested for that.
     pub fn fill(&mut self, world: &World, frame: &Frame, all_in_frame: bool, index: &BlockIndex) {
         self.index = *index;
         self.corner = [[f32::NAN; LANES]; 3];
@@ -105,12 +105,12 @@ impl Block {
 }
 
 /// The largest absolute coordinate of a corner in a block. A frame in a tree contains only the parts of triangles in
-/// the tree's cell, and a triangle may extend far beyond it. One that exceeds this limit is left for double precision
-/// to decide, since it would enlarge the error bounds of the other triangles in its block, or overflow.
+/// the tree's cell, and a triangle may extend far beyond it. A triangle that exceeds this limit is left to double
+/// precision, since it would enlarge the error bounds of the other triangles in its block, or overflow.
 const MAX_CORNER_COORD: f64 = 4.0;
 
-/// Negated error bounds of the filter's quantities for the triangles of a block: a quantity whose exact value
-/// is not negative is computed as at least this. They are derived in [`crate::caster::filter`].
+/// Negated error bounds of the filter's quantities for the triangles of a block. If the exact value of a quantity is
+/// not negative, the computed value is at least the negated bound. The bounds are derived in [`crate::caster::filter`].
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct FilterErrorBounds {
@@ -120,8 +120,8 @@ pub struct FilterErrorBounds {
     pub depth: f32,
 }
 
-/// Error bound of w, the least accurate of u, v and w: the part in roundings of an edge times a corner. Half of
-/// it would do for u and v, but one bound for the least of the three takes one comparison less.
+/// Error bound of w, the least accurate of u, v and w: the part in roundings of an edge times a corner. Half of it is
+/// enough for u and v, but one bound for the least of the three saves a comparison.
 const EDGE_ROUNDINGS: f32 = 37.0;
 
 /// Error bound of w: the part in roundings of an edge squared.
@@ -137,9 +137,9 @@ const NORMAL_ROUNDINGS: f32 = 4.5;
 const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 impl FilterErrorBounds {
-    /// The error bounds of a block. `longest` is b, the largest absolute coordinate of its edges.
-    /// `max_abs_coord` is that of its corners, and c is the next power of two, so that the division by c in
-    /// the proof is exact.
+    /// Returns the error bounds of a block. `longest` is b, the largest absolute coordinate of its edges.
+    /// `max_abs_coord` is the largest absolute coordinate of its corners. The next power of two is c, so that the
+    /// division by c in the proof is exact.
     pub fn of(longest: f32, max_abs_coord: f64) -> Self {
         const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
         let mut corner = 1.0;
@@ -153,8 +153,8 @@ impl FilterErrorBounds {
     }
 }
 
-/// A coordinate system in which the coordinates of a box are from -1 to 1. In it single precision represents
-/// the contents of the box equally well wherever the box is and however large it is.
+/// A coordinate system in which the coordinates of a box are from -1 to 1. Single precision represents the contents of
+/// the box equally well, whatever the position and the size of the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// The centre of the box, with an unused fourth lane.
@@ -166,7 +166,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of a box that is not empty.
+    /// Returns the frame of a box that is not empty.
     pub fn new(bounds: &Aabb) -> Self {
         let center = 0.5 * (bounds.min + bounds.max);
         let max_abs_coord = (bounds.max - center).max(center - bounds.min).max_element();
@@ -178,25 +178,25 @@ impl Frame {
         }
     }
 
-    /// Whether the coordinates of a box in this frame are from -1 to 1.
+    /// Returns true if the coordinates of a box in this frame are from -1 to 1.
     pub fn holds(&self, bounds: &Aabb) -> bool {
         let [min, max] = [bounds.min, bounds.max].map(|corner| self.point(corner));
         min.min_element() >= -1.0 && max.max_element() <= 1.0
     }
 
-    /// The largest absolute coordinate of three corners in this frame.
+    /// Returns the largest absolute coordinate of three corners in this frame.
     fn max_abs_coord(&self, [a, b, c]: [DVec3; 3]) -> f64 {
         let points = [self.point(a).abs(), self.point(b).abs(), self.point(c).abs()];
         max3(box_corners(points)[1].to_array())
     }
 
-    /// A point in the coordinates of this frame.
+    /// Converts a point to the coordinates of this frame.
     pub fn point(&self, point: DVec3) -> DVec3 {
         let [x, y, z, _] = self.center;
         (point - DVec3::new(x, y, z)) * self.scale
     }
 
-    /// A vector in the coordinates of this frame.
+    /// Converts a vector to the coordinates of this frame.
     pub fn vector(&self, vector: DVec3) -> DVec3 {
         vector * self.scale
     }
@@ -206,7 +206,7 @@ impl Frame {
 mod tests {
     use super::*;
 
-    /// Four units are one of the frame's.
+    /// Returns a frame with a unit of four world units.
     fn frame() -> Frame {
         Frame::new(&Aabb { min: DVec3::splat(2.0), max: DVec3::splat(6.0) })
     }

@@ -1,4 +1,4 @@
-//! Boxes around everything: how a ray enters one, and from how far away.
+//! Boxes around groups of primitives, and the entry of a ray into such a box.
 //!
 //! Rays are intersected with a box by the slab method (Kay and Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986).
 
@@ -28,7 +28,7 @@ pub enum Entry<S: Simd> {
     Misses,
     /// The ray is inside the box in this interval.
     Passes(RayInterval<S>),
-    /// The origin is so far away that the error bounds do not hold: every primitive has to be tested exactly.
+    /// The origin is so far away that the error bounds do not hold. Every primitive must be tested exactly.
     TooFar,
 }
 
@@ -36,13 +36,13 @@ pub enum Entry<S: Simd> {
 /// padding that `proofs/dda.g` assumes.
 pub const MAX_ORIGIN_CELLS: f64 = 2147483648.0;
 
-/// Maximum distance of a ray's origin in box sizes. That is at most 2^20 units of the filter's frame, for
-/// which the proof of the filter holds.
+/// Maximum distance of a ray's origin in box sizes. This is at most 2^20 units of the filter's frame, for which the
+/// proof of the filter holds.
 const MAX_ORIGIN_BOXES: f64 = (1u32 << 19) as f64;
 
 impl Region {
-    /// The region of a box. `min_cell_size` is the smallest edge length of the cells into which it is divided, and
-    /// infinite without a grid.
+    /// Returns the region of a box. `min_cell_size` is the smallest edge length of the cells into which it is divided,
+    /// or infinity without a grid.
     pub fn new(bounds: &Aabb, min_cell_size: f64) -> Self {
         let max_origin_distance =
             (bounds.extent().max_element() * MAX_ORIGIN_BOXES).min(min_cell_size * MAX_ORIGIN_CELLS);
@@ -80,7 +80,7 @@ impl SimdAabb {
         Self { min: corner(bounds.min), max: corner(bounds.max) }
     }
 
-    /// Whether the line of a ray certainly misses the box, however far away its origin is.
+    /// Returns true if the line of a ray certainly misses the box, however far away its origin is.
     ///
     /// The error of a crossing is three roundings of the distance to it, which may be many times the size of
     /// the box. The box is padded by more than that.
@@ -104,7 +104,7 @@ impl SimdAabb {
     }
 }
 
-/// The t at which a ray enters and leaves a box, and the ray itself.
+/// The t at which a ray enters and leaves a box, and the ray's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct RayInterval<S: Simd> {
     /// At least the ray's `t_min`.
@@ -115,8 +115,8 @@ pub struct RayInterval<S: Simd> {
     pub ray_lanes: RayLanes<S>,
 }
 
-/// The interval of t from `t_min` on in which a ray is in the box, or none when it does not begin until after
-/// `t_max`.
+/// Returns the interval of t from `t_min` on in which a ray is in the box; `None` if the ray misses the box or the
+/// interval begins after `t_max`.
 #[inline(always)]
 pub fn intersect_aabb<S: Simd>(
     simd_bounds: &SimdAabb,
@@ -136,7 +136,7 @@ pub fn intersect_aabb<S: Simd>(
     passes.then_some(RayInterval { entry, exit, ray_lanes })
 }
 
-/// A slightly larger box, which contains all hits in spite of rounding and has a positive extent along every
+/// Returns a slightly larger box, which contains all hits in spite of rounding and has a positive extent along every
 /// axis.
 pub fn widened(bounds: Aabb) -> Aabb {
     let extent = bounds.extent();

@@ -1,17 +1,17 @@
 //! Nodes of eight boxes in single precision, relative to a [`Frame`](crate::caster::block::Frame), and the conservative
-//! test which of the boxes a ray may meet.
+//! test that finds the boxes that a ray may meet.
 //!
 //! The test is the slab method (Kay and Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986) for eight boxes at once,
 //! as in Wald, Benthin and Boulos ("Getting Rid of Packets", IEEE Symposium on Interactive Ray Tracing 2008).
 //!
-//! *Error bound.* Boxes are padded by [`PADDING`], so that a ray that hits something in a box is certainly found to
-//! meet the box, not later than the hit. Let r = 2^-24 be the unit roundoff of single precision. Along an axis let o
-//! and d be the stored origin and direction of the ray, whose exact values are at most 1. The point of the stored ray
-//! at the depth t of an exact hit is off by r for the origin and 2.03 r for the direction, and the stored face is off
-//! by r, and by 2 r more where it is that of a cell, whose corners are rounded. The depth of a face at l is computed
-//! from the inverse i of d as l i - o i, where each of i, o i, l i and the difference is rounded once, which moves the
-//! face by at most (2 |l - o| + |o| + |l|) r, which is 6 r. Together these are 12.1 r. That the padding is 16 r leaves
-//! enough for the maximum depth, which is rounded as well, and for hits at the ray's entry into the frame's box.
+//! *Error bound.* Boxes are padded by [`PADDING`]. So the test certainly finds a box in which the ray hits something,
+//! with an entry not later than the hit. Let r = 2^-24 be the unit roundoff of single precision. Along an axis let o
+//! and d be the stored origin and direction of the ray, whose exact values are at most 1. At the depth t of an exact
+//! hit, the point of the stored ray is off by r for the origin and 2.03 r for the direction. The stored face is off by
+//! r, and by another 2 r if it is a cell's face, because the corners of cells are rounded. The depth of a face at l is
+//! computed from the inverse i of d as l i - o i, where each of i, o i, l i and the difference is rounded once, which
+//! moves the face by at most (2 |l - o| + |o| + |l|) r, which is 6 r. Together these are 12.1 r. The padding of 16 r
+//! leaves enough for the maximum depth, which is also rounded, and for hits at the ray's entry into the frame's box.
 //! `proofs/box8.g` proves these sums. A direction of less than 2^-60 counts as 2^-60, which moves the ray by less than
 //! 2^-58.
 
@@ -23,19 +23,19 @@ use fearless_simd::prelude::*;
 /// The distance by which boxes are padded on each side, in roundings of single precision.
 const PADDING_ROUNDINGS: f64 = 16.0;
 
-/// The same in units of the frame.
+/// The distance by which boxes are padded on each side, in units of the frame.
 pub const PADDING: f64 = PADDING_ROUNDINGS / (1u32 << 24) as f64;
 
 /// The smallest absolute value of a direction, so that its inverse is finite.
 const MIN_DIRECTION: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// Eight boxes and what is in them. A node takes four cache lines.
+/// Eight boxes and their children. A node takes four cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Box8 {
-    /// By axis: the lower and the upper faces. Those of an empty lane are infinite, the lower above the upper.
+    /// By axis: the lower and the upper faces. The faces of an empty lane are infinite, with the lower above the upper.
     faces: [[[f32; LANES]; 2]; 3],
-    /// What is in each box, which this module does not interpret.
+    /// The child in each box. This module does not interpret it.
     pub children: [u32; LANES],
 }
 
@@ -44,13 +44,13 @@ impl Box8 {
     pub const EMPTY: Self =
         Self { faces: [[[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]]; 3], children: [0; LANES] };
 
-    /// What is in the boxes.
+    /// Returns the children in the boxes.
     pub fn branches(&self) -> impl Iterator<Item = u32> {
         let is_used = |lane: &usize| self.faces[0][0][*lane] < f32::INFINITY;
         (0..LANES).filter(is_used).map(|lane| self.children[lane])
     }
 
-    /// Stores a padded box and what is in it in a lane.
+    /// Stores a padded box and its child in a lane.
     pub fn set(&mut self, lane: usize, corners: [impl Into<[f32; 3]>; 2], child: u32) {
         let [min, max] = corners.map(Into::into);
         for axis in 0..3 {
@@ -64,15 +64,15 @@ impl Box8 {
 /// A ray for the test, in the coordinates of the frame.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxRay {
-    /// The inverse of the direction, and the origin times it.
+    /// The inverse of the direction, and the product of the origin and this inverse.
     inverse: [f32; 3],
     origin: [f32; 3],
-    /// Which of the faces is met first along each axis: 0 for the lower one.
+    /// The face that is met first along each axis: 0 for the lower one, 1 for the upper one.
     near: [usize; 3],
 }
 
 impl BoxRay {
-    /// The same ray as the filter's.
+    /// Converts the filter's ray.
     #[inline(always)]
     pub fn new(ray: &FilterRay) -> Self {
         let [x, y, z, _] = ray.direction;
@@ -90,11 +90,12 @@ impl BoxRay {
 pub struct Meeting {
     /// The set of lanes, bit 0 for the first.
     pub set: u32,
-    /// The depth at which the ray enters the box of each lane in the set. It is not more than that of any hit there.
+    /// The depth at which the ray enters the box of each lane in the set. It is at most the depth of any hit in the
+    /// box.
     pub entries: [f32; LANES],
 }
 
-/// The boxes that a ray may meet up to a maximum depth.
+/// Finds the boxes that a ray may meet up to a maximum depth.
 #[inline(always)]
 pub(crate) fn meet<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
     let [x, y, z] = ray.near;
@@ -104,7 +105,7 @@ pub(crate) fn meet<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, max_depth: f32) 
     Meeting { set: exit.simd_ge(entry).to_bitmask() as u32, entries: entry.into() }
 }
 
-/// The depths at which the ray meets one face of each box along an axis.
+/// Returns the depths at which the ray meets one face of each box along an axis.
 #[inline(always)]
 fn depths<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, axis: usize, face: usize) -> f32x8<S> {
     f32x8::simd_from(simd, node.faces[axis][face & 1]).mul_sub(ray.inverse[axis], ray.origin[axis])
@@ -123,7 +124,7 @@ mod tests {
         dispatch!(level, simd => super::meet(simd, node, box_ray, ray.max_depth))
     }
 
-    /// A node with a single box, padded by so much, in the last lane.
+    /// Returns a node with a single box in the last lane, padded by `padding`.
     fn node([min, max]: [DVec3; 2], padding: f64) -> Box8 {
         let mut node = Box8::EMPTY;
         node.set(LANES - 1, [(min - padding).as_vec3(), (max + padding).as_vec3()], 5);
@@ -156,7 +157,8 @@ mod tests {
         }
     }
 
-    /// How many of many rays to points in flat and in tiny boxes miss them, or meet them only after the point.
+    /// Casts many rays to points in flat and in tiny boxes. Returns the number of rays that miss the box, or meet it
+    /// only after the point.
     fn missed(level: Level, padding: f64) -> usize {
         let rng = &mut Rng(1);
         let mut count = 0;

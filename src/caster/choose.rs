@@ -1,8 +1,8 @@
-//! The choice of the acceleration structure: a list, a uniform grid or a tree. All policies are here, and nowhere else.
+//! Chooses the acceleration structure: a list, a uniform grid or a tree. All policies are in this module.
 //!
 //! *Memory.* A grid of chosen resolution for n primitives holds at most max(16 n, 65,536) references. (A reference is a
-//! primitive listed in a cell.) It has about as many cells as there are primitives, and fewer where their boxes touch more
-//! cells than that. A tree holds each primitive once, and has fewer nodes than leaves.
+//! primitive listed in a cell.) It has about as many cells as there are primitives, and fewer if their boxes would
+//! touch too many cells. A tree holds each primitive once, and has fewer nodes than leaves.
 
 use crate::caster::block::LANES;
 use crate::caster::insertion::{bounds_of, most_references};
@@ -11,7 +11,7 @@ use crate::math::aabb::Aabb;
 use crate::world::World;
 use serde::Serialize;
 
-/// The acceleration structure that is built. Hits are the same with each of them.
+/// The acceleration structure to build. All of them find the same hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// A list of the primitives that rays may hit.
@@ -20,16 +20,16 @@ pub enum Layout {
     Grid([usize; 3]),
     /// A tree of boxes.
     Tree,
-    /// As in the course's program, so that counts compare with its own: a list of all primitives, or a grid with this number
-    /// of cells along each axis.
+    /// As in the course's program, so that the counts are comparable: a list of all primitives, or a grid with this
+    /// number of cells along each axis.
     Course(Option<[usize; 3]>),
 }
 
-/// The acceleration structure that is asked for. Pictures are the same with each of them.
+/// The requested acceleration structure. All of them give the same pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Structure {
-    /// The one with the least total time.
+    /// The structure with the least total time.
     #[default]
     Any,
     /// A list of all primitives.
@@ -42,31 +42,31 @@ pub enum Structure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Resolution {
-    /// Exactly this number, whatever it costs.
+    /// Exactly this number, at any cost.
     Cells([usize; 3]),
     /// Chosen according to the scene and the number of rays.
     Auto,
 }
 
-/// About the number of rays for which a structure is built.
+/// The approximate number of rays for which a structure is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rays {
-    /// From the camera.
+    /// Rays from the camera.
     pub camera: usize,
-    /// Those that are cast through the structure, of all kinds.
+    /// Rays of all kinds that are cast through the structure.
     pub cast: usize,
 }
 
 impl Rays {
-    /// So many from the camera, all of which are cast.
+    /// Returns the counts for this number of camera rays, all of which are cast.
     pub fn cast(camera: usize) -> Self {
         Self { camera, cast: camera }
     }
 }
 
 impl Structure {
-    /// What is built in a world for about this number of rays, which are counted or not. Where any structure will do, that
-    /// is a list for what the course's program counts.
+    /// Returns the layout to build for a world and this approximate number of rays. If the rays are counted,
+    /// [`Structure::Any`] gives a list, as in the course's program.
     pub fn layout(self, world: &World, rays: Rays, is_counted: bool) -> Layout {
         let grid = match self {
             Self::Any if !is_counted => return Layout::chosen(world, rays),
@@ -82,23 +82,24 @@ impl Structure {
     }
 }
 
-/// Measured: a grid pays from this number of triangles on, of which a sphere counts as eight, and takes as long to build as
-/// this number of rays take to be tested against everything.
+/// Measured: a grid pays from this number of triangles on, where a sphere counts as eight triangles. Building it takes
+/// as long as testing this number of rays against all primitives.
 const LEAST: usize = 32;
 
 /// Measured: from this number of rays per primitive on, the time per ray matters more than the time to build.
 const MANY_RAYS: usize = 8;
 
-/// Measured: from this number of primitives on, a tree is faster than a grid, which takes a third of the time to build.
+/// Measured: from this number of primitives on, a tree is faster than a grid, although the grid takes a third of the
+/// time to build.
 const LARGE: usize = 20_000;
 
-/// Measured: a tree is faster where a primitive shares its cell with more than this number on average, five times the mean
-/// of the occupied cells of an evenly tessellated mesh; and for one ray per primitive, it takes as long to build as it
-/// takes to test so many.
+/// Measured: a tree is faster if a primitive shares its cell with more than this number on average. This is five times
+/// the mean over the occupied cells of an evenly tessellated mesh. For one ray per primitive, building the tree takes
+/// as long as testing this number of primitives.
 const CROWDED: usize = 96;
 
 impl Layout {
-    /// The cells along each axis, if it is a grid.
+    /// Returns the number of cells along each axis if this is a grid.
     pub fn cells(self) -> Option<[usize; 3]> {
         match self {
             Self::Grid(cells) => Some(cells),
@@ -107,13 +108,14 @@ impl Layout {
         }
     }
 
-    /// The uniform grid of `-grid auto` for about this number of rays from the camera.
+    /// Returns the uniform grid of `-grid auto` for about this number of rays from the camera.
     pub fn automatic(world: &World, rays: usize) -> Self {
         Self::Grid(affordable_cells(world, wanted_cells(world, rays)))
     }
 
-    /// The layout with the least total time for building and for these rays. A tree is built for very many primitives, and
-    /// for those that no uniform grid separates, because most of them are close together or extend through many cells.
+    /// Returns the layout with the least total time for building and for these rays. A tree is chosen for very many
+    /// primitives, and for primitives that no uniform grid separates, because most of them are close together or extend
+    /// through many cells.
     pub fn chosen(world: &World, rays: Rays) -> Self {
         let count = world.finite_count();
         let tests = world.hittable_count() + (LANES - 1) * world.shapes.len();
@@ -128,15 +130,16 @@ impl Layout {
     }
 }
 
-/// Cubic cells, one per primitive. Measured, half or twice as many cells cost a few percent of time, and eight times as
-/// many a quarter. If there are so few rays that building dominates, there are 0.4 cells per primitive.
+/// Returns the number of cells along each axis for one cubic cell per primitive. Measured, half or twice as many cells
+/// cost a few percent of time, and eight times as many a quarter. If there are so few rays that building dominates,
+/// there are 0.4 cells per primitive.
 fn wanted_cells(world: &World, rays: usize) -> [usize; 3] {
     let count = world.finite_count();
     let per_primitive = if rays < count.saturating_mul(MANY_RAYS) { 0.4 } else { 1.0 };
     cubic(&world.bounds, per_primitive * count as f64)
 }
 
-/// The wanted cells, or fewer of them such that the primitives' boxes touch no more cells than there is memory for.
+/// Returns the wanted cells, or fewer, so that the number of cells that the primitives' boxes touch is affordable.
 fn affordable_cells(world: &World, wanted: [usize; 3]) -> [usize; 3] {
     let (most, bounds) = (affordable_references(world), bounds_of(world));
     let fewer = |cells: &[usize; 3]| Some(cells.map(|n| (3 * n / 4).max(1))).filter(|fewer| fewer != cells);
@@ -144,12 +147,12 @@ fn affordable_cells(world: &World, wanted: [usize; 3]) -> [usize; 3] {
     tried.find(|&cells| most_references(world, &Lattice::new(bounds, cells)) <= most).unwrap_or([1; 3])
 }
 
-/// The number of references that a grid of chosen resolution may hold.
+/// Returns the number of references that a grid of chosen resolution may hold.
 fn affordable_references(world: &World) -> u64 {
     (16 * world.finite_count() as u64).max(65_536)
 }
 
-/// Whether a primitive shares its cell with so many others, by their middles, that a tree pays for these rays.
+/// Returns true if the cells are so crowded, counted by the primitives' centres, that a tree pays for these rays.
 fn is_crowded(world: &World, cells: [usize; 3], rays: usize) -> bool {
     let count = world.finite_count();
     let lattice = Lattice::new(bounds_of(world), cells);
@@ -164,7 +167,7 @@ fn is_crowded(world: &World, cells: [usize; 3], rays: usize) -> bool {
     mean > CROWDED.saturating_mul(1 + count / rays.max(1)) as u64
 }
 
-/// The number of cells along each axis for about `total` cubic cells in a box. A side counts as at least a
+/// Returns the number of cells along each axis for about `total` cubic cells in a box. A side counts as at least a
 /// thousandth of the largest side, so that a flat scene is divided along its two long sides.
 pub fn cubic(bounds: &Aabb, total: f64) -> [usize; 3] {
     const MIN_RELATIVE_SIDE: f64 = 1e-3;
@@ -224,7 +227,7 @@ mod tests {
         world(&[vec![triangle; triangles], vec![sphere; spheres], vec![plane]].concat())
     }
 
-    /// Small triangles around points that fill the unit cube evenly, or a part of it.
+    /// Returns a world of small triangles around points that fill the unit cube, or a part of it, evenly.
     fn scattered(count: usize, part: f64, size: f64) -> World {
         let triangle = |i: usize| {
             let [x, y, z] = (part * (DVec3::new(0.618, 0.754, 0.569) * i as f64).fract()).to_array();
@@ -252,7 +255,7 @@ mod tests {
         let rays = Rays::cast(1 << 20);
         assert_eq!(Layout::chosen(&scattered(2000, 1.0, 0.02), rays), Layout::Grid([13, 13, 12]));
         assert_eq!(Layout::chosen(&scattered(2000, 0.01, 0.0002), rays), Layout::Tree);
-        // They are at even places, but each is in many cells.
+        // The triangles are evenly spaced, but each is in many cells.
         assert_eq!(Layout::chosen(&scattered(2000, 0.2, 9.0), rays), Layout::Tree);
     }
 

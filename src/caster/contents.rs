@@ -1,8 +1,9 @@
-//! The primitives of cells and of leaves, laid out for the inner loop: contiguous blocks of eight triangles, and a list of
-//! the few primitives that are not triangles. One 32-bit entry tells which blocks are those of a cell.
+//! The primitives of cells and of leaves, laid out for the inner loop: contiguous blocks of eight triangles, and a list
+//! of the few primitives that are not triangles. One 32-bit entry encodes the position and the number of a cell's
+//! blocks.
 //!
-//! Only the ids are laid out at first, by [`Ids::push`] cell by cell. The blocks are filled, on all threads, when all
-//! of them are known.
+//! [`Ids::push`] first lays out the ids only, cell by cell. When all blocks are known, [`Ids::fill`] fills them on all
+//! threads.
 
 use crate::base::memory;
 use crate::caster::block::{Block, BlockIndex, Frame, LANES, NONE};
@@ -13,26 +14,27 @@ use crate::world::World;
 use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
-/// Number of low bits of an entry that hold the number of the cell's blocks, so that the traversal need not
-/// load the first block to know it.
+/// The number of low bits of an entry that hold the number of the cell's blocks, so that the traversal need not load
+/// the first block to know it.
 const COUNT_BITS: u32 = 4;
 /// The largest number of blocks that fits into an entry. It means this number or more, and the first block
 /// then holds the exact number.
 const MAX_COUNT: u32 = (1 << COUNT_BITS) - 1;
-/// No entry of a cell with blocks has this bit, which that of a [`BORDER`](crate::caster::dda::BORDER) has.
+/// The bit that the entry of a [`BORDER`](crate::caster::dda::BORDER) has and the entry of a cell with blocks never
+/// has.
 pub const NO_BLOCKS: u32 = 1 << 31;
 
 /// The contents of all cells or leaves.
 #[derive(Debug)]
 pub struct Contents {
     pub blocks: Vec<Block>,
-    /// The ids of the primitives that are not triangles, cell by cell. The last block of a cell holds the range of its
-    /// own.
+    /// The ids of the primitives that are not triangles, cell by cell. The last block of a cell holds the cell's range
+    /// in this list.
     non_triangles: Vec<u32>,
 }
 
 impl Contents {
-    /// Returns the blocks of the cell with this entry, which must be that of a cell with blocks.
+    /// Returns the blocks of the cell with this entry. The cell must have blocks.
     #[inline(always)]
     pub fn blocks_of(&self, entry: u32) -> &[Block] {
         let first = (entry >> COUNT_BITS) as usize;
@@ -41,18 +43,18 @@ impl Contents {
         &self.blocks[first..first + count as usize]
     }
 
-    /// Returns those of a cell's blocks that have triangles. A cell without any has a block as well, for its other
+    /// Returns the blocks of a cell that have triangles. A cell without triangles also has a block, for its other
     /// primitives.
     #[inline(always)]
     pub fn with_triangles<'b>(&self, blocks: &'b [Block]) -> &'b [Block] {
         match blocks {
-            // Most worlds need not read the block for this.
+            // Most worlds do not need to read the block for this.
             [only] if self.has_non_triangles() && only.index.ids[0] == NONE => &[],
             _ => blocks,
         }
     }
 
-    /// Whether any cell has primitives other than triangles.
+    /// Returns true if any cell has primitives other than triangles.
     #[inline(always)]
     pub fn has_non_triangles(&self) -> bool {
         !self.non_triangles.is_empty()
@@ -73,14 +75,14 @@ impl Contents {
         triangles.chain(self.non_triangles_in(std::slice::from_ref(block)).iter().copied())
     }
 
-    /// Returns the number of primitives in these blocks; one counts for each cell that it is in.
+    /// Returns the number of primitives in these blocks. A primitive counts once for each cell that lists it.
     pub fn references(blocks: &[Block]) -> usize {
         let non_triangles = |[start, end]: [u32; 2]| (end - start) as usize;
         blocks.iter().map(|block| block.index.triangles() + non_triangles(block.index.non_triangles)).sum()
     }
 }
 
-/// The ids in the contents that are being laid out.
+/// The ids of the contents while these are being laid out.
 pub struct Ids<'w> {
     world: &'w World,
     indices: Vec<BlockIndex>,
@@ -88,23 +90,23 @@ pub struct Ids<'w> {
 }
 
 impl<'w> Ids<'w> {
-    /// Starts without cells, with memory for this number of blocks.
+    /// Starts without cells and reserves memory for this number of blocks.
     pub fn new(world: &'w World, blocks: usize) -> Result<Self, GridTooLarge> {
         let bytes = blocks * (size_of::<BlockIndex>() + size_of::<Block>());
         memory::ask(bytes as u64).map_err(|_| GridTooLarge)?;
         Ok(Self { world, indices: Vec::with_capacity(blocks), non_triangles: vec![] })
     }
 
-    /// Lays out the cells of a lattice by a counting sort, and returns the entries by index of the lattice: those of cells
-    /// without primitives are [`EMPTY`].
+    /// Lays out the cells of a lattice by a counting sort, and returns the entries by index of the lattice. The entry
+    /// of a cell without primitives is [`EMPTY`].
     pub fn of_cells(
         world: &'w World,
         lattice: &Lattice,
         references: Vec<Vec<Reference>>,
     ) -> Result<(Self, Vec<u32>), GridTooLarge> {
-        // The references have taken some memory since.
+        // The references have taken some memory since the last check.
         lattice.ask_for_entries()?;
-        // Each entry is a count at first, then the start and then the end of the cell's ids.
+        // Each entry is first a count, then the start and finally the end of the cell's ids.
         let mut entries = vec![0u32; lattice.index_count()];
         references.iter().flatten().for_each(|&[cell, _]| entries[cell as usize] += 1);
         let blocks = entries.iter().map(|count| count.div_ceil(LANES as u32) as usize).sum();
@@ -131,12 +133,13 @@ impl<'w> Ids<'w> {
         Ok((cells, entries))
     }
 
-    /// Appends the blocks of a cell or a leaf with these primitives, which are in ascending order, and returns the entry.
+    /// Appends the blocks of a cell or a leaf with these primitives, which must be in ascending order, and returns its
+    /// entry.
     pub fn push(&mut self, ids: &[u32]) -> u32 {
         let (triangles, others) = ids.split_at(ids.partition_point(|&id| self.world.is_triangle(id)));
         let (first, start) = (self.indices.len(), self.non_triangles.len() as u32);
         self.non_triangles.extend_from_slice(others);
-        // A cell without triangles needs a block as well, which holds the range of its other primitives.
+        // A cell without triangles also needs a block, which holds the range of its other primitives.
         for block in 0..triangles.len().div_ceil(LANES).max(1) {
             let own = &triangles[block * LANES..triangles.len().min((block + 1) * LANES)];
             let mut index = BlockIndex::EMPTY;
@@ -151,7 +154,7 @@ impl<'w> Ids<'w> {
         (first as u32) << COUNT_BITS | count.min(MAX_COUNT)
     }
 
-    /// Fills the blocks, with the coordinates of each of the frames from its first block on.
+    /// Fills the blocks. Each frame comes with the index of the first block that uses its coordinates.
     pub fn fill(self, frames: &[(usize, Frame)]) -> Contents {
         let Self { world, indices, non_triangles } = self;
         let mut blocks: Vec<Block> = zeroed_vec(indices.len());

@@ -1,18 +1,17 @@
-//! 3D-DDA: the cells along a ray (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray
-//! Tracing", Eurographics 1987), in fixed point and without branches on the axis.
+//! 3D-DDA: visits the cells along a ray (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
+//! Eurographics 1987), in fixed point and without branches on the axis.
 //!
-//! The interval of t in which the ray is inside the lattice is divided into 2^29 fixed-point units. For each
-//! axis the DDA keeps the fixed-point t at which the ray crosses the next cell face. The axes for which it is
-//! smallest step, and a table of index offsets, indexed by the set of the other axes, gives the next cell.
-//! The traversal ends at a border cell.
+//! The interval of t in which the ray is inside the lattice is divided into 2^29 fixed-point units. For each axis the
+//! DDA keeps the fixed-point t at which the ray crosses the next cell face. The axes with the smallest such t step. A
+//! table of index offsets, indexed by the set of the other axes, gives the next cell. The traversal ends at a border
+//! cell.
 //!
-//! *Error bound.* The fixed-point t of a face is the rounded t of the first face plus an integer multiple of
-//! the rounded distance between faces. After k steps along an axis its error is at most (k + 1) / 2 units,
-//! plus less than half a unit for the roundings in f64. If the axis has n cells, a cell is at least 2^29 / n
-//! units long, so the error is at most (n + 2) n / 2^30 cells, which is [`face_error_bound`]; `proofs/dda.g`
-//! proves the parts of this sum. For insertion the cells are padded by this bound. Hence whatever the ray
-//! hits at t is listed in the cell that the DDA visits at t, and a query that visits all cells up to the t of
-//! its best hit cannot miss a nearer one.
+//! *Error bound.* The fixed-point t of a face is the rounded t of the first face plus an integer multiple of the
+//! rounded distance between faces. After k steps along an axis its error is at most (k + 1) / 2 units, plus less than
+//! half a unit for the roundings in f64. If the axis has n cells, a cell is at least 2^29 / n units long, so the error
+//! is at most (n + 2) n / 2^30 cells, which is [`face_error_bound`]; `proofs/dda.g` proves the parts of this sum.
+//! Insertion pads the cells by this bound. Hence a primitive that the ray hits at t is listed in the cell that the DDA
+//! visits at t, and a query that visits all cells up to the t of its best hit cannot miss a nearer one.
 
 use crate::caster::bounds::{RayInterval, intersect_aabb};
 use crate::caster::lattice::{DdaTables, GridTooLarge, Lattice};
@@ -31,14 +30,14 @@ pub const T_ONE: f64 = (1u64 << 29) as f64;
 /// for the distance between two such faces to be added.
 const T_NEVER: f64 = (1u64 << 30) as f64;
 
-/// Error bound of the face crossings of a DDA, in cells.
+/// Returns the error bound of the face crossings of a DDA, in cells.
 pub fn face_error_bound(lattice: &Lattice) -> f64 {
     let of_axis = |&n: &usize| (n as f64 + SETUP_ROUNDINGS) * n as f64 / (2.0 * T_ONE);
     lattice.cells().iter().map(of_axis).fold(0.0, f64::max)
 }
 
-/// Roundings of half a unit in addition to those of the steps: one for the first face, and one for all
-/// roundings in f64.
+/// The roundings of half a unit in addition to those of the steps: one for the first face, and one for all roundings in
+/// f64.
 const SETUP_ROUNDINGS: f64 = 2.0;
 
 /// The fixed-point t of the next face crossing along each axis. On x86-64 the three share an SSE2 register, which every
@@ -48,13 +47,13 @@ pub struct FixedT(#[cfg(target_arch = "x86_64")] __m128i, #[cfg(not(target_arch 
 
 #[cfg(target_arch = "x86_64")]
 impl FixedT {
-    /// Of x, y and z; the fourth lane is ignored.
+    /// Stores the t along x, y and z; the fourth lane is ignored.
     #[inline(always)]
     pub fn new(lanes: [i32; 4]) -> Self {
         Self(bytemuck::cast(lanes))
     }
 
-    /// The minimum of the three.
+    /// Returns the minimum of the three.
     #[inline(always)]
     pub fn min3(self) -> i32 {
         let t = self.0;
@@ -84,7 +83,7 @@ impl FixedT {
     }
 }
 
-/// The lane-wise minimum.
+/// Returns the lane-wise minimum.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn min(a: __m128i, b: __m128i) -> __m128i {
@@ -97,13 +96,13 @@ fn min(a: __m128i, b: __m128i) -> __m128i {
 
 #[cfg(not(target_arch = "x86_64"))]
 impl FixedT {
-    /// Of x, y and z; the fourth lane is ignored.
+    /// Stores the t along x, y and z; the fourth lane is ignored.
     #[inline(always)]
     pub fn new(lanes: [i32; 4]) -> Self {
         Self(lanes)
     }
 
-    /// The minimum of the three.
+    /// Returns the minimum of the three.
     #[inline(always)]
     pub fn min3(self) -> i32 {
         let [x, y, z, _] = self.0;
@@ -133,7 +132,7 @@ pub struct Dda<'l> {
     t_next: FixedT,
     /// The distance between face crossings along each axis.
     t_delta: FixedT,
-    /// What a step adds to the index, by the set of axes that do not step (bit 0 for x).
+    /// The offset that a step adds to the index, by the set of axes that do not step (bit 0 for x).
     step_offsets: &'l [isize; 16],
     /// The t at fixed-point t 0.
     entry: f64,
@@ -152,7 +151,7 @@ fn to_fixed<S: Simd>(t: f64x4<S>) -> [i32; 4] {
 pub(crate) const MIN_INTERVAL: f64 = f64::MIN_POSITIVE * T_ONE;
 
 impl<'l> Dda<'l> {
-    /// The DDA of a single ray, and the t at which the ray enters and leaves the lattice's bounds; none if it
+    /// Returns the DDA of a single ray, and the t at which the ray enters and leaves the lattice's bounds; `None` if it
     /// misses them.
     pub fn of_ray(lattice: &'l Lattice, ray: &Ray) -> Option<(Self, [f64; 2])> {
         dispatch!(Level::baseline(), simd => {
@@ -162,8 +161,8 @@ impl<'l> Dda<'l> {
         })
     }
 
-    /// Starts at the cell in which a ray's interval in the lattice's bounds begins. The expressions are arranged so that
-    /// the processor can compute most of them before the start of the interval is known.
+    /// Starts at the cell in which a ray's interval in the lattice's bounds begins. The expressions are arranged so
+    /// that the processor can compute most of them before it knows the start of the interval.
     #[inline(always)]
     pub(crate) fn new<S: Simd>(lattice: &'l Lattice, interval: &RayInterval<S>) -> Self {
         let RayInterval { entry, exit, ray_lanes: RayLanes { origin, direction, inv_direction } } = *interval;
@@ -174,7 +173,7 @@ impl<'l> Dda<'l> {
         let (min, cell_size) = (lanes(simd_bounds.min), lanes(lattice.tables.cell_size));
         let cells_per_unit = lanes(lattice.tables.cells_per_unit);
         let last_cell = lanes(lattice.tables.last_cell);
-        // Positions are in units of cells from here on.
+        // From here on, positions are in units of cells.
         let origin = (origin - min) * cells_per_unit;
         let t_per_cell = inv_direction * cell_size;
         // The difference of 0.5 turns rounding to nearest into rounding down. On a face between two cells the
@@ -194,19 +193,19 @@ impl<'l> Dda<'l> {
         }
     }
 
-    /// The index of the current cell, which is in the lattice or, after a step, on its border.
+    /// Returns the index of the current cell, which is in the lattice or, after a step, on its border.
     #[inline(always)]
     pub fn index(&self) -> usize {
         self.index
     }
 
-    /// The fixed-point t at which the ray leaves the current cell.
+    /// Returns the fixed-point t at which the ray leaves the current cell.
     #[inline(always)]
     pub fn exit(&self) -> i32 {
         self.t_next.min3()
     }
 
-    /// The smallest fixed-point t that is not before `t`, clamped to a value later than all faces.
+    /// Returns the smallest fixed-point t that is not before `t`, clamped to a value later than all faces.
     #[inline(always)]
     pub fn fixed_t(&self, t: f64) -> i32 {
         let exact = (t - self.entry) * self.fixed_per_t;
@@ -225,13 +224,13 @@ impl<'l> Dda<'l> {
         unstepped
     }
 
-    /// What a step along one axis adds to the index, with the sign of the ray's direction.
+    /// Returns the offset that a step along one axis adds to the index, with the sign of the ray's direction.
     pub fn stride(&self, axis: usize) -> isize {
         self.step_offsets[7 & !(1 << axis)]
     }
 }
 
-/// The index of the cell with these coordinates. It is below 2^32, so wrapping loses nothing.
+/// Returns the index of the cell with these coordinates. It is less than 2^32, so wrapping loses nothing.
 #[inline(always)]
 fn index([x, y, z, _]: [i32; 4], [_, sy, sz]: &[u32; 3]) -> usize {
     let [x, y, z] = [x, y, z].map(|i| i as u32 + 1);
@@ -245,9 +244,8 @@ pub const BORDER: u32 = u32::MAX;
 
 /// The entries of the cells of a lattice and of its border.
 ///
-/// There is one entry for each index of the lattice, and the entry of every index that is not a cell's is
-/// [`BORDER`]. Neither the lattice nor the entries ever change, and the memory safety of cursors relies on
-/// that.
+/// There is one entry for each index of the lattice. The entry is [`BORDER`] for every index that is not a cell's.
+/// Neither the lattice nor the entries ever change, and the memory safety of cursors relies on that.
 #[derive(Debug)]
 pub struct CellTable {
     lattice: Lattice,
@@ -255,8 +253,8 @@ pub struct CellTable {
 }
 
 impl CellTable {
-    /// A table with these entries, by index of the lattice. Those of the border are overwritten, and missing
-    /// ones are border cells; an error when the lattice does not fit into 32-bit indices.
+    /// Builds a table with these entries, by index of the lattice. Entries of the border are overwritten, and missing
+    /// entries are border cells. Returns an error if the lattice does not fit into 32-bit indices.
     pub fn new(lattice: Lattice, mut entries: Vec<u32>) -> Result<Self, GridTooLarge> {
         lattice.fits()?;
         entries.resize(lattice.index_count(), BORDER);
@@ -269,17 +267,17 @@ impl CellTable {
         Ok(Self { lattice, entries: entries.into_boxed_slice() })
     }
 
-    /// The entry at an index of the lattice.
+    /// Returns the entry at an index of the lattice.
     pub fn entry(&self, index: usize) -> u32 {
         self.entries[index]
     }
 
-    /// The lattice of the cells.
+    /// Returns the lattice of the cells.
     pub fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
-    /// A cursor at the first cell of a DDA, or at the border when the DDA's index is not in this table.
+    /// Returns a cursor at the first cell of a DDA, or at the border if the DDA's index is not in this table.
     #[inline(always)]
     pub fn start<'t>(&'t self, dda: Dda<'t>) -> CellCursor<'t> {
         let entry = self.entries.get(dda.index()).copied().unwrap_or(BORDER);
@@ -297,13 +295,13 @@ pub struct CellCursor<'t> {
 }
 
 impl CellCursor<'_> {
-    /// The entry of the current cell.
+    /// Returns the entry of the current cell.
     #[inline(always)]
     pub fn entry(&self) -> u32 {
         self.entry
     }
 
-    /// The DDA, which is at the current cell.
+    /// Returns the DDA, which is at the current cell.
     #[inline(always)]
     pub fn dda(&self) -> &Dda<'_> {
         &self.dda
@@ -317,12 +315,12 @@ impl CellCursor<'_> {
         }
     }
 
-    /// Advances to the next cell and returns the set of axes that did not step, as [`Dda::step`] does. At the
-    /// border nothing happens, and no axis steps.
+    /// Advances to the next cell and returns the set of axes that did not step, as [`Dda::step`] does. At the border
+    /// this does nothing, and no axis steps.
     #[inline(always)]
     pub fn step(&mut self) -> usize {
         const NO_AXIS_STEPS: usize = 7;
-        // The test costs nothing where the caller has already compared the entry.
+        // The test costs nothing if the caller has already compared the entry.
         if self.entry == BORDER {
             return NO_AXIS_STEPS;
         }

@@ -1,17 +1,17 @@
-//! How the primitives of a branch are halved: by the surface area heuristic, evaluated at the borders of a few bins
-//! (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
-//! 2007), or between large and small primitives.
+//! Divides the primitives of a branch into halves: by the surface area heuristic, evaluated at the borders of a few
+//! bins (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray
+//! Tracing 2007), or into large and small primitives.
 
 use crate::caster::block::{Frame, LANES};
 use crate::caster::box8::PADDING;
 use crate::math::aabb::Aabb;
 use glam::Vec3A;
 
-/// A branch may be small if it is at most this large along each axis, in units of the frame.
+/// The largest extent of a small branch along each axis, in units of the frame.
 const MAX_SMALL: f32 = 1.0 / 64.0;
 
-/// A primitive of this size is small, in units of the frame: errors of single precision, which are up to 2^-20 of the
-/// frame, begin to matter.
+/// A primitive below this size is small, in units of the frame: errors of single precision, which are up to 2^-20 of
+/// the frame, begin to matter.
 const SMALL_PRIMITIVE: f32 = 1.0 / 8192.0;
 
 /// The number of bins for the heuristic.
@@ -35,12 +35,12 @@ impl Bounds {
         self.max - self.min
     }
 
-    /// The largest extent.
+    /// Returns the largest extent.
     fn size(&self) -> f32 {
         self.extent().max_element()
     }
 
-    /// Half of the surface area.
+    /// Returns half the surface area.
     pub fn half_area(&self) -> f32 {
         let extent = self.extent().max(Vec3A::ZERO);
         extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
@@ -55,13 +55,13 @@ pub struct Item {
 }
 
 impl Item {
-    /// A primitive with this box, in the coordinates of a frame.
+    /// Returns the item of a primitive with this box, in the coordinates of a frame.
     pub fn new(frame: &Frame, bounds: &Aabb, id: u32) -> Self {
         let [min, max] = [bounds.min, bounds.max].map(|corner| frame.point(corner));
         Self { bounds: Bounds { min: (min - PADDING).as_vec3a(), max: (max + PADDING).as_vec3a() }, id }
     }
 
-    /// Twice the centre of the box.
+    /// Returns twice the centre of the box.
     fn center(&self) -> Vec3A {
         self.bounds.min + self.bounds.max
     }
@@ -73,9 +73,9 @@ pub struct ItemRun<'i> {
     pub bounds: Bounds,
     /// The bounds of twice the centres.
     centers: Bounds,
-    /// Whether the group is small, and so are more than an eighth of its items.
+    /// True if the run is small, and more than an eighth of its items are small.
     pub is_small: bool,
-    /// Whether items are large compared with the group.
+    /// True if the run has items that are large compared with it.
     has_large: bool,
 }
 
@@ -93,7 +93,7 @@ impl<'i> ItemRun<'i> {
         Self { items, bounds, centers, is_small, has_large: is_large(largest.max_element(), size) }
     }
 
-    /// Two groups of its items.
+    /// Divides the items into two runs.
     pub fn halves(self, by_number: bool) -> [Self; 2] {
         let plane = if by_number { None } else { self.best_plane() };
         let size = self.bounds.size();
@@ -110,7 +110,7 @@ impl<'i> ItemRun<'i> {
     }
 }
 
-/// Whether an item of this size is large in a group of this size.
+/// Returns true if an item of this size is large in a run of this size.
 fn is_large(item: f32, group: f32) -> bool {
     item > 0.5 * group
 }
@@ -124,16 +124,16 @@ struct Bins {
 }
 
 impl Bins {
-    /// The bins of centres with these bounds.
+    /// Returns the bins of centres with these bounds.
     fn new(centers: &Bounds) -> Self {
         // Slightly fewer bins per unit, so that the last centre is in the last bin.
         Self { start: centers.min, per_unit: 0.999 * BINS as f32 / centers.extent() }
     }
 
-    /// The bins of an item, by axis.
+    /// Returns the bins of an item, by axis.
     fn of(&self, item: &Item) -> [usize; 3] {
         let bins = (item.center() - self.start) * self.per_unit;
-        // No number is negative, and a NaN becomes 0. The conversion to `usize` at once takes more instructions.
+        // No number is negative, and a NaN becomes 0. A direct conversion to `usize` takes more instructions.
         bins.to_array().map(|bin| (bin as i32 as usize).min(BINS - 1))
     }
 }
@@ -153,8 +153,8 @@ impl Plane {
 }
 
 impl ItemRun<'_> {
-    /// The least cost and its plane: the sum of both sides' areas, each times the number of blocks for its items. There
-    /// is none if all centres are the same.
+    /// Returns the least cost and its plane; `None` if all centres are the same. The cost is the sum over both sides of
+    /// the area times the number of blocks for the items.
     fn best_plane(&self) -> Option<(f32, Plane)> {
         let bins = Bins::new(&self.centers);
         let mut contents = [[(0, Bounds::EMPTY); BINS]; 3];
@@ -180,8 +180,8 @@ impl ItemRun<'_> {
     }
 }
 
-/// The cost of large items apart from the others. No plane divides a large item from small ones at its centre, which
-/// would share its box on every level.
+/// Returns the cost of separating the large items from the others. A plane through the centre of a large item cannot
+/// separate it from small ones, which would share its box on every level.
 fn cost_apart(items: &[Item], is_large: impl Fn(&Item) -> bool) -> f32 {
     let cost = |large: bool| {
         let side = items.iter().filter(|item| is_large(item) == large);
@@ -192,7 +192,7 @@ fn cost_apart(items: &[Item], is_large: impl Fn(&Item) -> bool) -> f32 {
     cost(true) + cost(false)
 }
 
-/// The cost of items with these bounds. It is infinite for no items, because then nothing is divided.
+/// Returns the cost of items with these bounds. It is infinite for no items, because then nothing is divided.
 fn cost_of(count: usize, bounds: Bounds) -> f32 {
     if count == 0 { f32::INFINITY } else { bounds.half_area() * count.div_ceil(LANES) as f32 }
 }
@@ -207,7 +207,7 @@ fn sweep<'b>(bins: impl Iterator<Item = (usize, &'b (usize, Bounds))>, mut repor
     }
 }
 
-/// Moves the items that come first to the start, and returns their number.
+/// Moves the items for which `comes_first` holds to the start, and returns their number.
 fn partition(items: &mut [Item], comes_first: impl Fn(&Item) -> bool) -> usize {
     let mut count = 0;
     for i in 0..items.len() {
@@ -219,8 +219,8 @@ fn partition(items: &mut [Item], comes_first: impl Fn(&Item) -> bool) -> usize {
     count
 }
 
-/// Sorts the items into two halves along the axis in which they are spread most, and returns where the second one starts.
-/// The first one fills its leaves.
+/// Divides the items into two halves along the axis of their largest extent, and returns the start of the second half.
+/// The first half fills its leaves.
 fn median(items: &mut [Item], bounds: Bounds) -> usize {
     let extent = bounds.extent().to_array();
     let axis = if extent[0] >= extent[1].max(extent[2]) { 0 } else { 1 + usize::from(extent[2] > extent[1]) };

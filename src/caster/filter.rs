@@ -1,24 +1,22 @@
-//! The conservative test of eight triangles in single precision: which of them a ray may hit.
+//! The conservative test of eight triangles in single precision: finds the triangles that a ray may hit.
 //!
-//! The filter reports only what it can prove. For each triangle it says that the ray certainly misses it,
-//! certainly hits it, or that double precision must decide.
+//! The filter reports only what it can prove. For each triangle it reports that the ray certainly misses it, that the
+//! ray certainly hits it, or that double precision must decide.
 //!
-//! It is the test of Moeller and Trumbore ("Fast, Minimum Storage Ray/Triangle Intersection", Journal of
-//! Graphics Tools 2(1), 1997) without the division, rearranged so that the cross product of the edges can be
-//! stored. Let s be the vector from the ray's origin to the triangle's first corner, e1 the edge from the
-//! second corner to the first, e2 the edge from the first corner to the third, n = e1 x e2, q = d x s, and
-//! det = n.d the determinant. The ray hits the triangle if u = e2.q, v = e1.q and w = det - u - v have the
-//! sign of the determinant, at t = n.s / det.
+//! It uses the test of Moeller and Trumbore ("Fast, Minimum Storage Ray/Triangle Intersection", Journal of Graphics
+//! Tools 2(1), 1997) without the division, rearranged so that the cross product of the edges can be stored. Let s be
+//! the vector from the ray's origin to the triangle's first corner, e1 the edge from the second corner to the first, e2
+//! the edge from the first corner to the third, n = e1 x e2, q = d x s, and det = n.d the determinant. The ray hits the
+//! triangle if u = e2.q, v = e1.q and w = det - u - v have the sign of the determinant. The hit is at t = n.s / det.
 //!
-//! *Error bound.* Let r = 2^-24 be the unit roundoff of single precision, b the largest absolute coordinate
-//! of the block's edges, and c the smallest power of two that is at least 1 and at least every coordinate of
-//! its corners. In the block's [`Frame`](crate::caster::block::Frame) the ray's origin, which is moved along the
-//! ray to where it enters the box, has coordinates of at most 1, the largest coordinate of the direction is
-//! 1, and b <= 2 c. Stored numbers are rounded once. Sums of three products are determinants, and a
-//! determinant of numbers of at most 1 is at most 4: it is linear in each number, so the maximum is reached
-//! when all are 1 or -1. With p the vector from the first corner to the point where the ray meets the
-//! triangle's plane, s = t d - p; hence q = p x d, which is small for a small triangle. This table
-//! leaves out terms of less than r/10:
+//! *Error bound.* Let r = 2^-24 be the unit roundoff of single precision, b the largest absolute coordinate of the
+//! block's edges, and c the smallest power of two that is at least 1 and at least every coordinate of its corners. In
+//! the block's [`Frame`](crate::caster::block::Frame) the ray's origin is moved along the ray to the point where it
+//! enters the box. The origin's coordinates are then at most 1, the largest coordinate of the direction is 1, and b <=
+//! 2 c. Stored numbers are rounded once. Sums of three products are determinants, and a determinant of numbers of at
+//! most 1 is at most 4: it is linear in each number, so the maximum is reached when all are 1 or -1. With p the vector
+//! from the first corner to the point where the ray meets the triangle's plane, s = t d - p; hence q = p x d, which is
+//! small for a small triangle. This table leaves out terms of less than r/10:
 //!
 //! | quantity | at most | error at most, portable | with fused multiply-add |
 //! |---|---|---|---|
@@ -45,19 +43,19 @@ use crate::math::simd::{FourLanes, Number, RayLanes};
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, f32x8, f64x4, u32x8};
 
-/// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is at most 2
-/// wide, and the largest coordinate of the direction is 1. Larger depths are clamped to it, which loses no hit.
-/// The part above 2 is for the errors of the box's and of the ray's coordinates, and far more than these.
+/// Upper bound on the depth of a hit, which is its t in the coordinates of the frame: the box is at most 2 wide, and
+/// the largest coordinate of the direction is 1. Larger depths are clamped to this bound, which loses no hit. The part
+/// above 2 is for the errors of the coordinates of the box and the ray, and far larger than these errors.
 pub const MAX_DEPTH: f64 = 2.03125;
 
 /// A ray in single precision, in the coordinates of a frame. Its origin lies in the frame's box.
 #[derive(Clone, Copy, Debug)]
 pub struct FilterRay {
-    /// Where the ray enters the box; the fourth lane is unused.
+    /// The point where the ray enters the box; the fourth lane is unused.
     pub origin: [f32; 4],
     /// The direction, with a largest absolute coordinate of 1; the fourth lane is unused.
     pub direction: [f32; 4],
-    /// Depth up to which a hit counts.
+    /// The depth up to which a hit counts.
     pub max_depth: f32,
 }
 
@@ -71,7 +69,7 @@ pub struct FilterState {
 }
 
 impl FilterState {
-    /// The ray on its interval in the bounds, up to t = `last`.
+    /// Returns the state for a ray on its interval in the bounds, up to t = `last`.
     #[inline(always)]
     pub fn on_interval<S: Simd>(interval: &RayInterval<S>, frame: &Frame, last: f64) -> Self {
         let RayInterval { entry, ray_lanes, .. } = interval;
@@ -86,8 +84,8 @@ impl FilterState {
         Self::new(ray, entry, largest * frame.scale, inv_largest * frame.unit, last)
     }
 
-    /// A ray with this origin and direction in the filter's coordinates, up to t = `last`. The other
-    /// parameters are as in [`FilterState`].
+    /// Returns the state for a ray with this origin and direction in the filter's coordinates, up to t = `last`. The
+    /// other parameters are as in [`FilterState`].
     #[inline(always)]
     pub fn new([origin, direction]: [[f32; 4]; 2], entry: f64, per_t: f64, unit: f64, last: f64) -> Self {
         let ray = FilterRay { origin, direction, max_depth: 0.0 };
@@ -117,20 +115,20 @@ pub struct Verdict {
     pub possible: u32,
     /// The lanes that are certainly hit, before the ray's maximum depth.
     pub certain: u32,
-    /// n.s of each lane, negated where the determinant is negative. It is valid only for possible hits.
+    /// n.s of each lane, negated if the determinant is negative. Valid only for possible hits.
     depth: [f32; LANES],
-    /// The absolute value of the determinant of each lane, under the same condition.
+    /// The absolute value of the determinant of each lane. Valid only for possible hits.
     det: [f32; LANES],
 }
 
 impl Verdict {
     const NONE: Self = Self { possible: 0, certain: 0, depth: [0.0; LANES], det: [0.0; LANES] };
 
-    /// A lower and an upper bound on the depth of the hit in a lane that is certain.
+    /// Returns a lower and an upper bound on the depth of the hit in a lane that is certain.
     ///
-    /// Of the error bound 32 r b^2 c are for s and the roundings of n.s, 28.5 for d and the roundings of det, 16.3 for
-    /// the roundings of these quotients, and 4 for the arithmetic in double precision that follows. The error of n
-    /// moves n.s and t det together: it counts times n.(s - t d) = -n.p, which makes 4 r b^3.
+    /// The parts of the error bound are 32 r b^2 c for s and the roundings of n.s, 28.5 for d and the roundings of det,
+    /// 16.3 for the roundings of these quotients, and 4 for the arithmetic in double precision that follows. The error
+    /// of n moves n.s and t det together: it counts times n.(s - t d) = -n.p, which makes 4 r b^3.
     #[inline(always)]
     pub fn depths(&self, lane: usize, block: &Block) -> [f32; 2] {
         let (depth, det) = (self.depth[lane], self.det[lane]);
@@ -139,9 +137,9 @@ impl Verdict {
     }
 }
 
-/// Tests a block against a ray. The triangles with one of two ids are left out.
+/// Tests a block against a ray. Leaves out the triangles with one of two ids.
 ///
-/// The verdicts of different instruction sets may differ, but all of them are correct, so that hits do not depend on them.
+/// The verdicts of different instruction sets may differ. All of them are correct, so the hits do not depend on them.
 #[inline(always)]
 pub(crate) fn test<S: Simd>(simd: S, block: &Block, ray: &FilterRay, left_out: [u32; 2]) -> Verdict {
     let ([ox, oy, oz, _], [dx, dy, dz, _]) = (ray.origin, ray.direction);
@@ -152,7 +150,7 @@ pub(crate) fn test<S: Simd>(simd: S, block: &Block, ray: &FilterRay, left_out: [
     let s = [x - ox, y - oy, z - oz];
     let q = cross(d, s);
     let (det, u, v, depth) = (dot(n, d), dot(e2, q), dot(e1, q), dot(n, s));
-    // All quantities are negated where the determinant is negative.
+    // All quantities are negated if the determinant is negative.
     let sign = det.to_bits() & f32x8::splat(simd, -0.0).to_bits();
     let negated = |x: f32x8<S>| f32x8::from_bits(x.to_bits() ^ sign);
     let (u, v, depth) = (negated(u), negated(v), negated(depth));
@@ -182,19 +180,19 @@ pub fn test_at(level: Level, block: &Block, ray: &FilterRay, left_out: [u32; 2])
     dispatch!(level, simd => test(simd, block, ray, left_out))
 }
 
-/// The three axes of eight lanes.
+/// Loads the three axes of eight lanes.
 #[inline(always)]
 fn load<S: Simd>(simd: S, [x, y, z]: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
     [f32x8::simd_from(simd, *x), f32x8::simd_from(simd, *y), f32x8::simd_from(simd, *z)]
 }
 
-/// a0 b0 + (a1 b1 + a2 b2), fused where the instructions can.
+/// Returns a0 b0 + (a1 b1 + a2 b2), fused if the instruction set can.
 #[inline(always)]
 fn dot<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> f32x8<S> {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
-/// The cross product a x b, fused where the instructions can.
+/// Returns the cross product a x b, fused if the instruction set can.
 #[inline(always)]
 fn cross<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
     [a[1].mul_sub(b[2], a[2] * b[1]), a[2].mul_sub(b[0], a[0] * b[2]), a[0].mul_sub(b[1], a[1] * b[0])]
@@ -259,7 +257,7 @@ mod tests {
         }
     }
 
-    /// The filter neither rejects it nor is certain of it, and the others are decided as without it.
+    /// The filter neither rejects this triangle nor is certain of it. The verdict for the others does not change.
     #[test]
     fn a_triangle_far_larger_than_the_frame_is_left_undecided() {
         let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);

@@ -1,7 +1,7 @@
-//! Insertion: into which cells of a lattice each primitive goes. Cells are padded, so that the cell that the DDA visits
-//! at the t of a hit always lists the primitive.
+//! Insertion: finds the cells of a lattice that list each primitive. Cells are padded, so that the cell that the DDA
+//! visits at the t of a hit always lists the primitive.
 //!
-//! Of a triangle the plane and the projections along the three axes must overlap the cell (Schwarz and Seidel, "Fast
+//! For a triangle, the plane and the projections along the three axes must overlap the cell (Schwarz and Seidel, "Fast
 //! Parallel Surface and Solid Voxelization on GPUs", SIGGRAPH Asia 2010). `proofs/needles.g` proves the error bound of
 //! the plane.
 
@@ -18,7 +18,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The padded bounding box of all finite primitives.
+/// Returns the padded bounding box of all finite primitives.
 pub fn bounds_of(world: &World) -> Aabb {
     widened(world.boxes().fold(world.bounds, |all, b| all.union(b)))
 }
@@ -29,9 +29,9 @@ pub type Reference = [u32; 2];
 /// The number of primitives that one task inserts.
 const PRIMS_PER_CHUNK: usize = 4096;
 
-/// Returns the references of all finite primitives, in ascending order of the primitives: to the cells that they touch or,
-/// `as_course`, to those into which the course's program inserts them, so that counts compare. The work is done on all
-/// threads, and the result does not depend on their number.
+/// Returns the references of all finite primitives, in ascending order of the primitives. They are to the cells that
+/// the primitives touch or, with `as_course`, to the cells into which the course's program inserts them, so that the
+/// counts are comparable. The work is done on all threads, and the result does not depend on their number.
 pub fn references(
     world: &World,
     lattice: &Lattice,
@@ -54,7 +54,7 @@ pub fn references(
     if total <= u32::MAX as usize { Ok(references) } else { Err(GridTooLarge) }
 }
 
-/// An upper bound on the number of cells of all primitives together: those that their boxes touch.
+/// Returns an upper bound on the number of references: the number of cells that the primitives' boxes touch.
 pub fn most_references(world: &World, lattice: &Lattice) -> u64 {
     // The course's rule for spheres reaches less than a cell beyond their boxes.
     let (padding, of_shapes) = (padding(lattice), 1.0);
@@ -66,12 +66,12 @@ pub fn most_references(world: &World, lattice: &Lattice) -> u64 {
     .sum()
 }
 
-/// The padding of cells for insertion, in cells: the error bounds of the DDA and of hit points.
+/// Returns the padding of cells for insertion, in cells: the error bounds of the DDA and of hit points.
 fn padding(lattice: &Lattice) -> f64 {
     face_error_bound(lattice) + POSITION_ERROR_BOUND
 }
 
-/// Error bound of the positions of a hit and a crossing because of f64 roundings, in cells: see `proofs/dda.g`.
+/// Error bound of the positions of a hit and a crossing due to roundings in f64, in cells: see `proofs/dda.g`.
 const POSITION_ERROR_BOUND: f64 = 7.8e-6;
 
 /// Appends the cells of a primitive.
@@ -97,7 +97,7 @@ pub fn of_box(lattice: &Lattice, bounds: &Aabb, padding: f64, out: &mut Vec<u32>
     CellRange::of_box(lattice, bounds, padding).push_if(lattice, out, |_| true)
 }
 
-/// The same cells, as runs of indices along x.
+/// Returns the cells that [`of_box`] appends, as runs of indices along x.
 pub fn runs_of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> impl Iterator<Item = Range<usize>> {
     let CellRange { start: [x0, y0, z0], end: [x1, y1, z1] } = CellRange::of_box(lattice, bounds, padding);
     let run = move |y: u32, z: u32| {
@@ -107,7 +107,7 @@ pub fn runs_of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> impl Itera
     (z0..z1).flat_map(move |z| (y0..y1).map(move |y| run(y, z)))
 }
 
-/// The number of cells that a box touches, where each cell is padded by `padding` cells.
+/// Returns the number of cells that a box touches, where each cell is padded by `padding` cells.
 pub fn count_of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> u64 {
     let range = CellRange::of_box(lattice, bounds, padding);
     (0..3).map(|axis| u64::from(range.end[axis] - range.start[axis])).product()
@@ -126,8 +126,8 @@ pub fn of_ball_by_centers(lattice: &Lattice, center: DVec3, radius: f64, padding
     })
 }
 
-/// Appends the index of every cell that the surface of a sphere touches, where each cell is padded by
-/// `padding` cells. Cells in the interior of the sphere are left out, since no ray hits the sphere there.
+/// Appends the index of every cell that the surface of a sphere touches, where each cell is padded by `padding` cells.
+/// Cells inside the sphere are left out, since no ray hits the sphere there.
 pub fn of_sphere(lattice: &Lattice, center: DVec3, radius: f64, padding: f64, out: &mut Vec<u32>) {
     let (center_in_cells, size) = (lattice.to_cells(center), lattice.cell_size);
     let bounds = Aabb { min: center - radius, max: center + radius };
@@ -136,7 +136,7 @@ pub fn of_sphere(lattice: &Lattice, center: DVec3, radius: f64, padding: f64, ou
         let (min, max) = (cell - padding, cell + (1.0 + padding));
         let nearest = (center_in_cells - center_in_cells.clamp(min, max)) * size;
         let farthest = (center_in_cells - min).abs().max((max - center_in_cells).abs()) * size;
-        // For a radius of very many cells the padding is lost in rounding.
+        // For a radius of very many cells, rounding loses the padding.
         let touches_ball = nearest.length_squared() <= square * (1.0 + SPHERE_ROUNDINGS * UNIT_ROUNDOFF);
         touches_ball && farthest.length_squared() >= square * (1.0 - SPHERE_ROUNDINGS * UNIT_ROUNDOFF)
     })
@@ -153,13 +153,13 @@ struct CellRange {
 }
 
 impl CellRange {
-    /// The cells that a box touches, each padded by `padding` cells.
+    /// Returns the cells that a box touches, each padded by `padding` cells.
     fn of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> Self {
         Self::new(lattice, lattice.to_cells(bounds.min), lattice.to_cells(bounds.max), padding)
     }
 
-    /// The cells between two points in units of cells, padded by `padding` cells. Points outside the lattice
-    /// count as in the nearest cell.
+    /// Returns the cells between two points in units of cells, padded by `padding` cells. A point outside the lattice
+    /// counts as in the nearest cell.
     #[inline(always)]
     fn new(lattice: &Lattice, min: DVec3, max: DVec3, padding: f64) -> Self {
         // The conversion saturates at 0, and maps NaN to 0.
@@ -171,13 +171,13 @@ impl CellRange {
         }
     }
 
-    /// Whether there is more than one cell along each axis.
+    /// Returns, for each axis, true if the range has more than one cell along it.
     #[inline(always)]
     fn spans_cells(&self) -> [bool; 3] {
         [0, 1, 2].map(|axis| self.end[axis] > self.start[axis] + 1)
     }
 
-    /// The index of the first cell.
+    /// Returns the index of the first cell.
     #[inline(always)]
     fn first(&self, lattice: &Lattice) -> u32 {
         lattice.index(self.start.map(|i| i as usize)) as u32
@@ -236,7 +236,7 @@ pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], padding: f64, out: &m
     }
 }
 
-/// Appends the cells that a projected triangle overlaps, of a range that is one cell thick along the axis of
+/// Appends the cells of a range that a projected triangle overlaps. The range must be one cell thick along the axis of
 /// projection.
 #[inline(always)]
 fn push_layer<const U: usize, const V: usize>(
@@ -268,16 +268,16 @@ struct Projection<const U: usize, const V: usize> {
 }
 
 impl<const U: usize, const V: usize> Projection<U, V> {
-    /// Of a triangle in units of cells. `half` is half the edge length of a padded cell.
+    /// Projects a triangle in units of cells. `half` is half the edge length of a padded cell.
     #[inline(always)]
     fn new(v: [DVec3; 3], half: f64) -> Self {
         let [p, q, r] = v.map(|v| [v[U], v[V]]);
         let edge = |from: [f64; 2], to: [f64; 2], opposite: [f64; 2]| {
             let (a, b) = (from[1] - to[1], to[0] - from[0]);
-            // The sign makes the interior the positive side of the edge, whatever the orientation is. It may
-            // be wrong only where rounding errors hide on which side of this edge the triangle is, and then
-            // the whole triangle is as good as on the edge. One sign for all edges would not do: the area of
-            // a needle has the rounding errors of its long edges, which hide the side of a short edge.
+            // The sign makes the interior the positive side of the edge, whatever the orientation is. It may be wrong
+            // only if rounding errors hide the side of this edge on which the triangle lies. Then the whole triangle
+            // practically lies on the edge. A common sign for all edges is not enough: the area of a needle has the
+            // rounding errors of its long edges, which hide the side of a short edge.
             let sign = 1f64.copysign(a * (opposite[0] - from[0]) + b * (opposite[1] - from[1]));
             let (a, b) = (a * sign, b * sign);
             [a, b, half * (a.abs() + b.abs()) - (a * from[0] + b * from[1])]
@@ -285,7 +285,7 @@ impl<const U: usize, const V: usize> Projection<U, V> {
         Self { edges: [edge(p, q, r), edge(q, r, p), edge(r, p, q)] }
     }
 
-    /// Whether the cell with this centre, in units of cells, overlaps the projection.
+    /// Returns true if the cell with this centre, in units of cells, overlaps the projection.
     #[inline(always)]
     fn overlaps(&self, [u, v]: [f64; 2]) -> bool {
         min3(self.edges.map(|[a, b, c]| a * u + b * v + c)) >= 0.0
@@ -309,13 +309,13 @@ struct TriangleOverlap {
 }
 
 impl TriangleOverlap {
-    /// As [`Projection::new`].
+    /// Takes the same arguments as [`Projection::new`].
     #[inline(always)]
     fn new(v: [DVec3; 3], half: f64) -> Self {
         let sides = [v[1] - v[0], v[2] - v[1], v[0] - v[2]];
         let normal = sides[0].cross(v[2] - v[0]);
-        // The normal of a needle is mostly rounding error, which is proportional to the square of its length,
-        // and may have any direction. The error of the plane is proportional to the cube of the length.
+        // The normal of a needle is mostly rounding error and may have any direction. The error is proportional to the
+        // square of the needle's length, and the error of the plane to the cube of the length.
         let length = max3(box_corners(sides.map(DVec3::abs))[1].to_array());
         let plane_error_bound = PLANE_ROUNDINGS * UNIT_ROUNDOFF * length * length * length;
         Self {
@@ -328,7 +328,7 @@ impl TriangleOverlap {
         }
     }
 
-    /// Whether the cell with this centre, in units of cells, overlaps the triangle.
+    /// Returns true if the cell with this centre, in units of cells, overlaps the triangle.
     #[inline(always)]
     fn overlaps(&self, center: DVec3) -> bool {
         let [x, y, z] = center.to_array();

@@ -1,5 +1,5 @@
-//! The lattice of a uniform grid: how a box is divided into cells, and how the cells are indexed. Insertion
-//! and traversal are built on it; it knows nothing of primitives.
+//! The lattice of a uniform grid: divides a box into cells and indexes the cells. Insertion and traversal use it; it
+//! does not depend on primitives.
 
 use crate::base::memory;
 use crate::caster::bounds::SimdAabb;
@@ -22,21 +22,21 @@ impl std::error::Error for GridTooLarge {}
 
 /// The division of a box into cells.
 ///
-/// The cells are surrounded by a border one cell thick, so that the traversal ends when it reads a border
-/// cell and needs no bounds test. Indices include the border: cell (i, j, k), counted from 0, has the index
+/// The cells are surrounded by a border one cell thick. The traversal ends when it reads a border cell, and needs no
+/// bounds test. Indices include the border: cell (i, j, k), counted from 0, has the index
 /// `(i + 1) + (nx + 2) ((j + 1) + (ny + 2) (k + 1))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
-    /// The box that is divided.
+    /// The box that is divided into cells.
     pub bounds: Aabb,
     cells: [usize; 3],
     /// The edge lengths of a cell.
     pub cell_size: DVec3,
-    /// For the traversal.
+    /// The tables of the traversal.
     pub(super) tables: DdaTables,
 }
 
-/// What every traversal of a lattice needs, computed once. The fourth lanes are not used.
+/// The data that every traversal of a lattice needs, computed once. The fourth lanes are not used.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DdaTables {
     pub simd_bounds: SimdAabb,
@@ -44,11 +44,11 @@ pub(super) struct DdaTables {
     pub cells_per_unit: [f64; 4],
     /// The coordinate of the last cell along each axis.
     pub last_cell: [f64; 4],
-    /// The difference of the indices of neighbouring cells along each axis.
+    /// The index difference between neighbouring cells along each axis.
     pub strides: [u32; 3],
-    /// What a step adds to the index, by the set of axes along which the ray's direction is negative and by
-    /// the set of axes that do not step (bit 0 for x). Bit 3 of the latter belongs to the unused lane and has
-    /// no effect.
+    /// The offset that a step adds to the index, by the set of axes along which the ray's direction is negative and by
+    /// the set of axes that do not step (bit 0 for x). Bit 3 of the latter belongs to the unused lane and has no
+    /// effect.
     pub step_offsets: [[isize; 16]; 8],
 }
 
@@ -78,70 +78,71 @@ impl Lattice {
         Self { bounds, cells, cell_size, tables }
     }
 
-    /// The number of cells along each axis without the border, at least one. It never changes, since a
+    /// Returns the number of cells along each axis without the border, at least one. It never changes, since a
     /// traversal relies on it for memory safety.
     pub fn cells(&self) -> [usize; 3] {
         self.cells
     }
 
-    /// The number of indices, including those of the border.
+    /// Returns the number of indices, including the border.
     pub fn index_count(&self) -> usize {
         self.cells.iter().map(|n| n + 2).product()
     }
 
-    /// An error when the indices, including those of the border, do not fit into 32 bits.
+    /// Returns an error if the indices, including the border, do not fit into 32 bits.
     pub fn fits(&self) -> Result<(), GridTooLarge> {
         let sides = self.cells.map(|n| n as u128 + 2);
         if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
     }
 
-    /// Asks for the memory of an entry for each index, where they fit.
+    /// Returns an error if the indices do not fit into 32 bits, or if there is not enough memory for an entry per
+    /// index.
     pub fn ask_for_entries(&self) -> Result<(), GridTooLarge> {
         self.fits()?;
         memory::ask((self.index_count() * size_of::<u32>()) as u64).map_err(|_| GridTooLarge)
     }
 
-    /// The difference of the indices of neighbouring cells along each axis.
+    /// Returns the index difference between neighbouring cells along each axis.
     pub fn strides(&self) -> [usize; 3] {
         let [nx, ny, _] = self.cells;
         [1, nx + 2, (nx + 2) * (ny + 2)]
     }
 
-    /// The index of the cell with these coordinates.
+    /// Returns the index of the cell with these coordinates.
     pub fn index(&self, cell: [usize; 3]) -> usize {
         let [sx, sy, sz] = self.strides();
         (cell[0] + 1) * sx + (cell[1] + 1) * sy + (cell[2] + 1) * sz
     }
 
-    /// The contiguous index ranges of the cells along x, in ascending order. The border is left out.
+    /// Returns the contiguous index ranges of the cells along x, in ascending order, without the border.
     pub fn x_runs(&self) -> impl DoubleEndedIterator<Item = Range<usize>> {
         let [nx, ny, nz] = self.cells;
         let starts = (0..nz).flat_map(move |z| (0..ny).map(move |y| self.index([0, y, z])));
         starts.map(move |start| start..start + nx)
     }
 
-    /// The coordinates of the cell with this index, that is, its lower corner in units of cells. A coordinate
-    /// is -1 or the number of cells on the border.
+    /// Returns the coordinates of the cell with this index, which are its lower corner in units of cells. On the
+    /// border, a coordinate is -1 or the number of cells.
     pub fn cell_of(&self, index: usize) -> DVec3 {
         let [_, sy, sz] = self.strides();
         DVec3::from_array([index % sy, index % sz / sy, index / sz].map(|i| i as f64 - 1.0))
     }
 
-    /// The cell with this index, padded by so many cells on each side.
+    /// Returns the box of the cell with this index, padded by this number of cells on each side.
     pub fn box_of(&self, index: usize, padding: f64) -> Aabb {
         let cell = self.cell_of(index);
         let point = |cells: DVec3| self.bounds.min + cells * self.cell_size;
         Aabb { min: point(cell - padding), max: point(cell + (1.0 + padding)) }
     }
 
-    /// A point in units of cells, relative to the lower corner of the lattice.
+    /// Converts a point to units of cells, relative to the lower corner of the lattice.
     pub fn to_cells(&self, point: DVec3) -> DVec3 {
         let [x, y, z, _] = self.tables.cells_per_unit;
         (point - self.bounds.min) * DVec3::new(x, y, z)
     }
 
-    /// The cell along `axis` that contains a coordinate given in units of cells: the nearest one for a
-    /// coordinate outside, and the first for a NaN.
+    /// Returns the cell along `axis` that contains a coordinate in units of cells: the nearest cell for a coordinate
+    /// outside, and the first for a NaN.
     pub fn cell_at(&self, axis: usize, coordinate: f64) -> usize {
         // The conversion saturates at 0, and maps NaN to 0.
         (coordinate as usize).min(self.cells[axis] - 1)

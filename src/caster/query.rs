@@ -1,6 +1,6 @@
 //! The query for one ray, and its goals: the nearest hit, any hit, or all hits.
 //!
-//! The filter tests eight triangles at a time; those that it cannot decide are tested exactly, one by one.
+//! The filter tests eight triangles at a time. The triangles that it cannot decide are tested exactly, one by one.
 
 use crate::caster::block::{Block, NONE};
 use crate::caster::contents::Contents;
@@ -12,13 +12,13 @@ use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 use fearless_simd::Simd;
 
-/// What a ray leaves. A triangle or a plane is not tested, because the ray cannot hit it again. A sphere or an ellipsoid
-/// is tested before all others, because a ray into it seldom hits anything else.
+/// The primitive on which a ray starts. A triangle or a plane is not tested, because the ray cannot hit it again. A
+/// sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
 #[derive(Clone, Copy)]
 pub struct RayOrigin {
     /// The primitive's id, or [`NONE`].
     primitive: u32,
-    /// Whether it is a sphere or an ellipsoid.
+    /// True if it is a sphere or an ellipsoid.
     may_return: bool,
 }
 
@@ -40,9 +40,8 @@ pub struct Query<'a, P, G> {
     shear: Option<Shear<'a>>,
     /// The primitive that is not tested, or [`NONE`].
     left_out: u32,
-    /// The primitives that were tested exactly last, and the position at which the next one is recorded.
-    /// Without this a primitive that spans many cells, and that the filter does not reject, would be tested
-    /// in each of them.
+    /// The primitives that were tested exactly last, and the position at which the next one is recorded. Without this
+    /// list, a primitive that spans many cells and that the filter does not reject would be tested in each of them.
     tested: [u32; MAX_TESTED],
     next: usize,
 }
@@ -50,27 +49,27 @@ pub struct Query<'a, P, G> {
 /// The number of primitives in [`Query::tested`].
 const MAX_TESTED: usize = 4;
 
-/// What a query looks for.
+/// The goal of a query: the nearest hit, any hit, or all hits.
 pub trait Goal: Sized {
-    /// Whether the first hit is enough.
+    /// True if the first hit is enough.
     const ANY: bool = false;
 
-    /// The nearest primitive found so far, or [`NONE`].
+    /// Returns the nearest primitive found so far, or [`NONE`].
     fn best(&self) -> u32 {
         NONE
     }
 
-    /// Returns an upper bound on the t of the nearest hit so far, which is the ray's end until there is one, and the t
-    /// up to which primitives are looked for.
+    /// Returns two values: an upper bound on the t of the nearest hit so far, or the ray's end if there is none; and
+    /// the t up to which to look for primitives.
     fn ends<P: Probe>(query: &Query<P, Self>) -> [f64; 2] {
         [query.ray.t_max; 2]
     }
 
-    /// Takes a hit at `t`, and returns whether that changes the rest of the search.
+    /// Takes a hit at `t`. Returns true if that changes the rest of the search.
     fn offer<P: Probe>(query: &mut Query<P, Self>, t: f64, primitive: u32) -> bool;
 
-    /// Decides which triangles of a block are hit of those that the filter does not reject, takes the hits, and returns
-    /// whether that changes the rest of the search.
+    /// Decides which of the triangles that the filter does not reject are hit, and takes these hits. Returns true if
+    /// that changes the rest of the search.
     #[inline(always)]
     fn decide<P: Probe>(
         query: &mut Query<P, Self>,
@@ -81,7 +80,7 @@ pub trait Goal: Sized {
         query.test_lanes(block, verdict.possible)
     }
 
-    /// Notes that primitives that may lie in the same place as the best one were not tested.
+    /// Records that some primitives that may lie in the same place as the best one were not tested.
     fn leave_undecided(&mut self) {}
 }
 
@@ -97,14 +96,14 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         G::ends(self)[0]
     }
 
-    /// Returns the t up to which primitives are looked for.
+    /// Returns the t up to which to look for primitives.
     #[inline(always)]
     pub fn end(&self) -> f64 {
         G::ends(self)[1]
     }
 
-    /// Tests what is not in the structure, which are the planes, and the sphere or ellipsoid that the ray leaves. Returns
-    /// whether any was hit. `ray` is a copy of the query's.
+    /// Tests the primitives outside the structure: the planes, and the sphere or ellipsoid on which the ray starts.
+    /// Returns true if any was hit. `ray` is a copy of the query's ray.
     #[inline(always)]
     pub fn start(&mut self, ray: &Ray, origin: RayOrigin) -> bool {
         let mut is_hit = false;
@@ -123,7 +122,8 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         is_hit
     }
 
-    /// Tests the sphere or ellipsoid that the ray leaves. The course's program does so where it comes to it.
+    /// Tests the sphere or ellipsoid on which the ray starts. The course's program tests it in its normal order, so the
+    /// counting query does so too.
     #[inline(never)]
     fn test_origin(&mut self) -> bool {
         if P::COUNTS {
@@ -133,7 +133,7 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         self.test(self.left_out)
     }
 
-    /// Tests a cell's blocks of triangles and its other primitives, and returns whether that changes the rest of the
+    /// Tests a cell's blocks of triangles and its other primitives. Returns true if that changes the rest of the
     /// search.
     #[inline(always)]
     pub fn test_blocks<S: Simd>(
@@ -148,7 +148,8 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
             if P::COUNTS {
                 self.probe.intersections(block.index.triangles());
             }
-            // Most triangles that the filter does not reject are the one that the ray leaves and the best one.
+            // Most triangles that the filter does not reject are either the origin of the ray or the best triangle so
+            // far.
             let left_out = [self.left_out, self.goal.best()];
             let verdict = filter::test(simd, block, &filter_state.ray, left_out);
             if verdict.possible != 0 && G::decide(self, block, &verdict, filter_state) {
@@ -177,13 +178,13 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         }
     }
 
-    /// Tests those primitives that were not tested last.
+    /// Tests the primitives that were not among the last to be tested.
     #[inline(never)]
     fn test_new(&mut self, ids: &[u32]) -> bool {
         ids.iter().fold(false, |changed, &id| (self.is_new(id) && self.test_exactly(id)) | changed)
     }
 
-    /// Tests lanes of a block that the filter could not decide.
+    /// Tests the lanes of a block that the filter could not decide.
     #[inline(never)]
     fn test_lanes(&mut self, block: &Block, possible: u32) -> bool {
         let mut changed = false;
@@ -202,14 +203,14 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         self.is_new(triangle) && self.test_triangle_exactly(triangle)
     }
 
-    /// Whether the primitive is not tested at all, or among those that were tested last.
+    /// Returns true if the primitive is left out, or was among the last to be tested.
     #[inline(always)]
     fn is_known(&self, id: u32) -> bool {
         id == self.left_out || self.tested.contains(&id)
     }
 
-    /// Returns whether the primitive is not known, and records it. A primitive that has been tested once is the best
-    /// one already, or never becomes the best.
+    /// Returns true if the primitive is not known, and records it. A primitive that has been tested once is already the
+    /// best one, or never becomes it.
     #[inline(always)]
     fn is_new(&mut self, id: u32) -> bool {
         let is_new = !self.is_known(id);
@@ -220,7 +221,7 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         is_new
     }
 
-    /// Counts and tests a primitive, and returns whether that changes the rest of the search.
+    /// Counts and tests a primitive. Returns true if that changes the rest of the search.
     pub fn test(&mut self, id: u32) -> bool {
         self.probe.intersections(1);
         self.test_exactly(id)
@@ -248,7 +249,7 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
     }
 }
 
-/// Whether the ray hits anything.
+/// The goal of finding any hit.
 #[derive(Default)]
 pub struct AnyHit {
     pub is_found: bool,
@@ -275,7 +276,7 @@ impl Goal for AnyHit {
     }
 }
 
-/// All hits up to the ray's end, each with its t, some of them more than once.
+/// The goal of collecting all hits up to the ray's end, each with its t. Some hits may occur more than once.
 #[derive(Default)]
 pub struct AllHits(pub Vec<(f64, u32)>);
 
@@ -286,14 +287,14 @@ impl Goal for AllHits {
     }
 }
 
-/// The nearest hit.
+/// The goal of finding the nearest hit.
 pub struct Nearest {
     /// [`NONE`], bounded by the ray's end, until a primitive is found.
     pub best: Visible,
-    /// A lower bound on the t of `best`. It equals the upper bound where t is known.
+    /// A lower bound on the t of `best`. It equals the upper bound if t is known.
     t_lower_bound: f64,
-    /// Whether a primitive other than the best one was hit so close to the best one of then that both may lie in the same
-    /// place: it is still to be decided which of them the ray sees.
+    /// True if another primitive was hit so close to the best primitive at that time that both may lie in the same
+    /// place. Then it is still undecided which of them the ray sees.
     pub is_undecided: bool,
 }
 
@@ -304,14 +305,14 @@ impl Nearest {
         Self { best, t_lower_bound: ray.t_max, is_undecided: false }
     }
 
-    /// Whether a primitive precedes the best one, where both may lie in the same place.
+    /// Returns true if a primitive that may lie in the same place as the best one precedes it.
     #[cold]
     fn precedes_close(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool {
         self.is_undecided |= self.best.primitive != NONE;
         t < self.t_lower_bound || (t <= self.best.t_bound && self.precedes_best(world, ray, t, primitive))
     }
 
-    /// Whether a primitive precedes the best one, for a t within the bounds on the latter's t.
+    /// Returns true if a primitive precedes the best one, for a t within the bounds on the t of the best one.
     fn precedes_best(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool {
         if self.t_lower_bound < self.best.t_bound {
             self.best.t_bound = world.hit(ray, self.best).t;
@@ -327,7 +328,7 @@ impl Goal for Nearest {
         self.best.primitive
     }
 
-    /// Behind the best one there may be others in the same place.
+    /// Extends the search behind the best primitive, where others may lie in the same place.
     #[inline(always)]
     fn ends<P: Probe>(query: &Query<P, Self>) -> [f64; 2] {
         let t = query.goal.best.t_bound;
@@ -349,8 +350,8 @@ impl Goal for Nearest {
         better
     }
 
-    /// A triangle is tested in double precision, for which its vertices have to be loaded, only if the filter's bounds on t
-    /// do not decide. Where steps are counted all are, because the steps depend on t.
+    /// Tests a triangle in double precision, which loads its vertices, only if the filter's bounds on t do not decide.
+    /// A counting query tests every triangle, because the number of steps depends on t.
     #[inline(always)]
     fn decide<P: Probe>(
         query: &mut Query<P, Self>,
@@ -390,7 +391,7 @@ mod tests {
     use crate::stats::Quiet;
     use glam::DVec3;
 
-    /// Where only bounds are known on the t of the best triangle, its t decides.
+    /// If only bounds on the t of the best triangle are known, its exact t decides.
     #[test]
     fn of_a_triangle_within_bounds_and_another_the_nearer_one_is_kept() {
         let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }

@@ -15,24 +15,24 @@ use std::cmp::Reverse;
 /// The acceleration structure of the finite primitives.
 #[derive(Debug)]
 pub struct AccelerationStructure {
-    /// Rays are tested only in its box.
+    /// The box in which rays are tested.
     pub region: Region,
-    /// How the blocks that a ray meets are found.
+    /// How to find the blocks that a ray meets.
     pub order: Order,
-    /// The primitives of the cells, or those of the leaves; a list counts as one cell.
+    /// The primitives of the cells or leaves; a list counts as one cell.
     pub contents: Contents,
 }
 
-/// How the blocks that a ray meets are found.
-// There is one of it, and a box around the table would be another step for every ray.
+/// How to find the blocks that a ray meets.
+// There is only one instance, and boxing the table would add a pointer dereference for every ray.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug)]
 pub enum Order {
-    /// A ray meets all of them.
+    /// A ray meets all blocks.
     List,
-    /// By the entries of the cells along the ray.
+    /// Through the entries of the cells along the ray.
     Grid(CellTable),
-    /// By the boxes that the ray meets.
+    /// Through the boxes that the ray meets.
     Tree(Tree),
 }
 
@@ -50,8 +50,8 @@ pub struct StructureSize {
 /// How full the cells of a grid are.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fullness {
-    /// The fullest cells, by their indices along the axes, each with its number of primitives. Of equally full cells
-    /// those with the smaller indices come first, along z before y before x.
+    /// The fullest cells by their indices along the axes, each with its number of primitives. Equally full cells are in
+    /// ascending order of their indices, along z before y before x.
     pub fullest: Vec<([usize; 3], usize)>,
     /// Cells without a primitive.
     pub empty: usize,
@@ -60,11 +60,11 @@ pub struct Fullness {
 }
 
 impl AccelerationStructure {
-    /// Builds the structure of all finite primitives of a world. An error when it does not fit into memory.
+    /// Builds the structure of all finite primitives of a world. Returns an error if it does not fit into memory.
     pub fn new(world: &World, layout: Layout) -> Result<Self, GridTooLarge> {
         let bounds = bounds_of(world);
         match layout {
-            // A tree needs something to divide.
+            // A tree needs primitives to divide.
             Layout::Tree if world.hittable_count() > 0 => Self::tree(world, &bounds),
             Layout::List | Layout::Tree => Self::list(world, &bounds, |id| world.may_be_hit(id)),
             Layout::Grid(cells) => Self::grid(world, bounds, cells, false),
@@ -102,7 +102,7 @@ impl AccelerationStructure {
         Ok(Self { region, order: Order::Grid(CellTable::new(lattice, entries)?), contents })
     }
 
-    /// The entries of the grid's cells, if it is a grid.
+    /// Returns the entries of the grid's cells, if this is a grid.
     pub fn table(&self) -> Option<&CellTable> {
         match &self.order {
             Order::Grid(table) => Some(table),
@@ -110,7 +110,7 @@ impl AccelerationStructure {
         }
     }
 
-    /// The size of the structure.
+    /// Returns the size of the structure.
     pub fn size(&self) -> StructureSize {
         StructureSize {
             cells: match &self.order {
@@ -123,7 +123,7 @@ impl AccelerationStructure {
         }
     }
 
-    /// The fullness of the grid's cells, with this number of the fullest; none of a list or a tree.
+    /// Returns the fullness of the grid's cells, with this number of the fullest; `None` for a list or a tree.
     pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
         let table = self.table()?;
         let [nx, ny, nz] = table.lattice().cells();

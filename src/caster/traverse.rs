@@ -1,5 +1,5 @@
-//! The traversal of a structure along a ray: the whole list, the cells of the grid in order, or the boxes of the tree, the
-//! nearest first, until no nearer hit can follow. What is done with the primitives there is up to a [`Query`] and its goal.
+//! Traverses a structure along a ray: the whole list, the cells of the grid in order, or the boxes of the tree from the
+//! nearest on. It ends when no nearer hit can follow. A [`Query`] and its goal handle the primitives.
 
 use crate::caster::block::LANES;
 use crate::caster::bounds::Entry;
@@ -20,18 +20,18 @@ use fearless_simd_macros::simd;
 /// The largest number of children that wait: seven of the eight on each level.
 const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
 
-/// A child of a node that the ray meets, with the depth at which it enters its box.
+/// A child of a node that the ray meets, with the depth at which the ray enters the child's box.
 #[derive(Clone, Copy)]
 struct Waiting {
     entry: f32,
     child: Branch,
 }
 
-/// The children that wait, and of those of one node the nearest last.
+/// The children that wait. The children of one node are sorted, with the nearest last.
 type Stack = ArrayVec<Waiting, MAX_WAITING>;
 
 impl AccelerationStructure {
-    /// Searches the structure, which the ray enters in this way.
+    /// Searches the structure. `ray_entry` is how the ray enters it.
     #[inline(always)]
     pub fn traverse<S: Simd, P: Probe, G: Goal>(
         &self,
@@ -43,7 +43,8 @@ impl AccelerationStructure {
             Entry::TooFar => return self.test_all(query),
             Entry::Passes(interval) if interval.entry <= query.end() => *interval,
             _ => {
-                // The course's program tests every primitive. A ray that misses their bounds misses them all.
+                // The course's program tests every primitive, so they are counted. A ray that misses the bounds misses
+                // them all.
                 let is_list = matches!(self.order, Order::List);
                 let untested = if P::COUNTS && is_list { query.world.finite_count() } else { 0 };
                 return query.probe.intersections(untested);
@@ -96,7 +97,8 @@ impl AccelerationStructure {
                 }
             }
             if last_t <= cursor.dda().exit() {
-                // Another primitive in the same place may be in the next cell. Seldom enough, another query looks for it.
+                // Another primitive in the same place may be in the next cell. This is rare, so another query looks for
+                // it.
                 if !G::ANY && cursor.dda().fixed_t(query.end()) > cursor.dda().exit() {
                     query.goal.leave_undecided();
                 }
@@ -109,7 +111,7 @@ impl AccelerationStructure {
         }
     }
 
-    /// Searches a branch of a tree in the frame of the filter's ray, and returns whether that changed the query. Not
+    /// Searches a branch of a tree in the frame of the filter's ray. Returns true if that changed the query. Not
     /// inlined, so that the loop over the cells stays small.
     #[simd]
     #[inline(never)]
@@ -159,7 +161,7 @@ impl AccelerationStructure {
         }
     }
 
-    /// Searches a branch with a frame of its own. The ray in the frame around it ends there.
+    /// Searches a branch with a frame of its own, and shortens the ray in the outer frame.
     #[inline(always)]
     fn test_small<S: Simd, P: Probe, G: Goal>(
         &self,
@@ -209,8 +211,8 @@ impl AccelerationStructure {
         }
     }
 
-    /// Returns the child to visit next of those that a ray meets, which is the nearest one unless any hit will do. The
-    /// others wait.
+    /// Returns the child to visit next, which is the nearest one unless any hit will do. Pushes the other children that
+    /// the ray meets onto the stack.
     #[inline(always)]
     fn first_child<G: Goal>(
         &self,
@@ -247,7 +249,7 @@ impl AccelerationStructure {
     }
 }
 
-/// Moves the last child to its place, where the others are sorted with the nearest last.
+/// Moves the last child to its position among the others, which are sorted with the nearest last.
 #[inline(always)]
 fn sink_last(waiting: &mut [Waiting]) {
     let mut place = waiting.len() - 1;

@@ -1,7 +1,7 @@
-//! A tree of boxes over all primitives: a bounding volume hierarchy with eight branches per node and eight primitives per
-//! leaf.
+//! A tree of boxes over all primitives: a bounding volume hierarchy with eight branches per node and eight primitives
+//! per leaf.
 //!
-//! Where the primitives of a branch are too small for the coordinates of the frame, the branch gets a frame of its own.
+//! A branch whose primitives are too small for the coordinates of the frame gets a frame of its own.
 
 use crate::base::memory;
 use crate::caster::block::{Frame, LANES, NONE};
@@ -18,24 +18,23 @@ pub use binary::MAX_LEVELS;
 
 mod binary;
 
-/// A branch of a tree is a node with this index, or has one of the following bits.
+/// A branch of a tree: the index of a node, or an index marked with one of the following bits.
 pub type Branch = u32;
 
-/// The branch is a leaf, and the other bits are the index of its block.
+/// Marks a leaf. The other bits are the index of its block.
 pub const LEAF: Branch = 1 << 31;
 
-/// The branch has a frame of its own, and the other bits are its index among such branches.
+/// Marks a branch with a frame of its own. The other bits are its index among such branches.
 pub const SMALL: Branch = 1 << 30;
 
 /// The number of levels that a branch with a frame of its own counts as, so that at most eight are nested.
 const LEVELS_OF_SMALL: usize = HEURISTIC_LEVELS / 8;
 
-/// The tree.
+/// A tree of boxes.
 #[derive(Debug)]
 pub struct Tree {
-    /// Everything, which is not a leaf.
+    /// The branch that holds everything. It is not a leaf.
     pub root: Branch,
-    /// The nodes.
     pub nodes: Vec<Box8>,
     /// The branches with frames of their own.
     pub small: Vec<Small>,
@@ -44,22 +43,23 @@ pub struct Tree {
 /// The leaves of a tree.
 #[derive(Debug)]
 pub struct Leaves {
-    /// The ids of the primitives in each leaf, in ascending order and followed by [`NONE`].
+    /// The ids of the primitives in each leaf, in ascending order and padded with [`NONE`].
     pub ids: Vec<[u32; LANES]>,
-    /// From which leaf on which frame holds.
+    /// The frames, each with the index of the first leaf for which it holds.
     pub frames: Vec<(usize, Frame)>,
 }
 
 /// A branch with a frame of its own.
 #[derive(Debug)]
 pub struct Small {
-    /// The branch in these coordinates.
+    /// The branch, in the coordinates of its frame.
     pub branch: Branch,
     pub region: Region,
 }
 
 impl Tree {
-    /// The tree of all primitives that rays may hit, in the coordinates of a frame whose box contains them, and its leaves.
+    /// Builds the tree of all primitives that rays may hit, and its leaves. The coordinates are in a frame whose box
+    /// contains the primitives.
     pub fn new(world: &World, frame: &Frame) -> Result<(Self, Leaves), GridTooLarge> {
         let ids =
             (0..world.finite_count() as u32).filter(|&id| !world.is_triangle(id) || world.may_be_hit(id));
@@ -78,7 +78,8 @@ impl Tree {
         if fits { Ok((growing.tree, growing.leaves)) } else { Err(GridTooLarge) }
     }
 
-    /// Whether a condition holds for the block of any leaf of a branch. The leaves after it are not visited.
+    /// Returns true if `holds` returns true for the block of any leaf of a branch. The leaves after the first such leaf
+    /// are not visited.
     pub fn any_leaf(&self, branch: Branch, holds: &mut impl FnMut(u32) -> bool) -> bool {
         if branch >= LEAF {
             holds(branch - LEAF)
@@ -90,7 +91,7 @@ impl Tree {
     }
 }
 
-/// The memory that a tree of so many primitives takes at least while it is built: if all leaves are full.
+/// Returns the least memory, in bytes, that building a tree of this number of primitives takes: if all leaves are full.
 fn least_bytes(count: usize) -> u64 {
     let per_leaf = LANES * size_of::<Item>() + 2 * size_of::<Half>() + size_of::<[u32; LANES]>();
     (count / LANES * per_leaf) as u64
@@ -104,7 +105,7 @@ struct Growing<'w> {
 }
 
 impl Growing<'_> {
-    /// Adds a node with nothing but a leaf.
+    /// Adds a node with a single leaf.
     fn add_single_leaf(&mut self, items: &[Item], bounds: Bounds) -> Branch {
         let mut node = Box8::EMPTY;
         node.set(0, [bounds.min, bounds.max], self.add_leaf(items));
@@ -138,7 +139,7 @@ impl Growing<'_> {
         self.leaves.frames.push((self.leaves.ids.len(), frame));
     }
 
-    /// Adds the nodes of more items than fit into a leaf, below so many levels.
+    /// Adds the nodes of more items than fit into a leaf. `level` is the number of levels above them.
     fn add_tree(&mut self, items: &mut [Item], frame: &Frame, level: usize) -> Branch {
         let tree = BinaryTree::new(items, level);
         self.add_node(&tree, tree.root(), items, frame)
@@ -164,7 +165,7 @@ impl Growing<'_> {
         self.tree.nodes.len() as u32 - 1
     }
 
-    /// Some primitives in the coordinates of a frame.
+    /// Returns primitives in the coordinates of a frame.
     fn items(&self, ids: &[u32], frame: &Frame) -> Vec<Item> {
         ids.par_iter().map(|&id| Item::new(frame, &self.world.box_of(id), id)).collect()
     }

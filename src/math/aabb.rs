@@ -16,27 +16,27 @@ impl Aabb {
     /// The box that contains no point.
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
-    /// The smallest box that contains all `points`.
+    /// Returns the smallest box that contains all `points`.
     pub fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// The smallest box that contains both boxes.
+    /// Returns the smallest box that contains both boxes.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Whether the box contains no point; true when a corner is NaN.
+    /// Returns true if the box contains no point, or if a corner is NaN.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
-    /// The edge lengths along the axes.
+    /// Returns the edge lengths along the axes.
     pub fn extent(&self) -> DVec3 {
         self.max - self.min
     }
 
-    /// The eight corners; x varies fastest, z slowest.
+    /// Returns the eight corners; x varies fastest, z slowest.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
             let pick = |bit: usize, axis: usize| if i & bit == 0 { self.min[axis] } else { self.max[axis] };

@@ -1,19 +1,19 @@
-//! Double-double arithmetic: a number is the unevaluated sum of two floats, about 106 bits, for the few
-//! computations that f64 is not precise enough for (Dekker, "A Floating-Point Technique for Extending the
-//! Available Precision", Numer. Math. 18, 1971).
+//! Double-double arithmetic: a number is the unevaluated sum of two floats, about 106 bits, for the few computations
+//! that need more precision than f64 (Dekker, "A Floating-Point Technique for Extending the Available Precision",
+//! Numer. Math. 18, 1971).
 //!
-//! The relative error of every operation is below 2^-100. Products are exact by a fused multiply-add, which gives the
-//! error of the rounded product.
+//! The relative error of every operation is below 2^-100. Products are exact through a fused multiply-add, which gives
+//! the error of the rounded product.
 
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Whether `f64::mul_add` is certain to round only once. Where the processor may have no instruction for it, it is a
-/// function of the C library. That of MinGW rounds the product and then the sum, and Microsoft's promises nothing.
+/// True if `f64::mul_add` is certain to round only once. If the processor may have no instruction for it, it is a
+/// function of the C library. MinGW's function rounds the product and then the sum, and Microsoft's promises nothing.
 const HAS_FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64", not(windows)));
 
-/// The product a b as the rounded product and its error, whose sum is exact unless one of them overflows or the error
-/// underflows.
+/// Returns the product a b as the rounded product and its error. Their sum is exact unless one of them overflows or the
+/// error underflows.
 #[inline(always)]
 pub fn exact_product(a: f64, b: f64) -> [f64; 2] {
     let product = a * b;
@@ -27,7 +27,7 @@ const fn uses_fused() -> bool {
 
 #[cfg(test)]
 thread_local! {
-    /// Whether the test of this thread runs as on a system where `f64::mul_add` is not fused.
+    /// True if the test of this thread runs as on a system where `f64::mul_add` is not fused.
     static IS_WITHOUT_FUSED: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
 }
 
@@ -36,7 +36,7 @@ fn uses_fused() -> bool {
     HAS_FUSED && !IS_WITHOUT_FUSED.get()
 }
 
-/// Runs a test on this system, and then as on one where `f64::mul_add` is not fused.
+/// Runs a test on this system, and then as on a system where `f64::mul_add` is not fused.
 #[cfg(test)]
 pub fn with_and_without_fused(mut test: impl FnMut()) {
     for is_without in [false, true] {
@@ -54,25 +54,25 @@ pub struct Dd {
 }
 
 impl Dd {
-    /// The exact difference of two floats.
+    /// Returns the exact difference of two floats.
     pub fn difference(a: f64, b: f64) -> Self {
         let high = a - b;
         let minus_b = high - a;
         Self { high, low: (a - (high - minus_b)) - (b + minus_b) }
     }
 
-    /// The two floats, the low part first.
+    /// Returns the two floats, the low part first.
     pub fn parts(self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// The number times 2 to the power of `exponent`, without an error unless it overflows or underflows.
+    /// Returns the number times 2 to the power of `exponent`, without an error unless it overflows or underflows.
     pub fn times_exp2(self, exponent: i32) -> Self {
         let [low, high] = self.parts().map(|part| libm::ldexp(part, exponent));
         Self { high, low }
     }
 
-    /// The number rounded to the nearest float.
+    /// Returns the number rounded to the nearest float.
     pub fn value(self) -> f64 {
         self.high + self.low
     }
@@ -117,28 +117,28 @@ impl Div for Dd {
     }
 }
 
-/// The same sum with `high` rounded to the nearest float (Dekker's fast two-sum).
+/// Returns the same sum with `high` rounded to the nearest float (Dekker's fast two-sum).
 fn renormalized(high: f64, low: f64) -> Dd {
     let sum = high + low;
     Dd { high: sum, low: low - (sum - high) }
 }
 
-/// The exact difference of two points, by coordinate.
+/// Returns the exact difference of two points, by coordinate.
 pub fn difference(a: DVec3, b: DVec3) -> [Dd; 3] {
     [Dd::difference(a.x, b.x), Dd::difference(a.y, b.y), Dd::difference(a.z, b.z)]
 }
 
-/// A vector minus a point.
+/// Returns a vector minus a point.
 pub fn minus(a: [Dd; 3], b: DVec3) -> [Dd; 3] {
     [a[0] - b.x.into(), a[1] - b.y.into(), a[2] - b.z.into()]
 }
 
-/// The dot product of two vectors.
+/// Returns the dot product of two vectors.
 pub fn dot(a: [Dd; 3], b: [Dd; 3]) -> Dd {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The cross product of two vectors.
+/// Returns the cross product of two vectors.
 pub fn cross(a: [Dd; 3], b: [Dd; 3]) -> [Dd; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -152,7 +152,7 @@ pub struct SquaredSine {
 }
 
 impl SquaredSine {
-    /// The angle between two vectors of any length.
+    /// Returns the squared sine of the angle between two vectors of any length.
     pub fn of(one: DVec3, other: [Dd; 3]) -> Self {
         let one = one.to_array().map(Dd::from);
         let across = cross(one, other);

@@ -1,15 +1,16 @@
-//! Exact arithmetic: sums of products of floats without rounding, overflow or underflow, and the geometric
-//! predicates that are computed with them.
+//! Exact arithmetic: sums of products of floats without rounding, overflow or underflow, and geometric predicates that
+//! use them.
 //!
-//! A sum is a fixed-point accumulator that is wide enough for every bit of a product of three floats (Kulisch, "Computer
-//! Arithmetic and Validity", 2nd edition, de Gruyter, 2013). Every finite float is an integer below 2^53 times
-//! 2^(e - 1074), with e from 0 to 2045. Hence a product of three floats is an integer below 2^159 times 2^(e - 3222),
-//! with e from 0 to 6135. It fits into 6294 bits, and 6400 bits hold the sum of more products than a program can add.
+//! A sum is a fixed-point accumulator that is wide enough for every bit of a product of three floats (Kulisch,
+//! "Computer Arithmetic and Validity", 2nd edition, de Gruyter, 2013). Every finite float is an integer below 2^53
+//! times 2^(e - 1074), with e from 0 to 2045. Hence a product of three floats is an integer below 2^159 times 2^(e -
+//! 3222), with e from 0 to 6135. It fits into 6294 bits, and 6400 bits hold the sum of more products than a program can
+//! add.
 //!
-//! The predicates are the determinants that decide whether and where a ray meets a triangle, computed from the given
-//! coordinates and rounded only once, at the end. They are correct for all finite floats. The triangle test calls them
-//! when its own error bound does not decide. Differences of points may be rounded, and may overflow. Where they are,
-//! products are expanded instead: (p - o) x (q - o) = p x q + q x o + o x p.
+//! The predicates are the determinants that decide if and where a ray meets a triangle. They are computed from the
+//! given coordinates and rounded only once, at the end, so they are correct for all finite floats. The triangle test
+//! calls them if its own error bound does not decide. Differences of points may be rounded, and may overflow. In that
+//! case products are expanded instead: (p - o) x (q - o) = p x q + q x o + o x p.
 
 use super::double_double::Dd;
 use glam::DVec3;
@@ -27,18 +28,18 @@ impl Scaled {
     /// Zero, with an exponent below that of all other numbers.
     pub const ZERO: Self = Self { significand: 0.0, exponent: i32::MIN / 2 };
 
-    /// The sign: -1, 0 or 1.
+    /// Returns the sign: -1, 0 or 1.
     pub fn sign(self) -> i32 {
         (self.significand > 0.0) as i32 - (self.significand < 0.0) as i32
     }
 
-    /// The quotient as an ordinary float: infinite when it overflows, NaN when both are zero.
+    /// Returns the quotient as an ordinary float: infinite if it overflows, NaN if both are zero.
     pub fn over(self, divisor: Self) -> f64 {
         libm::ldexp(self.significand / divisor.significand, self.exponent - divisor.exponent)
     }
 }
 
-/// The numbers divided by a common power of two, such that the largest absolute value is from 0.5 to 1.
+/// Returns the numbers divided by a common power of two, such that the largest absolute value is from 0.5 to 1.
 pub fn on_one_scale(numbers: [Scaled; 3]) -> [f64; 3] {
     let largest = numbers.iter().fold(i32::MIN / 2, |largest, number| largest.max(number.exponent));
     numbers.map(|number| libm::ldexp(number.significand, number.exponent - largest))
@@ -53,7 +54,8 @@ pub struct ExactSum {
     used: [usize; 2],
 }
 
-/// One digit more than the bits need, below all others, so that every digit in use has a lower neighbour.
+/// The number of digits: one more than the bits need, below all others, so that every digit in use has a lower
+/// neighbour.
 const DIGITS: usize = 1 + 6400 / 64;
 
 /// The exponent of the least significant bit of the lowest digit.
@@ -108,7 +110,7 @@ impl ExactSum {
         }
     }
 
-    /// The sum, rounded to the nearest float of unbounded exponent. Its sign is exact, and it is zero only if
+    /// Returns the sum, rounded to the nearest float of unbounded exponent. Its sign is exact, and it is zero only if
     /// the sum is zero.
     pub fn value(mut self) -> Scaled {
         let is_negative = self.carry() < 0;
@@ -125,8 +127,8 @@ impl ExactSum {
         self.digits.get_mut(first..end).unwrap_or_default()
     }
 
-    /// Propagates carries, so that every digit is from 0 to 2^64 - 1, and returns the carry out of the
-    /// highest digit: 0, or -1 for a negative sum, whose two's complement the digits then are.
+    /// Propagates carries, so that every digit is from 0 to 2^64 - 1. Returns the carry out of the highest digit: 0, or
+    /// -1 for a negative sum, which the digits then hold in two's complement.
     fn carry(&mut self) -> i128 {
         self.digits_in_use().iter_mut().fold(0, |carry, digit| {
             let sum = *digit + carry;
@@ -135,7 +137,7 @@ impl ExactSum {
         })
     }
 
-    /// The value after carries have been propagated, for a sum that is not negative.
+    /// Returns the value after carries have been propagated, for a sum that is not negative.
     fn normalized_value(&self) -> Scaled {
         let [first, end] = self.used;
         let Some(highest) = (first..end).rev().find(|&i| self.digits[i] != 0) else { return Scaled::ZERO };
@@ -148,8 +150,8 @@ impl ExactSum {
     }
 }
 
-/// The product of two 128-bit integers as digits in base 2^64, the least significant first. The product must
-/// be less than 2^256.
+/// Returns the product of two 128-bit integers as digits in base 2^64, the least significant first. The product must be
+/// less than 2^256.
 fn product(a: u128, b: u128) -> [u64; 4] {
     let halves = |x: u128| [x as u64, (x >> 64) as u64].map(u128::from);
     let ([a_low, a_high], [b_low, b_high]) = (halves(a), halves(b));
@@ -160,26 +162,25 @@ fn product(a: u128, b: u128) -> [u64; 4] {
     [first, second, third, fourth].map(|digit| digit as u64)
 }
 
-/// The edges of a triangle, each opposite to the vertex of the same index.
+/// Returns the edges of a triangle, each opposite to the vertex of the same index.
 fn edges<T: Copy>([a, b, c]: [T; 3]) -> [[T; 2]; 3] {
     [[b, c], [c, a], [a, b]]
 }
 
-/// The edge functions `d . ((p - o) x (q - o))` of a ray from `o` along `d`, where the edge from p to q is
+/// Returns the edge functions `d . ((p - o) x (q - o))` of a ray from `o` along `d`, where the edge from p to q is
 /// opposite to each vertex in turn.
 pub fn edge_functions(o: DVec3, d: DVec3, triangle: [DVec3; 3]) -> [Scaled; 3] {
     edges(triangle).map(|[p, q]| projected_area(d, [o, p, q]))
 }
 
-/// The difference of two points, if no coordinate of it is rounded. That of points close to each other is not, unless
-/// they are close to zero (Sterbenz, "Floating-Point Computation", Prentice-Hall 1974).
+/// Returns the difference of two points, if no coordinate of it is rounded. It is not rounded for points close to each
+/// other, unless they are close to zero (Sterbenz, "Floating-Point Computation", Prentice-Hall 1974).
 fn exact_difference(a: DVec3, b: DVec3) -> Option<DVec3> {
     let is_exact = (0..3).all(|axis| Dd::difference(a[axis], b[axis]).parts()[0] == 0.0);
     is_exact.then_some(a - b)
 }
 
-/// `d . ((b - a) x (c - a))`: twice the signed area of a triangle projected along `d`, times the length of
-/// `d`.
+/// Returns `d . ((b - a) x (c - a))`: twice the signed area of a triangle projected along `d`, times the length of `d`.
 pub fn projected_area(d: DVec3, triangle: [DVec3; 3]) -> Scaled {
     let [a, b, c] = triangle;
     let mut sum = ExactSum::default();
@@ -190,7 +191,7 @@ pub fn projected_area(d: DVec3, triangle: [DVec3; 3]) -> Scaled {
     sum.value()
 }
 
-/// `(a - o) . ((b - a) x (c - a))`: six times the signed volume of the tetrahedron of a point and a triangle.
+/// Returns `(a - o) . ((b - a) x (c - a))`: six times the signed volume of the tetrahedron of a point and a triangle.
 pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
     let [a, b, c] = triangle;
     let mut sum = ExactSum::default();
@@ -204,7 +205,7 @@ pub fn volume(o: DVec3, triangle: [DVec3; 3]) -> Scaled {
     sum.value()
 }
 
-/// `(b - a) x (c - a)`: the normal of a triangle, whose length is twice the triangle's area.
+/// Returns `(b - a) x (c - a)`: the normal of a triangle, whose length is twice the triangle's area.
 pub fn area_vector(triangle: [DVec3; 3]) -> [Scaled; 3] {
     [[1, 2], [2, 0], [0, 1]].map(|[i, j]| {
         let mut sum = ExactSum::default();
@@ -216,7 +217,7 @@ pub fn area_vector(triangle: [DVec3; 3]) -> [Scaled; 3] {
     })
 }
 
-/// One component of a cross product, `d[i] * (q - p)[j] - d[j] * (q - p)[i]`.
+/// Returns one component of a cross product, `d[i] * (q - p)[j] - d[j] * (q - p)[i]`.
 pub fn cross_component(d: DVec3, [p, q]: [DVec3; 2], [i, j]: [usize; 2]) -> Scaled {
     let mut sum = ExactSum::default();
     for (point, sign) in [(q, 1.0), (p, -1.0)] {

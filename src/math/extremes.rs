@@ -1,33 +1,33 @@
-//! Minima and maxima that compile to one instruction each. Unlike `f64::min` and `f64::max`, which avoid NaN,
-//! they return their second argument when either one is NaN.
+//! Minima and maxima that compile to one instruction each. Unlike `f64::min` and `f64::max`, which avoid NaN, they
+//! return their second argument if either one is NaN.
 
 use glam::DVec3;
 
-/// The minimum of two; the second when they are unordered or equal.
+/// Returns the minimum of two, or the second if they are unordered or equal.
 #[inline(always)]
 pub fn min<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 
-/// The maximum of two; the second when they are unordered or equal.
+/// Returns the maximum of two, or the second if they are unordered or equal.
 #[inline(always)]
 pub fn max<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 
-/// The minimum of three.
+/// Returns the minimum of three.
 #[inline(always)]
 pub fn min3<T: PartialOrd>([a, b, c]: [T; 3]) -> T {
     min(min(a, b), c)
 }
 
-/// The maximum of three.
+/// Returns the maximum of three.
 #[inline(always)]
 pub fn max3<T: PartialOrd>([a, b, c]: [T; 3]) -> T {
     max(max(a, b), c)
 }
 
-/// The minimum and maximum corners of the bounding box of three points.
+/// Returns the minimum and maximum corners of the bounding box of three points.
 #[inline(always)]
 pub fn box_corners([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
     let axis = |axis: usize| [a[axis], b[axis], c[axis]];
@@ -47,7 +47,7 @@ mod tests {
         assert_eq!((min(1, 2), min(2, 1), max(1, 2), max(2, 1)), (1, 1, 2, 2));
     }
 
-    /// The same as the processor's instructions: zeros of different sign are equal.
+    /// The results equal those of the processor's instructions. Zeros of different sign are equal.
     #[test]
     fn the_second_argument_is_returned_when_neither_is_the_extreme() {
         for extreme in [min, max] {

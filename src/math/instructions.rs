@@ -1,12 +1,12 @@
-//! Which instruction sets the inner loops may use. They are compiled for each [`Level`], whose tokens prove that the
-//! processor has the instructions. Hits and pictures do not depend on it.
+//! The instruction sets that the inner loops may use. The loops are compiled for each [`Level`], whose tokens prove
+//! that the processor has the instructions. Hits and pictures do not depend on the level.
 
 use crate::base::shortcut::Shortcut;
 pub use fearless_simd::Level;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::Simd;
 
-/// The levels that this machine can run, the fastest first and last the one that the compilation target guarantees.
+/// Returns the levels that this machine can run, from the fastest to the one that the compilation target guarantees.
 pub fn available() -> Vec<Level> {
     let mut levels = Vec::new();
     #[cfg(target_arch = "x86_64")]
@@ -19,8 +19,8 @@ pub fn available() -> Vec<Level> {
     levels
 }
 
-/// Prefetches all cache lines of a value that will be read soon. This has no effect but on time, and is a
-/// no-op on processors other than x86-64.
+/// Prefetches all cache lines of a value that will be read soon. This affects only the time, and does nothing on
+/// processors other than x86-64.
 #[inline(always)]
 pub fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]

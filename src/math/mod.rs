@@ -1,5 +1,4 @@
-//! Boxes, rays, arithmetic with bounded or no rounding error, and SIMD lanes. All other modules build on
-//! these.
+//! Boxes, rays, arithmetic with bounded or no rounding error, and SIMD lanes. All other modules build on these.
 
 pub mod aabb;
 pub mod ray;

@@ -11,23 +11,23 @@ use serde::Serialize;
 pub struct Ray {
     /// The point at t = 0.
     pub origin: DVec3,
-    /// The smallest t of a hit: 0, or minus infinity for an orthographic camera, which also sees what is
-    /// behind its plane.
+    /// The smallest t of a hit: 0, or minus infinity for an orthographic camera, which also sees objects behind its
+    /// plane.
     pub t_min: f64,
-    /// The direction, which need not be a unit vector: its length is the unit of t.
+    /// The direction, which need not be a unit vector. Its length is the unit of t.
     pub direction: DVec3,
-    /// All hits have a t below this, which is infinite for a ray without an end.
+    /// The upper end of t, which no hit reaches; infinite for a ray without an end.
     pub t_max: f64,
 }
 
 impl Ray {
-    /// A ray from `origin` without an end.
+    /// Returns a ray from `origin` without an end.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
     }
 
-    /// The ray's numbers in pairs. Pairs are passed to a function in registers. A ray is passed in memory,
-    /// where it is written in parts and then read as whole vectors, so that store forwarding fails and the
+    /// Returns the ray's numbers in pairs, which are passed to a function in registers. A ray itself is passed in
+    /// memory, where it is written in parts and then read as whole vectors, so that store forwarding fails and the
     /// processor stalls.
     #[inline(always)]
     pub fn pairs(&self) -> [DVec2; 4] {
@@ -35,25 +35,24 @@ impl Ray {
         [o.truncate(), DVec2::new(o.z, self.t_min), d.truncate(), DVec2::new(d.z, self.t_max)]
     }
 
-    /// The ray whose [`pairs`](Self::pairs) these are.
+    /// Returns the ray with these [`pairs`](Self::pairs).
     #[inline(always)]
     pub fn of_pairs([o, o_z, d, d_z]: [DVec2; 4]) -> Self {
         Self { origin: o.extend(o_z.x), t_min: o_z.y, direction: d.extend(d_z.x), t_max: d_z.y }
     }
 
-    /// The point at `t`.
+    /// Returns the point at `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }
 
-    /// Whether `t` lies on the ray; neither a NaN nor an infinity does.
+    /// Returns true if `t` lies on the ray. A NaN or an infinity never does.
     pub fn covers(&self, t: f64) -> bool {
         t >= self.t_min && t < self.t_max && t > f64::NEG_INFINITY
     }
 }
 
-/// The primitive that a ray hits first. The hit itself is computed by `World::hit`, only for callers that
-/// need it.
+/// The primitive that a ray hits first. `World::hit` computes the hit itself, only for callers that need it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visible {
     /// The primitive's id in its world.
@@ -70,7 +69,7 @@ pub struct Hit {
     /// The primitive's id in its world.
     #[serde(skip)]
     pub primitive: u32,
-    /// The barycentric weights of a triangle's vertices, up to a common factor; none for other primitives.
+    /// The barycentric weights of a triangle's vertices, up to a common factor; `None` for other primitives.
     #[serde(skip)]
     pub weights: Option<[f64; 3]>,
 }

@@ -1,5 +1,5 @@
-//! Arithmetic with known error bounds: the offset of secondary rays (`proofs/offset.g`), unit vectors and
-//! normals at any scale, and whether a matrix is singular (`proofs/determinant.g`).
+//! Arithmetic with known error bounds: the offset of secondary rays (`proofs/offset.g`), unit vectors and normals at
+//! any scale, and the test for singular matrices (`proofs/determinant.g`).
 
 use super::double_double::{Dd, dot};
 use super::exact::ExactSum;
@@ -9,25 +9,23 @@ use glam::{DAffine3, DMat3, DVec3};
 /// *roundings* for short.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// How far from the surface a secondary ray starts, in roundings of the largest coordinate involved.
+/// The distance from the surface at which a secondary ray starts, in roundings of the largest coordinate involved.
 const OFFSET_ROUNDINGS: f64 = 32.0;
 
-/// The least offset, which a surface at the origin needs. It is so large that products with it do not underflow.
+/// The least offset, which a surface at the origin needs. It is large enough that products with it do not underflow.
 const MIN_OFFSET: f64 = 1e-290;
 
-/// The origin of a secondary ray that leaves `point` along the unit vector `direction`, moved so that the ray
+/// Returns the origin of a secondary ray that leaves `point` along the unit vector `direction`, moved so that the ray
 /// neither hits the surface it leaves nor skips a surface close by.
 ///
-/// The distance of a computed point from its surface is at most a few roundings of the point's coordinates
-/// and of the coordinates it was computed from, the largest of which is `extent`. Other primitives do not matter:
-/// on which side of them the ray starts is decided by their own tests, exactly.
-/// `OFFSET_ROUNDINGS` covers the point's error and that of the next test of its own surface, as `proofs/offset.g`
-/// and `proofs/offset_ellipsoid.g` prove.
-/// Measured: no false and no missed shadow at scales from 1e-6 to 1e6, and beside things at 1e15.
+/// The distance of a computed point from its surface is at most a few roundings of the point's coordinates and of the
+/// coordinates from which it was computed, the largest of which is `extent`. Other primitives do not matter: their own
+/// tests decide exactly on which side of them the ray starts. `OFFSET_ROUNDINGS` covers the error of the point and of
+/// the next test of its own surface, as `proofs/offset.g` and `proofs/offset_ellipsoid.g` prove. Measured: no false and
+/// no missed shadow at scales from 1e-6 to 1e6, and beside objects at 1e15.
 ///
-/// The point moves along the direction, so that it stays on the line of the ray and the error of a path does
-/// not grow with its bounces. At grazing angles, where that would be a long way, it moves along the normal
-/// instead.
+/// The point moves along the direction, so that it stays on the line of the ray and the error of a path does not grow
+/// with its bounces. At grazing angles this distance would be long, so the point moves along the normal instead.
 #[inline(always)]
 pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, extent: f64) -> DVec3 {
     const GRAZING_COSINE: f64 = 0.25;
@@ -41,8 +39,8 @@ pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, extent:
     point + signed_distance * unit_normal
 }
 
-/// `v` scaled to unit length, also when the square of its length overflows or underflows. The result is NaN
-/// for a vector that has no direction: zero, infinite or NaN.
+/// Returns `v` scaled to unit length, even if the square of its length overflows or underflows. The result is NaN for a
+/// vector without a direction: zero, infinite or NaN.
 #[inline(always)]
 pub fn unit(v: DVec3) -> DVec3 {
     const REPRESENTABLE: std::ops::Range<f64> = 1e-290..1e290;
@@ -54,13 +52,13 @@ fn unit_of_extreme(v: DVec3) -> DVec3 {
     rescaled(v).normalize()
 }
 
-/// The image of a point under an affine map, with each coordinate rounded only once. In plain f64 the error
+/// Returns the image of a point under an affine map, with each coordinate rounded only once. In plain f64 the error
 /// could reach seven roundings of the largest intermediate result.
 pub fn transformed(map: &DAffine3, point: DVec3) -> DVec3 {
     DVec3::from_array(transformed_precisely(map, point.to_array().map(Dd::from)).map(Dd::value))
 }
 
-/// Computes it in double-double arithmetic.
+/// Computes the image of a point under an affine map in double-double arithmetic.
 pub fn transformed_precisely(map: &DAffine3, point: [Dd; 3]) -> [Dd; 3] {
     let rows = map.matrix3.transpose();
     let coordinate = |row: DVec3, offset: f64| dot(row.to_array().map(Dd::from), point) + offset.into();
@@ -68,27 +66,27 @@ pub fn transformed_precisely(map: &DAffine3, point: [Dd; 3]) -> [Dd; 3] {
     [coordinate(rows.x_axis, x), coordinate(rows.y_axis, y), coordinate(rows.z_axis, z)]
 }
 
-/// `v` times a power of two such that its largest absolute coordinate is from 0.5 to 1, and the exponent of
+/// Returns `v` times a power of two such that its largest absolute coordinate is from 0.5 to 1, and the exponent of
 /// that power. The scaling is exact unless a coordinate underflows, and leaves zero unchanged.
 fn scaled_to_unit(v: DVec3) -> (DVec3, i32) {
     let exponent = libm::frexp(v.abs().max_element()).1;
     (DVec3::from_array(v.to_array().map(|x| libm::ldexp(x, -exponent))), -exponent)
 }
 
-/// `v` times a power of two such that no product of its coordinates overflows or is lost to underflow.
+/// Returns `v` times a power of two such that no product of its coordinates overflows or is lost to underflow.
 pub fn rescaled(v: DVec3) -> DVec3 {
     scaled_to_unit(v).0
 }
 
-/// The matrix with each column scaled as by [`scaled_to_unit`], and the exponents. The scaling keeps products
-/// in range and preserves the sign of the determinant and its ratio to Hadamard's bound.
+/// Returns the matrix with each column scaled as by [`scaled_to_unit`], and the exponents. The scaling keeps products
+/// in range. It preserves the sign of the determinant and its ratio to Hadamard's bound.
 fn with_unit_columns(m: DMat3) -> (DMat3, [i32; 3]) {
     let [(x, i), (y, j), (z, k)] = [m.x_axis, m.y_axis, m.z_axis].map(scaled_to_unit);
     (DMat3::from_cols(x, y, z), [i, j, k])
 }
 
-/// The image of a normal under a matrix whose determinant has the sign `orientation`, which is not 0. It points to the
-/// image of the side that the normal pointed to, and its length is arbitrary.
+/// Returns the image of a normal under a matrix whose determinant has the sign `orientation`, which is not 0. It points
+/// to the image of the side to which the normal pointed. Its length is arbitrary.
 ///
 /// Normals are mapped by the cofactor matrix, which is the inverse transpose times the determinant. The
 /// columns are scaled so that products stay in range, and each coordinate of the normal is scaled by the same
@@ -101,17 +99,17 @@ pub fn transformed_normal(m: DMat3, orientation: i32, normal: DVec3) -> DVec3 {
     cofactor(m) * DVec3::from_array(rescaled_normal) * f64::from(orientation)
 }
 
-/// The cofactor matrix, which is the inverse transpose times the determinant. Unlike the inverse transpose it
-/// stays finite when the matrix is singular.
+/// Returns the cofactor matrix, which is the inverse transpose times the determinant. Unlike the inverse transpose, it
+/// stays finite if the matrix is singular.
 fn cofactor(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-/// The largest error of [`transformed_normal`] relative to its length, for a matrix whose numbers have errors of at most
-/// `error`.
+/// Returns the largest error of [`transformed_normal`] relative to its length, for a matrix whose numbers have errors
+/// of at most `error`.
 pub fn transformed_normal_error(m: DMat3, error: DMat3, normal: DVec3) -> f64 {
-    /// Of the cofactors two roundings, of the products with the normal three, and of the unit normal's numbers and of
-    /// this bound's own arithmetic the rest.
+    /// Two roundings for the cofactors, three for the products with the normal, and the rest for the unit normal's
+    /// numbers and this bound's own arithmetic.
     const ROUNDINGS: f64 = 9.0;
     let scaled = |m: DMat3, [i, j, k]: [i32; 3]| {
         let scale = |v: DVec3, exponent| DVec3::from_array(v.to_array().map(|x| libm::ldexp(x, exponent)));
@@ -127,7 +125,7 @@ pub fn transformed_normal_error(m: DMat3, error: DMat3, normal: DVec3) -> f64 {
     (moved + rounded).length() / (cofactor(m) * normal).length()
 }
 
-/// The cofactor matrix with sums in place of differences, of products of one matrix's numbers with another's.
+/// Returns the cofactor matrix with sums instead of differences, of products of one matrix's numbers with another's.
 fn unsigned_cofactor(one: DMat3, other: DMat3) -> DMat3 {
     let cross =
         |p: DVec3, q: DVec3| DVec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
@@ -138,15 +136,14 @@ fn unsigned_cofactor(one: DMat3, other: DMat3) -> DMat3 {
     )
 }
 
-/// The exact sign of the determinant of a finite matrix: -1, 0 or 1.
+/// Returns the exact sign of the determinant of a finite matrix: -1, 0 or 1.
 pub fn determinant_sign(m: DMat3) -> i32 {
     let mut determinant = ExactSum::default();
     determinant.add_determinant([m.x_axis, m.y_axis, m.z_axis]);
     determinant.value().sign()
 }
 
-/// The factor by which a matrix scales all lengths, or none when it is not a similarity (to a relative
-/// 1e-12).
+/// Returns the factor by which a matrix scales all lengths; `None` if it is not a similarity (to a relative 1e-12).
 pub fn similarity_scale(m: DMat3) -> Option<f64> {
     let largest = m.to_cols_array().into_iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     let exponent = libm::frexp(largest).1;
@@ -157,7 +154,7 @@ pub fn similarity_scale(m: DMat3) -> Option<f64> {
     deviation.iter().all(|x| x.abs() <= 1e-12 * square).then(|| libm::ldexp(square.sqrt(), exponent))
 }
 
-/// Whether the determinant is zero within the rounding errors of its computation and of the matrix entries. A
+/// Returns true if the determinant is zero within the rounding errors of its computation and of the matrix entries. A
 /// matrix with a NaN counts as singular.
 ///
 /// The determinant is compared with Hadamard's bound, the largest determinant that columns (or rows) of these
@@ -174,8 +171,8 @@ pub const SINGULAR_ROUNDINGS: f64 = 16.0;
 /// Error bound of a computed determinant, in roundings of Hadamard's bound.
 pub const DETERMINANT_ROUNDINGS: f64 = 6.0;
 
-/// The largest error of the matrix entries, in roundings of each, for which a matrix with an exact
-/// determinant of zero is still recognized as singular.
+/// The largest error of the matrix entries, in roundings of each, up to which a matrix with an exact determinant of
+/// zero is still recognized as singular.
 pub const ENTRY_ROUNDINGS: f64 = 2.5;
 
 fn is_singular_by_columns(m: DMat3) -> bool {

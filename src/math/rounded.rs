@@ -4,14 +4,15 @@ use super::robust::{UNIT_ROUNDOFF, determinant_sign};
 use glam::{DAffine3, DMat3, DVec3};
 use std::ops::Mul;
 
-/// An affine map as it is computed, and how far the exact one may be from it.
+/// An affine map as computed, with a bound on its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundedAffine {
-    /// The map as it is computed.
+    /// The map as computed.
     pub map: DAffine3,
     /// The largest error of each of its numbers.
     pub error: DAffine3,
-    /// The sign of its determinant, -1, 0 or 1. It is exact: the product of the signs of its factors' determinants.
+    /// The exact sign of the map's determinant: -1, 0 or 1. It is the product of the signs of its factors'
+    /// determinants.
     pub orientation: i32,
 }
 
@@ -19,22 +20,21 @@ pub struct RoundedAffine {
 /// roundings for three products, two sums and the translation, and one for the bound's own arithmetic.
 const PRODUCT_ROUNDINGS: f64 = 5.0;
 
-/// The error bound of a computed coordinate of an image, in roundings of the sum of absolute values that it is computed
-/// from: four for three products and three sums, and the rest for the numbers that an author writes, which are rounded,
-/// too.
+/// The error bound of a computed coordinate of an image, in roundings of the sum of absolute values from which it is
+/// computed: four for three products and three sums, and the rest for the rounded numbers that an author writes.
 pub const IMAGE_ROUNDINGS: f64 = 16.0;
 
 impl RoundedAffine {
     /// The identity.
     pub const IDENTITY: Self = Self { map: DAffine3::IDENTITY, error: DAffine3::ZERO, orientation: 1 };
 
-    /// A map without errors.
+    /// Returns a map without errors.
     pub fn exact(map: DAffine3) -> Self {
         Self { map, error: DAffine3::ZERO, orientation: determinant_sign(map.matrix3) }
     }
 
-    /// The error bound of the images of points whose errors along any axis are at most the first number, and the second
-    /// one more for each unit of the sum of their coordinates' absolute values: along any axis, in the same form.
+    /// Returns the error bound of the images of points. Both bounds apply along any axis and have two parts:
+    /// `at_origin`, and `per_distance` for each unit of the sum of the coordinates' absolute values.
     pub fn image_error(&self, [at_origin, per_distance]: [f64; 2]) -> [f64; 2] {
         let (sizes, error) = (absolute(self.map), self.error);
         let rows = sizes.matrix3 * DVec3::ONE;
@@ -46,7 +46,7 @@ impl RoundedAffine {
         [widest * at_origin + of_translation, widest * per_distance + of_matrix]
     }
 
-    /// Whether all numbers of the map are finite.
+    /// Returns true if all numbers of the map are finite.
     pub fn is_finite(&self) -> bool {
         self.map.is_finite()
     }
@@ -58,7 +58,7 @@ impl From<DAffine3> for RoundedAffine {
     }
 }
 
-/// The composition: the right one acts first.
+/// Composes two maps; the right one is applied first.
 impl Mul for RoundedAffine {
     type Output = Self;
 
@@ -75,7 +75,7 @@ impl Mul for RoundedAffine {
     }
 }
 
-/// The error bound of a product: |A| E + D |B| + D E for factors with the errors D and E, and the roundings.
+/// Returns the error bound of a product: |A| E + D |B| + D E for factors with the errors D and E, and the roundings.
 fn product_error(one: RoundedAffine, other: RoundedAffine) -> DAffine3 {
     let (a, b, d, e) = (absolute(one.map), absolute(other.map), one.error, other.error);
     let linear = a.matrix3 * e.matrix3 + d.matrix3 * (b.matrix3 + e.matrix3);
@@ -87,7 +87,7 @@ fn product_error(one: RoundedAffine, other: RoundedAffine) -> DAffine3 {
     }
 }
 
-/// The map with the absolute value of each number.
+/// Returns the map with the absolute value of each number.
 pub fn absolute(map: DAffine3) -> DAffine3 {
     let DMat3 { x_axis, y_axis, z_axis } = map.matrix3;
     DAffine3 {
@@ -96,19 +96,19 @@ pub fn absolute(map: DAffine3) -> DAffine3 {
     }
 }
 
-/// A point of a surface as it is computed.
+/// A point of a surface as computed, with a bound on its error.
 #[derive(Clone, Copy)]
 pub struct RoundedPoint<'a> {
-    /// The point as it is computed.
+    /// The point as computed.
     pub position: DVec3,
-    /// How far along each axis it may be from the surface as the scene describes it. It is computed where it is needed.
+    /// Computes the largest distance along each axis between the point and the surface that the scene describes.
     pub error: &'a dyn Fn() -> DVec3,
-    /// A point that is farther from a boundary in the space of a checkerboard is certainly on its side of it, whatever
-    /// its error is.
+    /// The width of the boundaries of checkerboards. A point farther from a boundary, in the space of a checkerboard,
+    /// is certainly on its side of the boundary.
     pub boundary_width: f64,
 }
 
-/// A point that lies on its surface exactly.
+/// Converts a point that lies exactly on its surface.
 impl From<DVec3> for RoundedPoint<'_> {
     fn from(position: DVec3) -> Self {
         Self { position, error: &|| DVec3::ZERO, boundary_width: f64::INFINITY }

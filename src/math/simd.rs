@@ -1,5 +1,5 @@
-//! Numbers in one or in four lanes. A formula that is written over [`Number`] computes one result from plain numbers, or
-//! four results from [`f64x4`], each with the same bits, whatever the instruction set is.
+//! Numbers in one or in four lanes. A formula over [`Number`] computes one result from plain numbers, or four results
+//! from [`f64x4`]. Each has the same bits, whatever the instruction set is.
 //!
 //! Four lanes hold the three axes of one ray and an unused fourth lane, or one axis of four rays. The unused lane never
 //! influences a result and may hold any value.
@@ -16,33 +16,33 @@ pub trait Number:
 {
     /// Proves that the processor has the instructions that the implementation uses.
     type Proof: Copy;
-    /// The proof that this value was made with.
+    /// Returns the proof with which this value was made.
     fn proof(self) -> Self::Proof;
-    /// `x` in all lanes.
+    /// Returns `x` in all lanes.
     fn splat(proof: Self::Proof, x: f64) -> Self;
-    /// `x` in all lanes, with the proof of this value.
+    /// Returns `x` in all lanes, with the proof of this value.
     #[inline(always)]
     fn broadcast(self, x: f64) -> Self {
         Self::splat(self.proof(), x)
     }
-    /// The reciprocals.
+    /// Returns the reciprocals.
     #[inline(always)]
     fn recip(self) -> Self {
         self.broadcast(1.0) / self
     }
-    /// The absolute values.
+    /// Returns the absolute values.
     fn abs(self) -> Self;
-    /// The minima; the lane of `other` where either one is NaN.
+    /// Returns the minima, and the lane of `other` if either one is NaN.
     fn min(self, other: Self) -> Self;
-    /// The maxima; the lane of `other` where either one is NaN.
+    /// Returns the maxima, and the lane of `other` if either one is NaN.
     fn max(self, other: Self) -> Self;
-    /// The square roots.
+    /// Returns the square roots.
     fn sqrt(self) -> Self;
-    /// `then` where this is less than `other`, and `otherwise` elsewhere.
+    /// Returns `then` in lanes where this is less than `other`, and `otherwise` in the others.
     fn select_lt(self, other: Self, then: Self, otherwise: Self) -> Self;
-    /// The set of lanes where this is at most `other`. A lane with a NaN is not in it.
+    /// Returns the set of lanes where this is at most `other`. A lane with a NaN is not in it.
     fn le_mask(self, other: Self) -> u32;
-    /// The set of lanes where this is less than `other`. A lane with a NaN is not in it.
+    /// Returns the set of lanes where this is less than `other`. A lane with a NaN is not in it.
     fn lt_mask(self, other: Self) -> u32;
 }
 
@@ -96,9 +96,9 @@ impl Number for f64 {
 /// The number of lanes.
 pub const LANES: usize = 4;
 
-/// 1.5 * 2^52. A number below 2^51 plus this constant is so large that its last bit stands for 1: the sum is
-/// rounded to an integer, which its lowest bits hold. That is faster than a conversion with `as`, which must
-/// also handle NaN and numbers out of range.
+/// 1.5 * 2^52. If this constant is added to a number below 2^51, the sum is so large that its last bit stands for 1. So
+/// it is rounded to an integer, which its lowest bits hold. This is faster than a conversion with `as`, which must also
+/// handle NaN and numbers out of range.
 pub const ROUND_TO_INTEGER: f64 = 1.5 * (1u64 << 52) as f64;
 
 /// The number of bits below a float's exponent.
@@ -122,7 +122,7 @@ impl<S: Simd> Number for f64x4<S> {
         SimdBase::abs(self)
     }
 
-    // On x86 one instruction does this; those of other processors return a NaN where either number is one.
+    // On x86 this is one instruction. The instructions of other processors return a NaN if either number is one.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         if cfg!(target_arch = "x86_64") {
@@ -162,32 +162,32 @@ impl<S: Simd> Number for f64x4<S> {
     }
 }
 
-/// What one number alone does not need.
+/// Operations on four lanes that a single number does not need.
 pub trait FourLanes: Number {
-    /// The lanes as an array.
+    /// Returns the lanes as an array.
     fn to_array(self) -> [f64; 4];
-    /// 1 where this is greater than 0, and 0 elsewhere.
+    /// Returns 1 in lanes where this is greater than 0, and 0 in the others.
     fn one_where_positive(self) -> Self;
-    /// This value where `other` is finite or NaN, and `replacement` where it is infinite.
+    /// Returns this value in lanes where `other` is finite or NaN, and `replacement` where it is infinite.
     fn unless_infinite(self, other: Self, replacement: f64) -> Self;
-    /// The product with 2 to the power of these integers, where neither this nor the product is zero,
-    /// subnormal, infinite or NaN.
+    /// Returns the product with 2 to the power of these integers. Neither this nor the product may be zero, subnormal,
+    /// infinite or NaN.
     fn times_exp2(self, exponents: Self) -> Self;
-    /// The set of axes (the first three lanes) whose sign bit is set, bit 0 for x.
+    /// Returns the set of axes (the first three lanes) whose sign bit is set, bit 0 for x.
     fn sign_mask(self) -> usize;
-    /// The nearest integers, for absolute values below 2^31.
+    /// Rounds to the nearest integers, for absolute values below 2^31.
     fn to_i32(self) -> [i32; 4];
     /// Rounds to the nearest integers, for absolute values below 2^51.
     fn round(self) -> Self;
-    /// The sum of the lanes of each of these, (a + c) + (b + d).
+    /// Returns the sum of the lanes of each of these, (a + c) + (b + d).
     fn sums(of: [Self; 4]) -> Self;
-    /// The last two lanes, and then the first two.
+    /// Returns the last two lanes, followed by the first two.
     fn swap_halves(self) -> Self;
     /// Rounds to single precision.
     fn to_f32(self) -> [f32; 4];
-    /// The minimum of the three axes; when two are compared and one is NaN, the later axis counts.
+    /// Returns the minimum of the three axes. If two are compared and one is NaN, the later axis counts.
     fn min3(self) -> f64;
-    /// The maximum of the three axes; when two are compared and one is NaN, the later axis counts.
+    /// Returns the maximum of the three axes. If two are compared and one is NaN, the later axis counts.
     fn max3(self) -> f64;
 }
 
@@ -234,7 +234,7 @@ impl<S: Simd> FourLanes for f64x4<S> {
     #[inline(always)]
     fn sums([p, q, r, s]: [Self; 4]) -> Self {
         let (pr, qs) = (sums_of_halves(p, r), sums_of_halves(q, s));
-        // Two steps within halves, since those across them take three times as long.
+        // Two steps within halves, since steps across them take three times as long.
         let odd = mask64x4::from_bitmask(p.token(), 0b1010);
         pr.slide_within_blocks::<1>(qs) + odd.select(qs, pr)
     }
@@ -263,15 +263,15 @@ impl<S: Simd> FourLanes for f64x4<S> {
     }
 }
 
-/// Lanes 0 and 1 plus lanes 2 and 3 of one, and of the other.
+/// Returns lanes 0 and 1 plus lanes 2 and 3 of `p`, followed by those sums of `r`.
 #[inline(always)]
 fn sums_of_halves<S: Simd>(p: f64x4<S>, r: f64x4<S>) -> f64x4<S> {
     let ((p_low, p_high), (r_low, r_high)) = (p.split(), r.split());
     p_low.combine(r_low) + p_high.combine(r_high)
 }
 
-/// The x, y and z lanes, each in the lowest lane of a pair. The compiler would merge adjacent minima and maxima of plain
-/// numbers into one vector sequence four times as long, which is on the critical path of every ray.
+/// Returns the x, y and z lanes, each in the lowest lane of a pair. The compiler would merge adjacent minima and maxima
+/// of plain numbers into one vector sequence four times as long, which is on the critical path of every ray.
 #[inline(always)]
 fn axes<S: Simd>(lanes: f64x4<S>) -> [f64x2<S>; 3] {
     let (xy, z) = lanes.split();
@@ -281,7 +281,7 @@ fn axes<S: Simd>(lanes: f64x4<S>) -> [f64x2<S>; 3] {
 /// All axes of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct RayLanes<S: Simd> {
-    /// Where t is 0.
+    /// The point at t = 0.
     pub origin: f64x4<S>,
     /// The direction, of any length.
     pub direction: f64x4<S>,
@@ -290,13 +290,13 @@ pub struct RayLanes<S: Simd> {
 }
 
 impl<S: Simd> RayLanes<S> {
-    /// Rays with this origin and direction.
+    /// Returns rays with this origin and direction.
     #[inline(always)]
     pub fn new(origin: f64x4<S>, direction: f64x4<S>) -> Self {
         Self { origin, direction, inv_direction: Number::recip(direction) }
     }
 
-    /// The three axes of a ray. The unused lanes repeat numbers that are in registers anyway.
+    /// Returns the three axes of a ray. The unused lanes repeat numbers that are in registers anyway.
     #[inline(always)]
     pub fn all_axes(simd: S, ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
@@ -307,7 +307,7 @@ impl<S: Simd> RayLanes<S> {
     }
 }
 
-/// The members of a set of lanes, in order.
+/// Returns the members of a set of lanes, in order.
 #[inline(always)]
 pub fn lanes(mut set: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -319,14 +319,14 @@ pub fn lanes(mut set: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// exp(x) for x from -708, below which results would be subnormal, to 0.
+/// Computes exp(x) for x from -708, below which results would be subnormal, to 0.
 ///
-/// The steps are those of `libm::exp` (FreeBSD's e_exp.c, Sun Microsystems, 2004), so that the result has the
-/// same bits: x = k ln 2 + r with an integer k and |r| at most ln(2) / 2, and exp(r) = 1 + r + r c / (2 - c)
-/// with c = r - (P1 r^2 + ... + P5 r^10). Where that function branches, this one selects.
+/// It takes the steps of `libm::exp` (FreeBSD's e_exp.c, Sun Microsystems, 2004), so that the result has the same
+/// bits: x = k ln 2 + r with an integer k and |r| at most ln(2) / 2, and exp(r) = 1 + r + r c / (2 - c) with
+/// c = r - (P1 r^2 + ... + P5 r^10). Where that function branches, this one selects.
 #[inline(always)]
 pub fn exp_of_negative<S: Simd>(x: f64x4<S>) -> f64x4<S> {
-    /// ln 2 in two parts, of which the first has so few bits that its product with k is exact.
+    /// ln 2 in two parts. The first has so few bits that its product with k is exact.
     const LN_2: [f64; 2] = [0.6931471803691238, 1.9082149292705877e-10];
     const P: [f64; 5] = [
         0.16666666666666602,

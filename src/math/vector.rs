@@ -5,8 +5,7 @@ use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// One vector, or one in each of several lanes, axis by axis. The operations are those of [`DVec3`] and give the same
-/// bits.
+/// One vector, or one in each of several lanes, axis by axis. The operations match [`DVec3`] and give the same bits.
 #[derive(Clone, Copy, Debug)]
 pub struct Vector<N> {
     pub x: N,
@@ -15,7 +14,7 @@ pub struct Vector<N> {
 }
 
 impl<N: Number> Vector<N> {
-    /// The same vector in all lanes.
+    /// Returns the same vector in all lanes.
     #[inline(always)]
     pub fn splat(simd: N::Proof, v: DVec3) -> Self {
         Self { x: N::splat(simd, v.x), y: N::splat(simd, v.y), z: N::splat(simd, v.z) }
@@ -35,19 +34,19 @@ impl<N: Number> Vector<N> {
         }
     }
 
-    /// The absolute values.
+    /// Returns the absolute values.
     #[inline(always)]
     pub fn abs(self) -> Self {
         Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }
 
-    /// The maxima, axis by axis, as [`Number::max`] takes them.
+    /// Returns the maxima, axis by axis, as defined by [`Number::max`].
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
         Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
     }
 
-    /// The unit vectors.
+    /// Returns the unit vectors.
     #[inline(always)]
     pub fn normalized(self) -> Self {
         self * self.dot(self).sqrt().recip()
@@ -55,7 +54,7 @@ impl<N: Number> Vector<N> {
 }
 
 impl<S: Simd> Vector<f64x4<S>> {
-    /// Four vectors.
+    /// Loads four vectors, one in each lane.
     #[inline(always)]
     pub fn new(simd: S, [a, b, c, d]: [&DVec3; 4]) -> Self {
         Self {
@@ -65,7 +64,7 @@ impl<S: Simd> Vector<f64x4<S>> {
         }
     }
 
-    /// The four vectors.
+    /// Returns the four vectors.
     #[inline(always)]
     pub fn to_array(self) -> [DVec3; 4] {
         let ([a, b, c, d], [e, f, g, h]) = (self.x.to_array(), self.y.to_array());
@@ -126,14 +125,14 @@ mod tests {
     use crate::math::instructions;
     use fearless_simd::dispatch;
 
-    /// Results of every operation on two vectors and a number.
+    /// Returns the results of every operation on two vectors and a number.
     fn results<N: Number>([p, q]: [Vector<N>; 2], factor: N) -> [Vector<N>; 9] {
         let splat = Vector::splat(factor.proof(), DVec3::new(-3.7, -0.0, 1.0));
         let dot = Vector { x: p.dot(q), ..p };
         [p + q, p - q, p * factor, p / factor, dot, p.cross(q), p.abs(), p.max(q), p.normalized() + splat]
     }
 
-    /// The same by the library.
+    /// Returns the results of the library for these operations.
     fn expected([p, q]: [DVec3; 2], factor: f64) -> [DVec3; 9] {
         let splat = DVec3::new(-3.7, -0.0, 1.0);
         let max = |axis: usize| crate::math::extremes::max(p[axis], q[axis]);

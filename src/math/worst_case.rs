@@ -1,5 +1,5 @@
-//! The search for inputs whose rounding errors come close to an error bound, for tests that the bound is needed. It
-//! finds the same inputs on every machine.
+//! Searches for inputs whose rounding errors come close to an error bound, for tests that the bound is needed. The
+//! result does not depend on the machine.
 
 use glam::DVec3;
 
@@ -14,22 +14,22 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    /// From 0 to n - 1.
+    /// Returns an integer from 0 to n - 1.
     pub fn below(&mut self, n: u64) -> usize {
         (self.next() % n) as usize
     }
 
-    /// Uniform in [-1, 1).
+    /// Returns a uniform number in [-1, 1).
     pub fn signed(&mut self) -> f64 {
         (self.next() >> 10) as f64 / (1u64 << 53) as f64 - 1.0
     }
 
-    /// Uniform in [0, 1].
+    /// Returns a uniform number in [0, 1].
     pub fn unit(&mut self) -> f64 {
         self.signed().abs()
     }
 
-    /// Uniform in the cube from -1 to 1.
+    /// Returns a uniform point in the cube from -1 to 1.
     pub fn vector(&mut self) -> DVec3 {
         DVec3::new(self.signed(), self.signed(), self.signed())
     }
@@ -38,7 +38,7 @@ impl Rng {
 /// The numbers of an input, three at a time.
 pub type Input<const N: usize> = [DVec3; N];
 
-/// A copy in which one coordinate, or all three of one vector, are changed by a random amount.
+/// Returns a copy in which one coordinate, or all three of one vector, are changed by a random amount.
 fn changed<const N: usize>(mut input: Input<N>, rng: &mut Rng) -> Input<N> {
     let vector = &mut input[rng.below(N as u64)];
     let size = libm::exp10(-17.0 * rng.unit());
@@ -53,7 +53,7 @@ fn changed<const N: usize>(mut input: Input<N>, rng: &mut Rng) -> Input<N> {
     input
 }
 
-/// Climbs from a random input to ever larger values, in so many steps; the value is none for an input that does not
+/// Climbs from a random input to ever larger values, in `steps` steps. The value is `None` for an input that does not
 /// count. Returns the largest value and its input.
 pub fn climb<const N: usize>(
     seed: u64,
@@ -74,7 +74,7 @@ pub fn climb<const N: usize>(
     (best.unwrap_or(0.0), input)
 }
 
-/// The largest of what [`climb`] finds from several starts.
+/// Returns the largest result of [`climb`] from several starts.
 pub fn search<const N: usize>(
     starts: u64,
     steps: usize,

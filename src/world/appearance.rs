@@ -1,4 +1,4 @@
-//! What only some models have: smooth normals, textures, and a background of pictures.
+//! The features of only some models: smooth normals, textures, and a background of pictures.
 
 use super::{SurfacePoint, World};
 use crate::math::robust;
@@ -10,12 +10,12 @@ use crate::scene::texels::{CubeFaces, face};
 use glam::{DMat3, DVec2, DVec3};
 
 impl World {
-    /// Whether the scene means what those of 2004 do, so that nothing of this file matters.
+    /// Returns true if the scene uses the course's model of 2004, which needs nothing else in this file.
     pub fn is_of_course(&self) -> bool {
         self.model == Model::COURSE
     }
 
-    /// The colour along a ray that hits nothing.
+    /// Returns the colour along a ray that hits nothing.
     #[inline(always)]
     pub fn background_along(&self, direction: DVec3) -> Color {
         match self.cube_map {
@@ -32,13 +32,13 @@ impl World {
             .map_or(self.background, |image| image.color(place))
     }
 
-    /// Whether there are smooth meshes.
+    /// Returns true if there are smooth meshes.
     #[inline(always)]
     pub fn has_smooth_normals(&self) -> bool {
         !self.vertex_normals.is_empty()
     }
 
-    /// The normal on a smooth mesh, which is interpolated between the vertices; none on other surfaces.
+    /// Returns the normal on a smooth mesh, interpolated between the vertices; `None` on other surfaces.
     pub fn smooth_normal(&self, surface: &SurfacePoint) -> Option<DVec3> {
         let triangle = surface.triangle? as usize;
         let normal =
@@ -50,7 +50,7 @@ impl World {
         Some(robust::unit(sum)).filter(|normal| normal.is_finite())
     }
 
-    /// The colour of the picture on a surface; none where it has no texture coordinates.
+    /// Returns the colour of the picture on a surface; `None` if the surface has no texture coordinates.
     pub fn image_color(&self, image: usize, surface: &SurfacePoint) -> Option<Color> {
         let triangle = surface.triangle? as usize;
         let corners = (*self.texture_coordinates.get(triangle)?)?;
@@ -59,7 +59,7 @@ impl World {
         self.images.get(image).map(|image| image.color(place.as_vec2().to_array()))
     }
 
-    /// The factor of ambient light at a surface whose diffuse colour there is `diffuse`.
+    /// Returns the factor of ambient light at a surface whose diffuse colour at this point is `diffuse`.
     #[inline(always)]
     pub fn ambient_color(&self, surface: &SurfacePoint, diffuse: Color) -> Color {
         match self.materials[surface.material] {
@@ -70,7 +70,7 @@ impl World {
         }
     }
 
-    /// The barycentric weights of a point of a triangle.
+    /// Returns the barycentric weights of a point of a triangle.
     fn weights_at(&self, triangle: usize, point: DVec3) -> [f64; 3] {
         let [a, b, c] = self.corners(triangle);
         let (p, q, r) = (b - a, c - a, point - a);
@@ -81,9 +81,9 @@ impl World {
     }
 }
 
-/// A vector along the normal of each vertex of a mesh under a linear map; none for a mesh that is flat. The mesh's file
-/// lists this number of vertices, with those that no face uses. `is_mirrored` tells whether the map's determinant is
-/// negative.
+/// Returns a vector along the normal of each vertex of a mesh under a linear map; `None` for a flat mesh. `listed` is
+/// the number of vertices in the mesh's file, including vertices that no face uses. `is_mirrored` is true if the map's
+/// determinant is negative.
 pub fn vertex_normals(
     mesh: &Mesh,
     listed: usize,
@@ -115,7 +115,7 @@ pub fn vertex_normals(
 mod tests {
     use super::*;
 
-    /// A large triangle that faces up, and a small one that faces x, with an edge in common.
+    /// Returns a large triangle that faces up, and a small one that faces x, with an edge in common.
     fn folded() -> Mesh {
         Mesh {
             vertices: vec![DVec3::ZERO, DVec3::Z, DVec3::new(-4.0, 0.0, 0.0), DVec3::NEG_Y],

@@ -21,12 +21,12 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::mem;
 
-/// A world under construction. Materials are kept per kind of primitive, because the ids of the primitives
-/// are known only when all objects have been placed.
+/// A world under construction. Materials are recorded per kind of primitive, because the ids of the primitives are
+/// known only when all objects have been placed.
 pub struct Builder<'a> {
     meshes: Vec<Cow<'a, Mesh>>,
     files: &'a [MeshFile],
-    /// For each mesh, how many of the objects that are not placed yet use it.
+    /// For each mesh, the number of objects still to be placed that use it.
     uses: Vec<usize>,
     world: World,
     planes: PlacedPlanes,
@@ -35,15 +35,15 @@ pub struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Starts from a world without objects. `meshes` are those that the scene names, in its order. Too little memory for
-    /// the copies of the meshes is an error.
+    /// Starts from a world without objects. `meshes` are the meshes that the scene names, in its order. Returns an
+    /// error if there is too little memory for the copies of the meshes.
     pub fn new(world: World, scene: &'a Scene, meshes: Vec<Cow<'a, Mesh>>) -> Result<Self, NoMemory> {
         let (mut uses, mut copied) = (vec![0; meshes.len()], 0);
         for object in &scene.objects {
             match object {
                 Object::Mesh { mesh, .. } => {
                     uses[*mesh] += 1;
-                    // A single use may take the lists over.
+                    // A single use may take over the lists.
                     let is_copied = uses[*mesh] > 1 || matches!(meshes[*mesh], Cow::Borrowed(_));
                     copied += if is_copied { meshes[*mesh].bytes() } else { 0 };
                 }
@@ -56,7 +56,7 @@ impl<'a> Builder<'a> {
         Ok(Self { meshes, files, uses, world, planes: PlacedPlanes::default(), materials })
     }
 
-    /// Places an object. An error tells the position of the object or of the transform around it.
+    /// Places an object. An error reports the position of the object or of the transform around it.
     pub fn place(&mut self, placement: &Placement) -> Result<(), Diagnostic> {
         if !placement.matrix.is_finite() {
             return Err(placement.error("the transformation's numbers grow too large"));
@@ -92,7 +92,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// An error in a mesh, with the position where the scene names the mesh if no transform is around it.
+    /// Adds to an error in a mesh the position where the scene names the mesh, if no transform is around it.
     fn at_mesh(&self, error: Diagnostic, mesh: usize, placement: &Placement) -> Diagnostic {
         let file = self.files.get(mesh).filter(|_| placement.transform.is_none());
         match file {
@@ -101,7 +101,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Whether 32-bit indices suffice for the vertices and the primitives.
+    /// Returns true if 32-bit indices suffice for the vertices and the primitives.
     fn ids_fit(&self) -> bool {
         let w = &self.world;
         w.vertices.len() < u32::MAX as usize && w.finite_count() + w.planes.len() < u32::MAX as usize
@@ -121,7 +121,7 @@ impl<'a> Builder<'a> {
         self.finish_triangles(first, count, placement, (material, error))
     }
 
-    /// Places a mesh. The last use of the first mesh takes its lists over instead of copying them.
+    /// Places a mesh. The last use of the first mesh takes over its lists instead of copying them.
     fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), Diagnostic> {
         let map = |p: DVec3| placement.world_point(p);
         let mesh = mem::take(&mut self.meshes[id]);
@@ -151,8 +151,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Records the normals of a mesh's vertices and the texture coordinates of its triangles, which are the next ones, if the
-    /// model has them.
+    /// Records the normals of a mesh's vertices and the texture coordinates of its triangles, if the model has them.
+    /// The triangles are the next ones to be placed.
     fn appearance(&mut self, id: usize, mesh: &Mesh, placement: &Placement) {
         let world = &mut self.world;
         let linear = (placement.matrix.matrix3, placement.is_mirrored());
@@ -167,7 +167,7 @@ impl<'a> Builder<'a> {
         if !named.is_empty() {
             let (first, all) = (world.triangles.len(), &mut world.texture_coordinates);
             all.resize(first, None);
-            // The winding of a mirrored triangle is reversed, as that of its vertices.
+            // The winding of a mirrored triangle is reversed, for its texture coordinates as for its vertices.
             let is_mirrored = placement.is_mirrored();
             let wound = |[a, b, c]: Corners| if is_mirrored { [a, c, b] } else { [a, b, c] };
             all.extend(named.iter().map(|corners| corners.map(wound)));
@@ -252,14 +252,13 @@ impl<'a> Builder<'a> {
         if is_in_range { Ok(()) } else { Err(placement.too_large()) }
     }
 
-    /// Extends the world's bounds by those of a new object, which is an error unless its coordinates are in
-    /// range.
+    /// Extends the world's bounds by the bounds of a new object. Returns an error unless its coordinates are in range.
     fn grow(&mut self, bounds: Aabb, is_in_range: bool, placement: &Placement) -> Result<(), Diagnostic> {
         self.world.bounds = self.world.bounds.union(bounds);
         if is_in_range { Ok(()) } else { Err(placement.too_large()) }
     }
 
-    /// The finished world, in which the primitives have their ids.
+    /// Returns the finished world, in which the primitives have their ids.
     pub fn finish(self) -> World {
         let mut world = self.world;
         let counts = [world.triangles.len(), world.shapes.len(), world.planes.len()];
@@ -279,9 +278,9 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The triangles without an area, in ascending order.
+/// Returns the triangles without area, in ascending order.
 fn without_area(world: &World) -> Vec<u32> {
-    /// The number of triangles that are worth another thread.
+    /// The number of triangles per parallel task.
     const PART: usize = 1 << 14;
     let in_part = |(part, triangles): (usize, &[[u32; 3]])| {
         let vertex = |id: u32| &world.vertices[id as usize];
@@ -291,7 +290,7 @@ fn without_area(world: &World) -> Vec<u32> {
     world.triangles.par_chunks(PART).enumerate().map(in_part).collect::<Vec<Vec<u32>>>().concat()
 }
 
-/// The largest absolute coordinates of some points.
+/// Returns the largest absolute coordinates of some points.
 fn reach(points: &[DVec3]) -> DVec3 {
     points.iter().fold(DVec3::ZERO, |reach, point| reach.max(point.abs()))
 }
@@ -315,7 +314,7 @@ const BOX_FACES: [[u32; 3]; 12] = [
     [4, 7, 6],
 ];
 
-/// Starts a new run of primitives with this material at index `first`, unless the last run has the same one.
+/// Starts a new run of primitives with this material at index `first`, unless the last run has this material.
 fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
     if runs.last().is_none_or(|&(_, last)| last as MaterialId != material) {
         runs.push((first as u32, material as u32));

@@ -1,8 +1,8 @@
-//! Surfaces in one place: which of them a ray sees.
+//! Surfaces in one place: decides which of them a ray sees.
 //!
-//! Each pair of surfaces is either united or not, and that is decided by the surfaces and not by each ray. Of united surfaces
-//! a ray sees the one that [`World::comes_first`], and of others the nearer one. The t of two hits that are close to each
-//! other differ by roundings, so those are computed in double-double arithmetic.
+//! Each pair of surfaces is either united or not. The surfaces decide this, not each ray. A ray sees the united surface
+//! that [`World::comes_first`]. Of surfaces that are not united, it sees the nearer one. The t of two hits close to
+//! each other differ by roundings, so they are computed in double-double arithmetic.
 
 use super::point_error::{Finite, weights};
 use super::{Primitive, World};
@@ -15,57 +15,58 @@ use crate::world::shape::{Form, Shape};
 use crate::world::sphere::Sphere;
 use glam::{DMat3, DVec3};
 
-/// How far the numbers of a scene may be from what its author meant, in roundings: those that a program computed have more
-/// than the one of a decimal number. Surfaces are united if such errors, and what flattening may have moved them, may have
-/// brought them apart.
+/// The largest error of the numbers in a scene against what the author meant, in roundings. Numbers that a program
+/// computed have more than the one rounding of a decimal number. Surfaces are united if such errors and the flattening
+/// errors may have moved them apart.
 pub(super) const WRITTEN_ROUNDINGS: f64 = 4.0;
 
-/// Behind the nearest hit, others in the same place are looked for up to a distance of this part of its t, of the largest
-/// coordinate of the finite primitives, and of how far flattening may have moved any of them.
+/// Other hits in the same place are looked for behind the nearest hit. The search distance is the sum of these parts of
+/// its t, of the largest coordinate of the finite primitives, and of the largest flattening error.
 ///
 /// The t of two hits in the same place differ by the distance of the surfaces over the cosine between the ray and their
-/// normal. That distance is enough for cosines down to a millionth.
+/// normal. The search distance is enough for cosines down to a millionth.
 const PER_T: f64 = 1.0 / (1 << 20) as f64;
 const PER_COORDINATE: f64 = 1.0 / (1 << 30) as f64;
 const PER_FLATTENING_ERROR: f64 = (1 << 20) as f64;
 
-/// Two t are the same that differ by less than this part of the coordinates of the way there over those of the direction,
-/// with room for the errors in `proofs/coincidence.g` at all but grazing angles.
+/// Two t are the same if they differ by less than this part of the coordinates along the path over the coordinates of
+/// the direction. It has room for the errors in `proofs/coincidence.g` at all but grazing angles.
 const SAME_T: f64 = 1.0 / (1u128 << 92) as f64;
 
 impl World {
-    /// How far from the t of a hit those of coincident surfaces may be.
+    /// Returns the largest difference between the t of a hit and the t of hits on coincident surfaces.
     #[inline(always)]
     pub fn coincidence_reach(&self, t: f64) -> f64 {
         PER_T * t.abs() + self.coincidence_margin
     }
 
-    /// The coefficients of [`World::coincidence_reach`] as a polynomial in |t|.
+    /// Returns the coefficients of [`World::coincidence_reach`] as a polynomial in |t|.
     pub fn coincidence_reach_by_t(&self) -> [f64; 2] {
         [self.coincidence_margin, PER_T]
     }
 
-    /// The part of [`World::coincidence_reach`] that does not depend on t.
+    /// Returns the part of [`World::coincidence_reach`] that does not depend on t.
     pub(super) fn find_coincidence_margin(&self) -> f64 {
         PER_COORDINATE * self.max_abs_coord + PER_FLATTENING_ERROR * self.flattening_errors.largest()
     }
 
-    /// The one of the primitives that a ray hits close to each other, at these t, that it sees, with its t: of those that
-    /// are united with the nearest one, directly or by way of others, the one that comes first.
+    /// Returns the primitive that a ray sees, with its t, if the ray hits several close to each other, at these t.
+    /// Among the primitives that are united with the nearest one, directly or through others, it is the one that comes
+    /// first.
     #[cold]
     pub fn foremost(&self, ray: &Ray, mut hits: Vec<(f64, u32)>) -> Option<(f64, u32)> {
         hits.sort_unstable_by_key(|&(_, id)| id);
         hits.dedup();
         let first = (0..hits.len()).min_by(|&i, &j| hits[i].0.total_cmp(&hits[j].0))?;
         let mut united = self.united(&hits, first);
-        // Where all are united, it does not matter which of them is the nearest.
+        // If all are united, it does not matter which is the nearest.
         if united.len() < hits.len() {
             united = self.united(&hits, self.nearest(ray, &hits, hits[first].0));
         }
         united.into_iter().reduce(|one, other| if self.comes_first(other.1, one.1) { other } else { one })
     }
 
-    /// Those of some hits whose surfaces are united with that of one of them, directly or by way of others.
+    /// Returns the hits whose surfaces are united with the surface of hit `one`, directly or through others.
     fn united(&self, hits: &[(f64, u32)], one: usize) -> Vec<(f64, u32)> {
         let mut others = hits.to_vec();
         let (mut united, mut next) = (vec![others.swap_remove(one)], 0);
@@ -76,7 +77,7 @@ impl World {
         united
     }
 
-    /// The index of the nearest of some hits, whose smallest t is `first` as it is rounded.
+    /// Returns the index of the nearest hit. `first` is the smallest t, as rounded.
     fn nearest(&self, ray: &Ray, hits: &[(f64, u32)], first: f64) -> usize {
         let behind: Vec<Dd> = hits.iter().map(|&hit| self.behind(ray, hit, first)).collect();
         // Triangles meet at edges and corners, where a ray hits several of them at the same t.
@@ -91,9 +92,9 @@ impl World {
         (0..hits.len()).reduce(|i, j| if is_nearer(j, i) { j } else { i }).unwrap_or(0)
     }
 
-    /// How far the t of a hit is behind the first one, in double-double arithmetic: by a step of Newton's method from its
-    /// rounded t or, where the surface is flat, so that any t will do, from the first one, so that parallel planes are told
-    /// apart however close they are. `proofs/coincidence.g` bounds its error.
+    /// Returns the difference between the t of a hit and `first`, in double-double arithmetic. It takes one step of
+    /// Newton's method from the rounded t. For a flat surface any starting t works, so it starts from `first`; this
+    /// tells parallel planes apart however close they are. `proofs/coincidence.g` bounds the error.
     fn behind(&self, ray: &Ray, (t, id): (f64, u32), first: f64) -> Dd {
         let t = if let Primitive::Shape(_) = self.primitive(id) { t } else { first };
         let direction = ray.direction.to_array().map(Dd::from);
@@ -116,12 +117,12 @@ impl World {
         if step.value().is_finite() { behind - step } else { behind }
     }
 
-    /// Whether the surfaces of two primitives that a ray hits in the same place are united: they are the same plane, or the
-    /// same sphere or ellipsoid, within the errors of their numbers.
+    /// Returns true if the surfaces of two primitives that a ray hits in the same place are united: they are the same
+    /// plane, or the same sphere or ellipsoid, within the errors of their numbers.
     #[cold]
     pub fn coincide(&self, one: u32, other: u32) -> bool {
         use Primitive::{Plane, Shape, Triangle};
-        // In one order, so that rounding does not depend on it.
+        // Ordered by id, so that rounding does not depend on the order of the arguments.
         let (one, other) = (one.min(other), one.max(other));
         match (self.primitive(one), self.primitive(other)) {
             (Triangle(i), Triangle(j)) => self.triangles_coincide([i, j]),
@@ -135,7 +136,7 @@ impl World {
         }
     }
 
-    /// Whether the vertices of the smaller of two triangles lie in the plane of the larger one.
+    /// Returns true if the vertices of the smaller of two triangles lie in the plane of the larger one.
     fn triangles_coincide(&self, [i, j]: [usize; 2]) -> bool {
         let double_area = |i: usize| {
             let [a, b, c] = self.corners(i);
@@ -152,22 +153,22 @@ impl World {
         corners.into_iter().all(|corner| {
             // The height above the plane times the length of `direction`.
             let height = volume(corner, base).over(largest).abs();
-            // A corner of the larger one moves its plane here by its weight.
+            // A corner of the larger triangle moves the plane at this point in proportion to its weight.
             let [u, v, w] = weights(corner, base);
             let of_plane = u * errors[0] + v * errors[1] + w * errors[2];
-            // Where all corners have the same coordinate, they move together.
+            // If all corners have the same coordinate, they move together.
             let is_shared = base[0].cmpeq(base[1]) & base[1].cmpeq(base[2]);
             let of_plane = DVec3::select(is_shared, errors[0].max(errors[1]).max(errors[2]), of_plane);
             height <= direction.abs().dot(self.corner_error(smaller, corner) + of_plane)
         })
     }
 
-    /// How far along each axis a triangle's corner may be from a plane in which it counts as lying.
+    /// Returns the largest distance along each axis at which a triangle's corner still counts as lying in a plane.
     fn corner_error(&self, triangle: usize, corner: DVec3) -> DVec3 {
         self.flattening_error(triangle as u32, corner) + WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * corner.abs()
     }
 
-    /// Whether a triangle's corners lie in a plane.
+    /// Returns true if a triangle's corners lie in a plane.
     fn lies_in_plane(&self, triangle: usize, plane: usize) -> bool {
         let error = self.flattening_errors.of_plane(plane);
         let plane = &self.planes[plane];
@@ -177,7 +178,7 @@ impl World {
         })
     }
 
-    /// Whether two spheres agree within their errors, in their centres and in their radii.
+    /// Returns true if two spheres agree within their errors, both in their centres and in their radii.
     fn spheres_coincide(&self, indices: [usize; 2], [one, other]: [&Sphere; 2]) -> bool {
         let [moved, other_moved] = indices.map(|i| self.flattening_errors.largest_of(Finite::Shapes, i));
         let (moved, rounding) = (moved + other_moved, 2.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF);
@@ -188,8 +189,8 @@ impl World {
             && (one.radius - other.radius).abs() <= of_radius
     }
 
-    /// Whether two shapes have the same surface: each of two images of the unit sphere is the unit sphere in the space of the
-    /// other one. Other shapes have the same surface if they are the same.
+    /// Returns true if two shapes have the same surface. For images of the unit sphere, each must be the unit sphere in
+    /// the space of the other. Other shapes must be equal.
     fn shapes_coincide(&self, [i, j]: [usize; 2]) -> bool {
         let shapes = [&self.shapes[i], &self.shapes[j]];
         if let [Shape::Sphere(one), Shape::Sphere(other)] = shapes {
@@ -293,7 +294,7 @@ mod tests {
             ("Plane { normal 0 0 1 offset 0.1000001 }", false),
             ("Plane { normal 0 1e-6 1 offset 0.1 }", false),
             ("Transform { Scale 1 1 0.5 Plane { normal 0 0 1 offset 0.2 } }", true),
-            // What is large along the plane does not move it.
+            // A large error along the plane does not move the plane.
             ("Transform { Scale 4e20 0.2 0.2 Plane { normal 0 0 1 offset 1 } }", false),
         ] {
             assert_eq!(coincide(LOW, plane), expected, "{plane}");
@@ -317,7 +318,7 @@ mod tests {
         assert_eq!(up.reversed(), down);
     }
 
-    /// The normals are parallel as they are written, but not as floats.
+    /// The normals are parallel as written, but not as floats.
     #[test]
     fn parallel_planes_under_the_same_transforms_have_the_same_normal() {
         let plane = |normal: &str, offset: f64| {

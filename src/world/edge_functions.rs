@@ -1,16 +1,16 @@
 //! The edge functions of a triangle seen along a ray, and the bound on their rounding errors.
 //!
-//! This is the double-precision step of the ray-triangle test: it decides a ray whose edge functions are all
-//! larger than the error bound and leaves the others to exact arithmetic. The vertices are sheared, so that
-//! the ray is the z axis, and x and y are a vertex's distances from it (Woop, Benthin and Wald, JCGT 2(1),
-//! 2013). `proofs/edge_functions.g` proves the error bound.
+//! This is the double-precision step of the ray-triangle test. It decides a ray if all its edge functions are larger
+//! than the error bound, and leaves the others to exact arithmetic. The vertices are sheared, so that the ray is the z
+//! axis, and x and y are a vertex's distances from it (Woop, Benthin and Wald, JCGT 2(1), 2013).
+//! `proofs/edge_functions.g` proves the error bound.
 
 use crate::math::extremes::{max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::simd::Number;
 use crate::math::vector::Vector;
 
-/// On which side of a triangle's edges a ray passes.
+/// The side of a triangle's edges on which a ray passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sides {
     /// The ray's line certainly passes through the triangle.
@@ -45,34 +45,34 @@ pub(crate) struct EdgeRange<N> {
 }
 
 impl<N: Number> EdgeRange<N> {
-    /// Of these edge functions for a triangle with these sheared vertices.
+    /// Returns the range of these edge functions, for a triangle with these sheared vertices.
     #[inline(always)]
     pub fn new([u, v, w]: [N; 3], sheared: [Vector<N>; 3]) -> Self {
         Self { min: u.min(v).min(w), max: u.max(v).max(w), error_bound: edge_error_bound(sheared) }
     }
 
-    /// The set of the lanes where the ray's line certainly passes through the triangle.
+    /// Returns the set of the lanes in which the ray's line certainly passes through the triangle.
     #[inline(always)]
     pub fn inside(self) -> u32 {
         self.error_bound.lt_mask(self.min) | self.max.lt_mask(-self.error_bound)
     }
 
-    /// The set of the lanes where the ray's line certainly misses the triangle.
+    /// Returns the set of the lanes in which the ray's line certainly misses the triangle.
     #[inline(always)]
     pub fn outside(self) -> u32 {
         self.min.lt_mask(-self.error_bound) & self.error_bound.lt_mask(self.max)
     }
 }
 
-/// The error bound of a hit's depth times the sum of the edge functions, in units of the edge functions' error bound times
-/// the depth of the farthest vertex.
+/// The error bound of a hit's depth times the sum of the edge functions, in units of the edge functions' error bound
+/// times the depth of the farthest vertex.
 const DEPTH_BOUNDS: f64 = 5.0;
 
-/// A triangle that is so much larger than the depth at which it is hit would take its digits.
+/// The largest ratio of a triangle's extent to its depth. A larger triangle would lose too many digits of the depth.
 const MAX_EXTENT_PER_DEPTH: f64 = (1 << 20) as f64;
 
-/// Whether the computed depth tells on which side of the triangle the ray begins, and has most of its digits. `area` is the
-/// sum of the edge functions, whose signs are certain. `proofs/depth_sign.g` proves the bound.
+/// Returns true if the computed depth tells the side of the triangle on which the ray begins, and has most of its
+/// digits. `area` is the sum of the edge functions, whose signs are certain. `proofs/depth_sign.g` proves the bound.
 #[inline(always)]
 pub(crate) fn is_depth_certain(depth: f64, area: f64, sheared: [Vector<f64>; 3]) -> bool {
     let [a, b, c] = sheared;
@@ -81,14 +81,14 @@ pub(crate) fn is_depth_certain(depth: f64, area: f64, sheared: [Vector<f64>; 3])
         && MAX_EXTENT_PER_DEPTH * depth.abs() > x + y + z
 }
 
-/// A vertex in the sheared space of a ray, whose direction has these slopes along x and y per unit of z. The vertex is
-/// relative to the ray's origin.
+/// Maps a vertex to the sheared space of a ray. The ray's direction has these slopes along x and y per unit of z, and
+/// the vertex is relative to the ray's origin.
 #[inline(always)]
 pub(crate) fn sheared<N: Number>(vertex: Vector<N>, [x, y]: [N; 2]) -> Vector<N> {
     Vector { x: vertex.x - x * vertex.z, y: vertex.y - y * vertex.z, z: vertex.z }
 }
 
-/// The edge functions of the edges opposite to each vertex: twice the signed areas of the triangles that each
+/// Returns the edge functions of the edges opposite to each vertex: twice the signed areas of the triangles that each
 /// edge spans with the ray in the sheared plane.
 #[inline(always)]
 pub(crate) fn edge_functions<N: Number>([a, b, c]: [Vector<N>; 3]) -> [N; 3] {
@@ -96,21 +96,21 @@ pub(crate) fn edge_functions<N: Number>([a, b, c]: [Vector<N>; 3]) -> [N; 3] {
     [cross(b, c), cross(c, a), cross(a, b)]
 }
 
-/// The bound on the error of the edge functions of sheared vertices, compared with the exact values for the
-/// vertices and the ray as given: the sign of what exceeds the bound is right.
+/// Returns the error bound of the edge functions of sheared vertices, compared with the exact values for the vertices
+/// and the ray as given. If an edge function exceeds the bound, its sign is right.
 ///
 /// Let u be the unit roundoff. A sheared coordinate is x = X - s Z, where X and Z are the vertex's
 /// coordinates relative to the ray's origin, and s is the ray's slope, which is at most 1. X, Z, s, the
 /// product and the difference each have a relative error of u, except that the slope's error is at most u / 2
 /// because it is at most 1. Since X = x + s Z, the error of x is 2 u |x| + 3.5 u |Z|. Let M be the largest
 /// |x| plus the largest |y|, and Z the largest |z| of the three vertices. Then the sign can be wrong only
-/// where the edge function is at most 7 u M Z + 4 u M^2, because of the vertices, plus u M^2, because of its
-/// own roundings. This has no terms of second order, although the error of an edge function has:
+/// if the edge function is at most 7 u M Z + 4 u M^2, because of the vertices, plus u M^2, because of its
+/// own roundings. This has no terms of second order, although the error of an edge function has some:
 /// `proofs/edge_functions.g` shows why, and adds the roundings of the bound.
 ///
-/// Products that underflow add less than 2^-1072 (1 + M) to the error. `MIN_EDGE_ERROR_BOUND` is far larger,
-/// so where an edge function exceeds the bound, underflow does not matter. The bound overflows to infinity
-/// long before the edge functions, or anything computed from them, could overflow.
+/// Products that underflow add less than 2^-1072 (1 + M) to the error. `MIN_EDGE_ERROR_BOUND` is far larger, so
+/// underflow does not matter if an edge function exceeds the bound. The bound overflows to infinity long before the
+/// edge functions, or anything computed from them, could overflow.
 #[inline(always)]
 pub(crate) fn edge_error_bound<N: Number>([a, b, c]: [Vector<N>; 3]) -> N {
     let Vector { x, y, z } = a.abs().max(b.abs()).max(c.abs());
@@ -144,14 +144,14 @@ pub const T_ROUNDINGS: f64 = 238.0;
 /// The steepest triangle whose depth is interpolated.
 const MAX_INTERPOLATED_STEEPNESS: f64 = 32.0;
 
-/// Whether a triangle that the ray hits is not too steep for interpolating its depth along the ray: the error
+/// Returns true if a triangle that the ray hits is not too steep for interpolating its depth along the ray. The error
 /// of t is then at most [`T_ROUNDINGS`]. `area` is the sum of the edge functions.
 ///
-/// Let e be the triangle's extents. As a function of x and y, the depth changes by at most e_z e_y / area per
-/// unit of x and e_z e_x / area per unit of y, which are together at most `MAX_INTERPOLATED_STEEPNESS`. So much
-/// do the errors of the vertices count, and those of the edge functions no more. `proofs/triangle_t.g` adds
-/// them up for triangles of an area of more than 10,000 u times the squared distance of the farthest vertex;
-/// for smaller ones the area's own error makes the error of t some times as large.
+/// Let e be the triangle's extents. As a function of x and y, the depth changes by at most e_z e_y / area per unit of x
+/// and e_z e_x / area per unit of y. Together these are at most `MAX_INTERPOLATED_STEEPNESS`, which is the factor of
+/// the vertices' errors, and no more for the errors of the edge functions. `proofs/triangle_t.g` adds them up for
+/// triangles of an area of more than 10,000 u times the squared distance of the farthest vertex. For smaller triangles
+/// the area's own error makes the error of t several times as large.
 #[inline(always)]
 pub(crate) fn is_interpolation_accurate([a, b, c]: [Vector<f64>; 3], area: f64) -> bool {
     let extent = |p: f64, q: f64, r: f64| max3([p, q, r]) - min3([p, q, r]);

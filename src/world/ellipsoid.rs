@@ -22,14 +22,14 @@ pub struct Ellipsoid {
 /// The error bound of a point of an ellipsoid, in roundings of its centre and its semi-axes.
 pub const POINT_ROUNDINGS: f64 = 64.0;
 
-/// Where a line crosses the ellipsoid, in order: the t, and the points in the space of the unit sphere.
+/// The crossings of a line with the ellipsoid, in order: the t, and the points in the space of the unit sphere.
 struct Crossings {
     t: [f64; 2],
     points: [DVec3; 2],
 }
 
 impl Ellipsoid {
-    /// The image of the unit sphere. `linear` must not be singular.
+    /// Returns the image of the unit sphere under `linear`, moved to `center`. `linear` must not be singular.
     pub fn new(center: DVec3, linear: DMat3) -> Self {
         let linear = half_axes(linear);
         let row = |axis: DVec3| axis / axis.length() / axis.length();
@@ -39,17 +39,17 @@ impl Ellipsoid {
         Self { center, linear, inverse: rows.transpose(), extent }
     }
 
-    /// The lengths of the semi-axes.
+    /// Returns the lengths of the semi-axes.
     pub fn half_lengths(&self) -> [f64; 3] {
         let DMat3 { x_axis, y_axis, z_axis } = self.linear;
         [x_axis, y_axis, z_axis].map(DVec3::length)
     }
 
-    /// Both crossings of the ray's line.
+    /// Returns both crossings of the ray's line.
     ///
-    /// They are computed from the line's moment `o x d`, in which each component has a cancellation of its
-    /// own and none is computed from a sum over all axes. So however flat the ellipsoid is, and however long
-    /// the ray is along one axis in the space of the unit sphere, the other two axes keep their accuracy.
+    /// They are computed from the line's moment `o x d`, in which each component has its own cancellation and no
+    /// component is computed from a sum over all axes. So however flat the ellipsoid is, and however long the ray is
+    /// along one axis in the space of the unit sphere, the other two axes keep their accuracy.
     fn crossings(&self, ray: &Ray) -> Option<Crossings> {
         let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
         let (a, b, moment) = (d.length_squared(), -o.dot(d), o.cross(d));
@@ -77,13 +77,13 @@ impl Form for Ellipsoid {
         Aabb { min: self.center - half_extents, max: self.center + half_extents }
     }
 
-    /// The direction is not renormalised in the space of the unit sphere, so t is that of world space.
+    /// The direction is not renormalised in the space of the unit sphere, so t is the same as in world space.
     fn intersect(&self, ray: &Ray) -> Option<f64> {
         first_on_ray(self.crossings(ray)?.t, ray)
     }
 
     fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
-        // `t` equals that of one of the crossings exactly; where both have the same t, the first was found.
+        // `t` exactly equals the t of one of the crossings. If both have the same t, the first was found.
         let on_sphere = match self.crossings(ray) {
             Some(Crossings { t: [near, far], points }) => points[usize::from(t != near && t == far)],
             None => unit(self.inverse * (ray.at(t) - self.center)),
@@ -96,7 +96,8 @@ impl Form for Ellipsoid {
         self.extent
     }
 
-    /// Most of it is for the rotations that make the semi-axes orthogonal, which are less than a dozen.
+    /// Most of the bound is for the rotations that make the semi-axes orthogonal, of which there are fewer than a
+    /// dozen.
     fn point_roundings(&self) -> DVec3 {
         POINT_ROUNDINGS * (self.center.abs() + self.half_lengths().into_iter().sum::<f64>())
     }
@@ -133,10 +134,10 @@ impl Form for Ellipsoid {
     }
 }
 
-/// The semi-axes of the image of the unit sphere: the matrix times rotations of the unit sphere that make its
-/// columns orthogonal (one-sided Jacobi: Hestenes, "Inversion of Matrices by Biorthogonalization and Related
-/// Results", J. SIAM 6(1), 1958). This keeps each axis accurate, however short it is, whereas an inverse of
-/// the matrix as given would lose the short ones.
+/// Returns the semi-axes of the image of the unit sphere: the matrix times rotations of the unit sphere that make its
+/// columns orthogonal (one-sided Jacobi: Hestenes, "Inversion of Matrices by Biorthogonalization and Related Results",
+/// J. SIAM 6(1), 1958). This keeps each axis accurate, however short it is. An inverse of the original matrix would
+/// lose the short axes.
 fn half_axes(linear: DMat3) -> DMat3 {
     // Three or four sweeps are enough, except for numbers close to overflow or underflow.
     const MAX_SWEEPS: usize = 30;
@@ -153,10 +154,10 @@ fn half_axes(linear: DMat3) -> DMat3 {
     DMat3::from_cols(axes[0], axes[1], axes[2])
 }
 
-/// Two columns whose product is at most so many roundings of their lengths count as orthogonal.
+/// Two columns count as orthogonal if their product is at most this many roundings of their lengths.
 const ORTHOGONAL_ROUNDINGS: f64 = 4.0;
 
-/// Two columns after the Jacobi rotation that makes them orthogonal; none if they already are.
+/// Returns two columns after the Jacobi rotation that makes them orthogonal; `None` if they already are.
 fn orthogonalized(p: DVec3, q: DVec3) -> Option<(DVec3, DVec3)> {
     let product = p.dot(q);
     if product.abs() <= ORTHOGONAL_ROUNDINGS * UNIT_ROUNDOFF * (p.length() * q.length()) {

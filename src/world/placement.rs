@@ -1,4 +1,4 @@
-//! The leaves of the object tree, each with the matrix of all transforms around it.
+//! The leaves of the object tree, each with the product of all transforms around it.
 
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
@@ -7,7 +7,7 @@ use crate::math::rounded::{RoundedAffine, absolute};
 use crate::scene::{Object, ObjectId, Position, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// A leaf of the object tree with the matrix that takes it to world space.
+/// A leaf of the object tree, with the matrix that maps it to world space.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement<'s> {
     /// The leaf.
@@ -16,31 +16,31 @@ pub struct Placement<'s> {
     pub matrix: DAffine3,
     /// The error bound of each number of the matrix.
     pub error: DAffine3,
-    /// The exact sign of the matrix's determinant. It is 0 where the transforms flatten the object, and then the matrix,
-    /// which is rounded, may have a determinant of any sign.
+    /// The exact sign of the matrix's determinant. It is 0 if the transforms flatten the object. The rounded matrix may
+    /// then have a determinant of any sign.
     pub orientation: i32,
-    /// The innermost transform around the object; None at the top.
+    /// The innermost transform around the object; `None` at the top.
     pub transform: Option<Position>,
 }
 
 impl Placement<'_> {
-    /// Whether the transforms turn the object inside out. Those that flatten it do not.
+    /// Returns true if the transforms turn the object inside out. Transforms that flatten it do not.
     pub(super) fn is_mirrored(&self) -> bool {
         self.orientation < 0
     }
 
-    /// Whether the transforms flatten space: exactly, or as far as the rounded matrix tells.
+    /// Returns true if the transforms flatten space, either exactly or as far as the rounded matrix tells.
     pub(super) fn is_singular(&self) -> bool {
         self.orientation == 0 || robust::is_singular(self.matrix.matrix3)
     }
 
-    /// A point of the object in world space.
+    /// Maps a point of the object to world space.
     pub(super) fn world_point(&self, point: DVec3) -> DVec3 {
         if self.transform.is_some() { robust::transformed(&self.matrix, point) } else { point }
     }
 
-    /// The map from upper bounds on the absolute coordinates of a point of the object to how far along each axis the point
-    /// in world space may be from the exact one. It includes the one rounding of each coordinate.
+    /// Returns a map from upper bounds on the absolute coordinates of a point of the object to the error bound of the
+    /// point in world space along each axis. It includes the one rounding of each coordinate.
     pub(super) fn point_error(&self) -> DAffine3 {
         let sizes = absolute(self.matrix);
         let rounded = |error: DVec3, size: DVec3| error + UNIT_ROUNDOFF * (size + error);
@@ -55,8 +55,8 @@ impl Placement<'_> {
         }
     }
 
-    /// The box by which the course's program bounds a placed box or shape: that of a shape without a transform, and
-    /// otherwise the box around its transformed corners.
+    /// Returns the box by which the course's program bounds a placed box or shape: the box itself without a transform,
+    /// and otherwise the box around its transformed corners.
     pub fn course_box(&self, of_object: Aabb) -> Aabb {
         match self.transform {
             None => of_object,
@@ -64,24 +64,24 @@ impl Placement<'_> {
         }
     }
 
-    /// An error at the transform, or at the start of the text where there is none.
+    /// Returns an error at the transform, or at the start of the text without a transform.
     pub(super) fn error(&self, message: &str) -> Diagnostic {
         Diagnostic::error(message).at(self.transform.unwrap_or(Position { line: 1, column: 1 }))
     }
 
-    /// The error of an object that needs the inverse of a singular transform.
+    /// Returns the error of an object that needs the inverse of a singular transform.
     pub(super) fn singular(&self) -> Diagnostic {
         self.error("the transformation is singular: it flattens the object")
     }
 
-    /// The error of an object with coordinates beyond [`LARGEST`](crate::scene::limits::LARGEST).
+    /// Returns the error of an object with coordinates beyond [`LARGEST`](crate::scene::limits::LARGEST).
     pub(super) fn too_large(&self) -> Diagnostic {
         self.error("the object has coordinates beyond 1e100")
     }
 }
 
-/// The leaves of a scene's tree in the order of its text. The traversal keeps its stack on the heap, so that
-/// the depth of the tree is limited by nothing but memory.
+/// Returns the leaves of a scene's tree in the order of its text. The traversal keeps its stack on the heap, so that
+/// only memory limits the depth of the tree.
 pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
     let mut stack: Vec<(ObjectId, RoundedAffine, Option<Position>)> =
         vec![(scene.root, RoundedAffine::IDENTITY, None)];

@@ -1,9 +1,9 @@
 //! Infinite planes. They have no bounds, so every ray is tested against each of them.
 //!
-//! Planes in one place have the same numbers, so that rays hit them at the same t, and parallel ones under the same
-//! transforms the same normal, so that they never cross. Planes under the same transforms are compared in object space,
-//! where nothing is rounded but the numbers of the text: so they are told apart however strongly the transforms scale.
-//! Others are compared in world space, by their error bounds.
+//! Planes in one place get the same numbers, so that rays hit them at the same t. Parallel planes under the same
+//! transforms get the same normal, so that they never cross. Planes under the same transforms are compared in object
+//! space, where only the numbers of the text are rounded. So they are told apart however strongly the transforms scale.
+//! Other planes are compared in world space, by their error bounds.
 
 use super::coincidence::WRITTEN_ROUNDINGS;
 use super::placement::Placement;
@@ -24,7 +24,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The t where the ray crosses the plane. None where the ray is parallel to it, or where the direction is
+    /// Returns the t at which the ray crosses the plane; `None` if the ray is parallel to it, or if the direction is
     /// too long for its product with the normal to be finite.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         let rate = self.normal.dot(ray.direction);
@@ -32,26 +32,27 @@ impl Plane {
         (ray.covers(t) && rate.is_finite()).then_some(t)
     }
 
-    /// The signed distance from a point to the plane, positive where the normal points from it to the plane.
+    /// Returns the signed distance from a point to the plane, positive if the normal points from the point to the
+    /// plane.
     #[inline]
     pub fn ahead_of(&self, point: DVec3) -> f64 {
         self.offset - self.normal.dot(point)
     }
 
-    /// The same points, with the normal to the other side.
+    /// Returns the plane with its normal reversed.
     pub fn reversed(self) -> Self {
         Self { normal: -self.normal, offset: -self.offset }
     }
 
-    /// The point of the plane nearest to `point`. This removes the rounding error of `origin + t * direction`
+    /// Returns the point of the plane nearest to `point`. This removes the rounding error of `origin + t * direction`
     /// across the plane, so that a solid texture with a boundary in the plane does not flicker.
     pub fn project(&self, point: DVec3) -> DVec3 {
         point - (self.normal.dot(point) - self.offset) * self.normal
     }
 }
 
-/// The largest sine of the angle between unit normals that may have been written as parallel: of each one
-/// [`WRITTEN_ROUNDINGS`], and as many for the sine.
+/// The largest sine of the angle between unit normals that may have been written as parallel: [`WRITTEN_ROUNDINGS`] for
+/// each normal, and as many for the sine.
 const PARALLEL_SINE: f64 = 3.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
 
 /// A plane in world space.
@@ -74,7 +75,7 @@ struct WrittenPlane {
 pub(super) struct PlacedPlanes(Vec<(WrittenPlane, PlacedPlane)>);
 
 impl PlacedPlanes {
-    /// Places the next plane. Transforms that flatten it are an error.
+    /// Places the next plane. Returns an error if the transforms flatten it.
     pub fn place(
         &mut self,
         placement: &Placement,
@@ -99,7 +100,7 @@ impl PlacedPlanes {
 }
 
 impl WrittenPlane {
-    /// The plane with the normal of an earlier one, if they are parallel.
+    /// Returns the plane with the normal of an earlier one, if they are parallel.
     fn aligned_with(&self, earlier: &Plane) -> Option<Plane> {
         let Plane { normal, offset } = self.plane;
         let normal_of_both = facing(*earlier, normal).normal;
@@ -107,7 +108,7 @@ impl WrittenPlane {
         is_parallel.then_some(Plane { normal: normal_of_both, offset })
     }
 
-    /// An earlier plane with the same normal, if it may have been written with the same offset.
+    /// Returns an earlier plane with the same normal, if it may have been written with the same offset.
     fn united_with(&self, earlier: &Plane) -> Option<Plane> {
         let earlier = facing(*earlier, self.plane.normal);
         let apart = (self.plane.offset - earlier.offset).abs();
@@ -118,7 +119,8 @@ impl WrittenPlane {
 }
 
 impl PlacedPlane {
-    /// Whether two planes agree within their errors, in their directions and at the point nearest to the origin.
+    /// Returns true if two planes agree within their errors, both in their directions and at the point nearest to the
+    /// origin.
     fn coincides(&self, earlier: &Self) -> bool {
         let rounding = WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
         let tilt = earlier.plane.normal.cross(self.plane.normal).length();
@@ -129,12 +131,12 @@ impl PlacedPlane {
     }
 }
 
-/// The plane with its normal to the side to which `direction` points.
+/// Returns the plane with its normal on the side to which `direction` points.
 fn facing(plane: Plane, direction: DVec3) -> Plane {
     if plane.normal.dot(direction) < 0.0 { plane.reversed() } else { plane }
 }
 
-/// A plane under the transforms around it. `normal` is the one of the text, which may have any length.
+/// Returns a plane under the transforms around it. `normal` is the normal in the text, of any length.
 fn placed(placement: &Placement, normal: DVec3, plane: Plane) -> Result<PlacedPlane, Diagnostic> {
     if placement.transform.is_none() {
         let error = PlaneError::as_written(normal);
@@ -146,7 +148,7 @@ fn placed(placement: &Placement, normal: DVec3, plane: Plane) -> Result<PlacedPl
     let in_world =
         |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
     let world_normal = robust::unit(in_world(plane.normal));
-    // The terms of the offset may be far larger than itself.
+    // The terms of the offset may be far larger than the offset itself.
     let offset = Dd::from(plane.offset);
     let foot = plane.normal.to_array().map(|x| offset * Dd::from(x));
     let foot = robust::transformed_precisely(&placement.matrix, foot);

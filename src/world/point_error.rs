@@ -1,7 +1,8 @@
-//! How far the points of the world's surfaces may be from the surfaces that the scene describes.
+//! Error bounds: the largest distances between the points of the world's surfaces and the surfaces that the scene
+//! describes.
 //!
-//! The matrices of nested transforms, the vertices and planes that they map, and the points of hits are rounded. Where a
-//! decision depends on which side of something a surface lies, these bounds tell how close is too close to decide.
+//! The matrices of nested transforms, the vertices and planes that they map, and the points of hits are rounded. If a
+//! decision depends on the side on which a surface lies, these bounds tell which distances are too small to decide it.
 
 use super::placement::Placement;
 use super::{Primitive, SurfacePoint, World};
@@ -11,39 +12,40 @@ use crate::scene::material::{Material, Pattern, Texture};
 use crate::world::shape::Form;
 use glam::{DAffine3, DVec3};
 
-/// The error bound of a point between three vertices, in roundings of their largest coordinate: of each product one, of
-/// two sums two each, and of the quotient one (`proofs/checkerboard.g`).
+/// The error bound of a point between three vertices, in roundings of their largest coordinate: one for each product,
+/// two for each of two sums, and one for the quotient (`proofs/checkerboard.g`).
 const BETWEEN_VERTICES_ROUNDINGS: f64 = 7.0;
 
-/// That of any triangle's points, in roundings of the world's largest coordinate, has room for the weights of thin ones.
+/// The error bound of a point of any triangle, in roundings of the world's largest coordinate. It has room for the
+/// weights of thin triangles.
 const OF_COORDINATES_ROUNDINGS: f64 = 448.0;
 
 /// The error bound of a point that is projected on a plane, in roundings of the point and the offset
 /// (`proofs/checkerboard.g`).
 const ON_PLANE_ROUNDINGS: f64 = 6.0;
 
-/// How far flattening may have moved the primitives.
+/// The flattening errors: the largest distances by which flattening may have moved the primitives.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FlatteningErrors {
-    /// Of triangles and of shapes: runs of primitives of one placement, with the first index of each run.
+    /// The errors of triangles and of shapes: runs of primitives of one placement, with the first index of each run.
     runs: [Vec<(u32, PlacementError)>; 2],
     planes: Vec<PlaneError>,
 }
 
-/// How far along each axis the points of a placed object may be from the exact ones.
+/// The largest distances along each axis between the points of a placed object and the exact ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PlacementError {
-    /// That of any of its points.
+    /// The error bound of any point of the object.
     largest: DVec3,
-    /// That of a point by the absolute values of its coordinates in object space.
+    /// Maps the absolute values of a point's coordinates in object space to the error bound of the point.
     point_error: DAffine3,
     matrix: DAffine3,
-    /// It is not finite where there is none.
+    /// The inverse of `matrix`; not finite if there is none.
     inverse: DAffine3,
 }
 
 impl PlacementError {
-    /// Of an object with no larger coordinates than these in object space.
+    /// Returns the error of an object. `reach` is the largest absolute value of each coordinate in object space.
     pub fn new(placement: &Placement, reach: DVec3) -> Self {
         if placement.transform.is_none() {
             return Self::default();
@@ -53,20 +55,21 @@ impl PlacementError {
         Self { largest, point_error, matrix, inverse: matrix.inverse() }
     }
 
-    /// That of the point that is here in world space. It may be far less than the largest if others are far away.
+    /// Returns the error of the point with these coordinates in world space. It may be far less than the largest error
+    /// if other points are far away.
     fn at(&self, point: DVec3) -> DVec3 {
         let local = self.inverse.transform_point3(point);
-        // What the inverse, as it is rounded, leaves of the point.
+        // The part of the point that the rounded inverse does not reproduce.
         let rest = (point - self.matrix.transform_point3(local)).abs()
             + 4.0 * UNIT_ROUNDOFF * absolute(self.matrix).transform_point3(local.abs());
         let reach = local.abs() + 2.0 * (absolute(self.inverse).matrix3 * rest);
         let error = self.point_error.transform_point3(reach);
-        // Where the map has no inverse.
+        // The map may have no inverse.
         if error.is_finite() { error.min(self.largest) } else { self.largest }
     }
 }
 
-/// How far a plane may be from the exact one: at the origin this much, and more by the tilt for each unit of distance
+/// The largest distance between a plane and the exact one: `at_origin` at the origin, plus the tilt times the distance
 /// from it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PlaneError {
@@ -79,15 +82,16 @@ impl PlaneError {
     /// The error bound of a unit normal, in roundings.
     const NORMAL_ROUNDINGS: f64 = 4.0;
 
-    /// Of a plane without a transform, which has no error where its normal is along an axis.
+    /// Returns the error of a plane without a transform. It is zero if the normal is along an axis.
     pub fn as_written(normal: DVec3) -> Self {
         let is_along_axis = normal.to_array().into_iter().filter(|&x| x != 0.0).count() == 1;
         let roundings = if is_along_axis { 0.0 } else { Self::NORMAL_ROUNDINGS };
         Self { at_origin: 0.0, tilt: roundings * UNIT_ROUNDOFF }
     }
 
-    /// Of a plane that is placed by its normal and by its point nearest to the origin, which is `offset` away from it
-    /// in object space, and at `foot` in world space, where its unit normal is `world_normal`.
+    /// Returns the error of a plane that is placed by its normal and by its point nearest to the origin. This point is
+    /// `offset` away from the origin in object space, and at `foot` in world space, where the unit normal is
+    /// `world_normal`.
     pub fn transformed(
         placement: &Placement,
         (normal, offset): (DVec3, f64),
@@ -98,19 +102,19 @@ impl PlaneError {
         let tilt = transformed_normal_error(matrix.matrix3, error.matrix3, normal) + of_normals;
         let reach = offset.abs() * unit(normal).abs() * (1.0 + of_normals);
         let of_unit_normal = of_normals * absolute(*matrix).transform_vector3(reach);
-        // Only what moves the foot along the normal moves the plane.
+        // Only a displacement of the foot along the normal moves the plane.
         let of_placement = placement.point_error().transform_point3(reach);
         let of_foot = world_normal.abs().dot(of_placement + of_unit_normal);
         Self { at_origin: of_foot + tilt * foot.abs().element_sum(), tilt }
     }
 
-    /// Its distance from the exact plane at a point of either.
+    /// Returns the distance from the exact plane at a point of either plane.
     pub fn at(self, point: DVec3) -> f64 {
         self.at_origin + self.tilt * point.abs().element_sum()
     }
 }
 
-/// The kinds of primitives that [`FlatteningErrors`] has runs of.
+/// The kinds of primitives for which [`FlatteningErrors`] has runs.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Finite {
     Triangles,
@@ -118,7 +122,7 @@ pub(super) enum Finite {
 }
 
 impl FlatteningErrors {
-    /// Records how far the primitives of a kind from index `first` on may have moved.
+    /// Records the error of the primitives of a kind from index `first` on.
     pub fn push(&mut self, kind: Finite, first: usize, error: PlacementError) {
         let runs = &mut self.runs[kind as usize];
         if runs.last().map_or(PlacementError::default(), |&(_, last)| last) != error {
@@ -131,23 +135,23 @@ impl FlatteningErrors {
         self.planes.push(error);
     }
 
-    /// The largest of a finite primitive, or of a plane at the origin.
+    /// Returns the largest error of any finite primitive, or of any plane at the origin.
     pub fn largest(&self) -> f64 {
         let finite = self.runs.iter().flatten().map(|(_, error)| error.largest.max_element());
         finite.chain(self.planes.iter().map(|error| error.at_origin)).fold(0.0, f64::max)
     }
 
-    /// That of a plane; none of one that was not placed by a scene.
+    /// Returns the error of a plane; zero for a plane that was not placed by a scene.
     pub fn of_plane(&self, index: usize) -> PlaneError {
         self.planes.get(index).copied().unwrap_or_default()
     }
 
-    /// How far along each axis any point of a primitive may have moved.
+    /// Returns the largest error of any point of a primitive along each axis.
     pub fn largest_of(&self, kind: Finite, index: usize) -> DVec3 {
         self.run(kind, index).map_or(DVec3::ZERO, |error| error.largest)
     }
 
-    /// The same for this point of it.
+    /// Returns the error of this point of a primitive along each axis.
     fn at(&self, kind: Finite, index: usize, point: DVec3) -> DVec3 {
         self.run(kind, index).map_or(DVec3::ZERO, |error| error.at(point))
     }
@@ -168,12 +172,13 @@ impl World {
         f(&RoundedPoint { position, error: &error, boundary_width: self.boundary_width.at(position) })
     }
 
-    /// The error bound of a point of a surface, along each axis.
+    /// Returns the error bound of a point of a surface, along each axis.
     fn point_error(&self, surface: &SurfacePoint) -> DVec3 {
         let Some(id) = surface.primitive else { return DVec3::ZERO };
         let roundings = match self.primitive(id) {
             Primitive::Triangle(i) => {
-                // Each corner counts by its weight, since one that is far away moves the points near the others little.
+                // Each corner's error is weighted, since a distant corner has little influence on points near the
+                // others.
                 let (corners, weights) = (self.corners(i), weights(surface.position, self.corners(i)));
                 let of_corner = |k: usize| {
                     let rounding = BETWEEN_VERTICES_ROUNDINGS * UNIT_ROUNDOFF * corners[k].abs();
@@ -182,7 +187,7 @@ impl World {
                 return of_corner(0) + of_corner(1) + of_corner(2);
             }
             Primitive::Shape(i) => self.shapes[i].point_roundings(),
-            // Along the plane the point may be anywhere.
+            // The point may be anywhere along the plane.
             Primitive::Plane(i) => {
                 let plane = &self.planes[i];
                 ON_PLANE_ROUNDINGS
@@ -193,8 +198,8 @@ impl World {
         self.flattening_error(id, surface.position) + roundings * UNIT_ROUNDOFF
     }
 
-    /// How far along each axis flattening may have moved this point of a primitive: a corner of a triangle, the centre of a
-    /// sphere or an ellipsoid, or any point of a plane.
+    /// Returns the flattening error along each axis of this point of a primitive: a corner of a triangle, the centre of
+    /// a sphere or an ellipsoid, or any point of a plane.
     pub(super) fn flattening_error(&self, id: u32, point: DVec3) -> DVec3 {
         match self.primitive(id) {
             Primitive::Triangle(i) => self.flattening_errors.at(Finite::Triangles, i, point),
@@ -204,16 +209,16 @@ impl World {
     }
 }
 
-/// The absolute values of a point's barycentric weights in a triangle, with an allowance for their rounding.
+/// Returns the absolute values of a point's barycentric weights in a triangle, with an allowance for their rounding.
 pub(super) fn weights(point: DVec3, triangle: [DVec3; 3]) -> [f64; 3] {
     let corners = triangle.map(|corner| corner - point);
-    // On a scale on which no product overflows.
+    // Scaled so that no product overflows.
     let size = corners.iter().map(|corner| corner.abs().max_element()).fold(f64::MIN_POSITIVE, f64::max);
     let [a, b, c] = corners.map(|corner| corner / size);
     let (p, q) = ((triangle[1] - triangle[0]) / size, (triangle[2] - triangle[0]) / size);
     let normal = p.cross(q);
     let length = normal.length();
-    // Of the areas, by the lengths of their sides, and of the normal.
+    // The roundings of the areas, relative to the lengths of their sides, and of the normal.
     let rounding = 32.0 * UNIT_ROUNDOFF;
     let of_normal = 1.0 + rounding * (p.length() * q.length() / length);
     [[b, c], [c, a], [a, b]].map(|[p, q]| {
@@ -222,8 +227,8 @@ pub(super) fn weights(point: DVec3, triangle: [DVec3; 3]) -> [f64; 3] {
     })
 }
 
-/// How wide the boundaries of checkerboards are: a point of any surface that is farther away from them, in the space of
-/// any of the world's checkerboards, is certainly on its side of them.
+/// The width of the boundaries of checkerboards. A point of any surface that is farther away from a boundary, in the
+/// space of any of the world's checkerboards, is certainly on its side of the boundary.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BoundaryWidth {
     at_origin: f64,

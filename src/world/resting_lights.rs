@@ -1,8 +1,8 @@
 //! Point lights that lie on a surface.
 //!
-//! The ray from elsewhere to such a light ends on the surface, so that it would be roundings of the ray that decide
-//! whether it meets the surface. It is decided here once for each light: an opaque surface shadows everything from a
-//! light that lies on it, on both of its sides.
+//! A ray from elsewhere to such a light ends on the surface, so roundings of the ray would decide whether it meets the
+//! surface. This module decides it once for each light: an opaque surface shadows everything from a light that lies on
+//! it, on both of its sides.
 
 use super::World;
 use super::point_error::weights;
@@ -13,29 +13,30 @@ use crate::world::plane::Plane;
 use crate::world::shape::{Form, Shape};
 use glam::DVec3;
 
-/// How far from a surface a light may be that lies on it, in roundings of the largest of their coordinates, beside what
-/// flattening may have moved the surface. Of a light that was computed to lie on it the coordinates are rounded.
+/// The largest distance between a surface and a light that lies on it, in roundings of the largest of their
+/// coordinates. It is added to the flattening error of the surface. It allows for the rounded coordinates of a light
+/// that was computed to lie on the surface.
 const RESTING_ROUNDINGS: f64 = 32.0;
 
-/// A surface that a light lies on.
+/// A surface on which a light lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestingPlace {
     /// The primitive's id.
     pub primitive: u32,
-    /// The outward normal where the light is, of a round surface.
+    /// The outward normal at the light, for a round surface.
     outward: Option<DVec3>,
 }
 
 impl RestingPlace {
-    /// Whether a ray to the light that meets this primitive meets it at the light. `leaves` is true where it goes outwards
-    /// there: it does so at only one of the two points of a round surface.
+    /// Returns true if a ray to the light that meets this primitive meets it at the light. `leaves` is true if the ray
+    /// goes outwards at the hit. A round surface has two crossings, and the ray goes outwards at only one of them.
     pub fn is_crossed(&self, primitive: u32, direction: DVec3, leaves: bool) -> bool {
         primitive == self.primitive
             && self.outward.is_none_or(|outward| (outward.dot(direction) >= 0.0) == leaves)
     }
 }
 
-/// For each light the surfaces that it lies on; empty if no light lies on any.
+/// The surfaces on which each light lies; empty if no light lies on any.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RestingLights(Vec<Vec<RestingPlace>>);
 
@@ -56,7 +57,7 @@ impl RestingLights {
     }
 }
 
-/// The surfaces on which a point lies, in the order of their ids.
+/// Returns the surfaces on which a point lies, in the order of their ids.
 fn places_at(point: DVec3, world: &World) -> Vec<RestingPlace> {
     let flat = |primitive| RestingPlace { primitive, outward: None };
     let mut found: Vec<_> = triangles_at(point, world).into_iter().map(flat).collect();
@@ -74,15 +75,15 @@ fn places_at(point: DVec3, world: &World) -> Vec<RestingPlace> {
     found
 }
 
-/// The outward normal of a shape at a point that lies on it, although the shape may have moved so far.
+/// Returns the outward normal of a shape at a point that lies on it, if the shape may have moved by `moved`.
 fn normal_at(point: DVec3, shape: &Shape, moved: f64) -> Option<DVec3> {
-    /// A step ends beside a disc if the point is beyond its rim, however close to its plane.
+    /// The number of steps. A step ends beside a flat shape if the point is beyond its rim, however close to its plane.
     const STEPS: usize = 3;
     let margin = margin(point, shape.extent()) + moved;
     let (center, _, inverse) = shape.unit_sphere_maps()?;
     let (mut place, mut outward) = (point, DVec3::ZERO);
     for _ in 0..STEPS {
-        // The surface is where the length is 1, and the gradient tells how far away that is.
+        // The length is 1 on the surface, and the gradient gives the distance to it.
         let on_unit_sphere = inverse * (place - center);
         let length = on_unit_sphere.length();
         let gradient = inverse.transpose() * (on_unit_sphere / length);
@@ -98,7 +99,7 @@ fn normal_at(point: DVec3, shape: &Shape, moved: f64) -> Option<DVec3> {
     Some(outward)
 }
 
-/// The triangles on which a point lies: in their inside, on an edge or at a corner.
+/// Returns the triangles on which a point lies: inside them, on an edge or at a corner.
 fn triangles_at(point: DVec3, world: &World) -> Vec<u32> {
     let mut found = vec![];
     let margin = margin(point, world.max_abs_coord) + world.flattening_errors.largest();
@@ -120,7 +121,7 @@ fn triangles_at(point: DVec3, world: &World) -> Vec<u32> {
     found
 }
 
-/// Whether three coordinates are all less than another one, or all greater, by more than the margin.
+/// Returns true if three coordinates are all less than another one, or all greater, by more than the margin.
 #[inline(always)]
 fn is_beside([a, b, c]: [f64; 3], point: f64, margin: f64) -> bool {
     a.min(b).min(c) > point + margin || a.max(b).max(c) < point - margin
@@ -130,17 +131,17 @@ fn margin(point: DVec3, extent: f64) -> f64 {
     RESTING_ROUNDINGS * UNIT_ROUNDOFF * point.abs().max_element().max(extent)
 }
 
-/// Whether a point lies on a triangle. Nothing lies on one without area, which no ray hits.
+/// Returns true if a point lies on a triangle. No point lies on a triangle without area, which no ray hits.
 ///
-/// Each corner's error counts by its weight at the nearest point of the triangle, since a corner that is far away is not
-/// where the light is.
+/// Each corner's error is weighted by the corner's weight at the nearest point of the triangle, since a distant corner
+/// has little influence at the light.
 fn lies_on(point: DVec3, triangle: usize, world: &World) -> bool {
     let corners = world.corners(triangle);
     let errors = corners.map(|corner| {
         let flattening = world.flattening_error(triangle as u32, corner).max_element();
         margin(point, corner.abs().max_element()) + flattening
     });
-    // Divided by the largest size, so that no product overflows, and none that matters underflows.
+    // Divided by the largest size, so that no product overflows, and no product that matters underflows.
     let relative = corners.map(|corner| corner - point);
     let unit = relative.iter().map(|v| v.abs().max_element()).fold(errors[0], f64::max);
     let relative = relative.map(|v| v / unit);
@@ -155,7 +156,7 @@ fn lies_on(point: DVec3, triangle: usize, world: &World) -> bool {
     (is_at_edge || is_inside()) && area_vector(corners).iter().any(|component| component.sign() != 0)
 }
 
-/// The distance of the origin from an edge, and the part of the edge before the nearest point.
+/// Returns the distance of the origin from an edge, and the part of the edge before the nearest point.
 fn distance_to_edge([p, q]: [DVec3; 2]) -> (f64, f64) {
     let along = q - p;
     let square = along.length_squared();
@@ -165,13 +166,13 @@ fn distance_to_edge([p, q]: [DVec3; 2]) -> (f64, f64) {
     (from_nearer.length(), nearest)
 }
 
-/// Whether the foot of the origin on a triangle's plane lies within the triangle.
+/// Returns true if the foot of the origin on a triangle's plane lies within the triangle.
 fn is_above([a, b, c]: [DVec3; 3]) -> bool {
     let normal = (b - a).cross(c - a);
     [[a, b], [b, c], [c, a]].into_iter().all(|[p, q]| p.cross(q).dot(normal) >= 0.0)
 }
 
-/// The distance of the origin from a triangle's plane, measured from the nearest corner, which has the smallest
+/// Returns the distance of the origin from a triangle's plane, measured from the nearest corner, which has the smallest
 /// rounding error.
 fn height([a, b, c]: [DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a);

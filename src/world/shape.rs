@@ -1,5 +1,5 @@
-//! Shapes: the primitives of any form but triangles and planes. What a shape can do is listed in [`Form`], and is
-//! written in its own file; [`Shape`] lists them.
+//! Shapes: the primitives other than triangles and planes. [`Form`] is their interface, which each shape implements in
+//! its own file. [`Shape`] lists them.
 
 use super::ellipsoid::Ellipsoid;
 use super::sphere::Sphere;
@@ -8,61 +8,64 @@ use crate::math::double_double::Dd;
 use crate::math::ray::Ray;
 use glam::{DMat3, DVec3};
 
-/// What a shape can do, in world space. All but the first six have an answer that is right for any form.
+/// The interface of a shape, in world space. Every method after the first six has a default that is right for any form,
+/// except [`height_and_slope`](Self::height_and_slope).
 pub trait Form {
-    /// The tight bounding box.
+    /// Returns the tight bounding box.
     fn bounds(&self) -> Aabb;
 
-    /// The nearest t on the ray.
+    /// Returns the nearest t on the ray.
     fn intersect(&self, ray: &Ray) -> Option<f64>;
 
-    /// The outward unit normal and the point of the surface where `ray` hits it at `t`, as found by
-    /// [`intersect`](Self::intersect).
+    /// Returns the outward unit normal and the point of the surface where `ray` hits it at `t`, which must be the
+    /// result of [`intersect`](Self::intersect).
     fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3);
 
-    /// At least the largest absolute coordinate of any of its points.
+    /// Returns an upper bound on the absolute coordinates of all points of the shape.
     fn extent(&self) -> f64;
 
-    /// The error bound of a point of the surface along each axis, in roundings (2^-53).
+    /// Returns the error bound of a point of the surface along each axis, in roundings (2^-53).
     fn point_roundings(&self) -> DVec3;
 
-    /// Half of the smallest and half of the largest extent.
+    /// Returns half of the smallest and half of the largest extent.
     fn half_extents(&self) -> [f64; 2];
 
-    /// What decides which cells of a grid it is in.
+    /// Returns the surface or the box that decides which cells of a grid list the shape.
     fn in_cells(&self) -> InCells {
         InCells::Box(self.bounds())
     }
 
-    /// All t at which the line of a ray crosses it, in order, if there are two.
+    /// Returns both t at which the line of a ray crosses the shape, in order; `None` unless there are two.
     fn roots(&self, _ray: &Ray) -> Option<[f64; 2]> {
         None
     }
 
-    /// The t where the line of a ray with a unit direction is tangent to it within roundings.
+    /// Returns the t at which the line of a ray with a unit direction is tangent to the shape within roundings.
     fn tangent_at(&self, _ray: &Ray) -> Option<f64> {
         None
     }
 
-    /// A function of a point near the surface that is zero on it, and its slope along a direction.
+    /// Evaluates a function that is zero on the surface, at a point near it. Returns the value and its slope along a
+    /// direction.
     fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2];
 
-    /// Its centre, and the maps from the unit sphere and back, if it is the image of that.
+    /// Returns the centre, and the maps from the unit sphere and back, if the shape is the image of the unit sphere.
     fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
         None
     }
 }
 
-/// What decides which cells of a grid a shape is in.
+/// The geometry that decides which cells of a grid list a shape.
 #[derive(Clone, Copy, Debug)]
 pub enum InCells {
-    /// Its bounding box.
+    /// The bounding box of the shape.
     Box(Aabb),
     /// The surface of this sphere.
     Sphere(Sphere),
 }
 
-/// A primitive that is neither a triangle nor a plane. Large ones are kept apart, so that many spheres take little memory.
+/// A primitive that is neither a triangle nor a plane. Large variants are boxed, so that many spheres take little
+/// memory.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A sphere.
@@ -71,7 +74,7 @@ pub enum Shape {
     Ellipsoid(Box<Ellipsoid>),
 }
 
-/// Calls a method of whichever shape it is.
+/// Calls a method of the shape inside.
 macro_rules! of_form {
     ($shape:expr, $form:ident => $call:expr) => {
         match $shape {

@@ -11,19 +11,19 @@ use glam::{DMat3, DVec3};
 pub struct Sphere {
     /// The centre.
     pub center: DVec3,
-    /// Positive.
+    /// The radius, which is positive.
     pub radius: f64,
 }
 
 /// The error bound of a point's power, in roundings of the sum of both squares (`proofs/sphere_power.g`).
 const POWER_ROUNDINGS: f64 = 8.0;
 
-/// The error bound of a point at a radius from a centre, in roundings of both: of the unit normal three, of the product
-/// and the sum one each (`proofs/checkerboard.g`).
+/// The error bound of a point at a radius from a centre, in roundings of both: three for the unit normal, one for the
+/// product and one for the sum (`proofs/checkerboard.g`).
 const AT_RADIUS_ROUNDINGS: f64 = 6.0;
 
-/// How many times that bound the line of a ray must be outside of the sphere to miss it surely, however b and the
-/// direction's squared length are rounded.
+/// The multiple of the power's error bound by which the line of a ray must be outside the sphere to miss it surely,
+/// however b and the direction's squared length are rounded.
 const BESIDE: f64 = 3.0;
 
 /// The quadratic a t^2 - 2 b t + c, whose roots are c / q and q / a.
@@ -34,20 +34,20 @@ struct Quadratic {
 }
 
 impl Sphere {
-    /// The power of a point, and a bound on its error in double precision.
+    /// Returns the power of a point, and a bound on its error in double precision.
     #[inline(always)]
     fn power_and_error_bound(&self, from_center: DVec3) -> (f64, f64) {
         let (distance, square) = (from_center.length_squared(), self.radius * self.radius);
-        // The smallest normal number covers what subnormal products lose.
+        // The smallest normal number covers the loss in subnormal products.
         (distance - square, POWER_ROUNDINGS * UNIT_ROUNDOFF * (distance + square) + f64::MIN_POSITIVE)
     }
 
-    /// The two t at which a line crosses the sphere, in order.
+    /// Returns the two t at which a line crosses the sphere, in order.
     ///
-    /// The discriminant is computed from the line's distance to the centre, and the second root from the
-    /// product of the roots, so that neither suffers from cancellation. Two differences can still cancel: the
-    /// discriminant where the line is almost tangent to the sphere, and the origin's power with respect to
-    /// the sphere where the origin is almost on it. There they are computed in double-double arithmetic.
+    /// The discriminant is computed from the line's distance to the centre, and the second root from the product of the
+    /// roots, so that neither suffers from cancellation. Two differences can still cancel: the discriminant if the line
+    /// is almost tangent to the sphere, and the origin's power with respect to the sphere if the origin is almost on
+    /// it. In these cases they are computed in double-double arithmetic.
     #[inline(always)]
     fn crossings(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let Quadratic { a, q, .. } = self.quadratic(origin, direction)?;
@@ -56,7 +56,7 @@ impl Sphere {
         Some(if t0 < t1 { [t0, t1] } else { [t1, t0] })
     }
 
-    /// The quadratic a t^2 - 2 b t + c of a line, except for c; none if it has no roots.
+    /// Returns the quadratic a t^2 - 2 b t + c of a line, except for c; `None` if it has no roots.
     #[inline(always)]
     fn quadratic(&self, origin: DVec3, direction: DVec3) -> Option<Quadratic> {
         let from_center = origin - self.center;
@@ -73,14 +73,14 @@ impl Sphere {
         Some(Quadratic { a, b, q: b + f64::copysign((a * discriminant).sqrt(), b) })
     }
 
-    /// Where the discriminant is below this times the radius, it may have lost more than half of its digits.
+    /// Returns the error bound of the discriminant, divided by the radius. A discriminant below it times the radius may
+    /// have lost more than half of its digits.
     fn discriminant_error_bound(&self, from_center: DVec3) -> f64 {
         const CLOSE: f64 = 1.0 / (1 << 20) as f64;
         CLOSE * self.radius + 64.0 * UNIT_ROUNDOFF * from_center.abs().max_element()
     }
 
-    /// The squared radius minus the squared distance of the line from the centre, in double-double
-    /// arithmetic.
+    /// Returns the squared radius minus the squared distance of the line from the centre, in double-double arithmetic.
     #[cold]
     fn precise_discriminant(&self, origin: DVec3, direction: DVec3) -> f64 {
         let f = difference(origin, self.center);
@@ -90,7 +90,7 @@ impl Sphere {
         (b * b - a * (dot(f, f) - r * r)).value() / a.value()
     }
 
-    /// The power of the origin: its squared distance from the centre minus the squared radius.
+    /// Returns the power of the origin: its squared distance from the centre minus the squared radius.
     fn power(&self, origin: DVec3, from_center: DVec3) -> f64 {
         const CLOSE: f64 = 1.0 / (1 << 10) as f64;
         let square = self.radius * self.radius;
@@ -98,8 +98,8 @@ impl Sphere {
         if power.abs() > CLOSE * square { power } else { self.precise_power(origin) }
     }
 
-    /// The sine of the angle between a line and the normal where it crosses the sphere: the line's distance from the centre
-    /// over the radius.
+    /// Returns the sine of the angle between a line and the normal where it crosses the sphere: the line's distance
+    /// from the centre over the radius.
     pub fn sine(&self, origin: DVec3, direction: DVec3) -> SquaredSine {
         let exponent = -libm::frexp(self.radius).1;
         let radius = Dd::from(self.radius).times_exp2(exponent);
@@ -109,8 +109,8 @@ impl Sphere {
         SquaredSine { denominator: dot(direction, direction) * (radius * radius), ..of_center }
     }
 
-    /// The normal and the point where a ray hits the sphere at `t`, computed along the ray and moved onto the sphere. The
-    /// point's error is one of its own coordinates, however far away the centre is.
+    /// Returns the normal and the point where a ray hits the sphere at `t`, computed along the ray and moved onto the
+    /// sphere. The point's error is relative to its own coordinates, however far away the centre is.
     #[cold]
     pub fn precise_surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
         let along = ray.at(t);
@@ -131,9 +131,9 @@ impl Form for Sphere {
         Aabb { min: self.center - self.radius, max: self.center + self.radius }
     }
 
-    /// The nearest t on the ray: the smaller root, or the larger one where the smaller is not on the ray.
+    /// Returns the nearest t on the ray: the smaller root, or the larger one if the smaller is not on the ray.
     ///
-    /// Most rays that start on the sphere, and those that pass beside it, are decided by the origin's power without
+    /// The origin's power decides most rays that start on the sphere, and those that pass beside it, without
     /// double-double arithmetic or divisions. `proofs/sphere_power.g` proves the error bound.
     fn intersect(&self, ray: &Ray) -> Option<f64> {
         let from_center = ray.origin - self.center;
@@ -148,7 +148,7 @@ impl Form for Sphere {
             }
         }
         if power < -bound && starts_here {
-            // One root is negative, and the other one does not depend on the power where b is positive.
+            // One root is negative. The other one does not depend on the power if b is positive.
             let Quadratic { a, b, q } = self.quadratic(ray.origin, ray.direction)?;
             if b > 0.0 {
                 return Some(q / a).filter(|&t| ray.covers(t));
@@ -157,8 +157,8 @@ impl Form for Sphere {
         first_on_ray(self.crossings(ray.origin, ray.direction)?, ray)
     }
 
-    /// Where the radius is smaller than the rounding error of the centre, the point may be the centre itself. Then the normal
-    /// points against the ray.
+    /// If the radius is smaller than the rounding error of the centre, the point may be the centre itself. Then the
+    /// normal points against the ray.
     #[inline(always)]
     fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
         let outward = ray.at(t) - self.center;
@@ -208,7 +208,7 @@ impl Form for Sphere {
     }
 }
 
-/// The smaller of two ordered roots that lies on the ray.
+/// Returns the smaller of two ordered roots that lies on the ray.
 pub fn first_on_ray(roots: [f64; 2], ray: &Ray) -> Option<f64> {
     roots.into_iter().find(|&t| ray.covers(t))
 }
@@ -258,7 +258,7 @@ mod tests {
         x.to_f64().unwrap()
     }
 
-    /// The coefficients of the quadratic in exact arithmetic: the direction's squared length, its dot product
+    /// Returns the coefficients of the quadratic in exact arithmetic: the direction's squared length, its dot product
     /// with the vector to the centre, the origin's power, and the discriminant.
     fn quadratic(sphere: &Sphere, origin: DVec3, direction: DVec3) -> [BigRational; 4] {
         let f = [0, 1, 2].map(|i| exact(origin[i]) - exact(sphere.center[i]));
@@ -272,8 +272,8 @@ mod tests {
         [a, b, power, discriminant]
     }
 
-    /// A sphere and a line, from an origin `away` radii from it, whose distance from the centre is `1 -
-    /// inside` times the radius.
+    /// Returns a sphere and a line. The line's origin is `away` radii from the sphere, and its distance from the centre
+    /// is `1 - inside` times the radius.
     fn grazing(i: u32, radius: f64, away: f64, inside: f64) -> (Sphere, DVec3, DVec3) {
         let spread = |step: f64| (i as f64 * step).fract() - 0.5;
         let along = DVec3::new(spread(2f64.sqrt()), spread(3f64.sqrt()), 0.75);
@@ -330,7 +330,7 @@ mod tests {
         }
     }
 
-    /// The nearest t on a ray by both roots, without the decisions by the origin's power.
+    /// Returns the nearest t on a ray from both roots, without the shortcuts by the origin's power.
     fn by_roots(sphere: &Sphere, ray: &Ray) -> Option<f64> {
         first_on_ray(sphere.crossings(ray.origin, ray.direction)?, ray)
     }

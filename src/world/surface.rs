@@ -9,36 +9,36 @@ use crate::world::triangle;
 use glam::DVec3;
 use serde::Serialize;
 
-/// A position whose coordinates are less than this part of the coordinates that it is computed from is computed along the
-/// ray.
+/// If the coordinates of a position are less than this part of the coordinates from which it is computed, it is
+/// computed along the ray instead.
 pub(crate) const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
 
 /// The surface at a hit.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct SurfacePoint {
-    /// The point, which is on the surface to within a few rounding errors of its coordinates and the
-    /// primitive's.
+    /// The point, which is on the surface to within a few rounding errors of its coordinates and the coordinates of the
+    /// primitive.
     pub position: DVec3,
-    /// The outward unit normal, which is not turned towards the ray.
+    /// The outward unit normal. It is not turned towards the ray.
     pub normal: DVec3,
-    /// The largest absolute coordinate that the position was computed from, which bounds its error:
+    /// The largest absolute coordinate from which the position was computed. It bounds the error of the position:
     /// [`offset_origin`](crate::math::robust::offset_origin) counts in roundings of it.
     #[serde(skip)]
     pub extent: f64,
     /// The material of the surface.
     pub material: MaterialId,
-    /// The id of the primitive; none if the point is on a surface that is not in a world.
+    /// The id of the primitive; `None` if the point is on a surface that is not in a world.
     #[serde(skip)]
     pub primitive: Option<u32>,
-    /// The same if it is a triangle. A ray that leaves a triangle does not hit it again, so that this triangle is
-    /// excluded from the tests of secondary rays.
+    /// The id of the primitive if it is a triangle. A ray never hits the triangle on which it starts, so the tests of
+    /// secondary rays exclude this triangle.
     #[serde(skip)]
     pub triangle: Option<u32>,
 }
 
 impl World {
-    /// The surface that a ray hits first. The t of a triangle is not computed, because the barycentric
-    /// weights suffice for its surface.
+    /// Returns the surface that a ray hits first. The t of a triangle is not computed, because the barycentric weights
+    /// suffice for its surface.
     #[inline(always)]
     pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> SurfacePoint {
         // A closure would not be compiled for the instructions of the caller.
@@ -49,15 +49,15 @@ impl World {
         self.surface_with(ray, t_bound, primitive, weights)
     }
 
-    /// The surface at a hit of `ray`.
+    /// Returns the surface at a hit of `ray`.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.surface_with(ray, hit.t, hit.primitive, hit.weights)
     }
 
-    /// The sine of the angle between a ray, given by its origin and direction, and the normal of a primitive's surface that it
-    /// meets, with less rounding than that of the unit normal: a triangle's normal follows from its corners, that of a plane
-    /// is the one before it is scaled to unit length, and a sphere's is the distance of the ray's line from the centre over
-    /// the radius.
+    /// Returns the sine of the angle between a ray, given by its origin and direction, and the normal of a primitive's
+    /// surface that it meets. Its rounding error is smaller than with the unit normal. A triangle's normal is computed
+    /// from its corners. A plane's normal is used before it is scaled to unit length. For a sphere, the sine is the
+    /// distance of the ray's line from the centre over the radius.
     #[cold]
     pub(crate) fn precise_sine(
         &self,
@@ -85,7 +85,7 @@ impl World {
         cross(rescaled(difference(b, a)), rescaled(difference(c, a)))
     }
 
-    /// The surface of a primitive at `t`. `weights` are the barycentric weights of a triangle's hit.
+    /// Returns the surface of a primitive at `t`. `weights` are the barycentric weights of a triangle's hit.
     #[inline(always)]
     fn surface_with(&self, ray: &Ray, t: f64, primitive: u32, weights: Option<[f64; 3]>) -> SurfacePoint {
         let along = ray.at(t);
@@ -103,8 +103,8 @@ impl World {
         };
         let triangle = self.is_triangle(primitive).then_some(primitive);
         let material = self.material_of(primitive);
-        // Variables of their own stay in registers. What a cold function returns lies in memory, and a processor waits for
-        // numbers that are stored one by one and loaded as a vector.
+        // Separate variables stay in registers. The result of a cold function lies in memory, and the processor stalls
+        // on numbers that are stored one by one and loaded as a vector.
         let (mut normal, mut position, mut extent) = (normal, position, extent);
         if position.abs().max_element() < LEAST_PART * extent {
             let precise = self.precise_surface(ray, t, primitive, (normal, position, extent));
@@ -113,8 +113,8 @@ impl World {
         SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle }
     }
 
-    /// The normal, the position and the extent of a surface with a position that is computed along the ray, where it would
-    /// lose digits to the coordinates of what is far away.
+    /// Returns the normal, the position and the extent of a surface, with the position computed along the ray. Computed
+    /// from the primitive, the position would lose digits to the coordinates of distant parts.
     #[cold]
     fn precise_surface(
         &self,
@@ -135,15 +135,15 @@ impl World {
             Primitive::Plane(_) => None,
         };
         let Some((normal, position)) = found else { return (normal, position, extent) };
-        // The roundings of the way are moved off along the normal, which is rounded itself. Of what is far away
-        // double-double numbers leave less than a rounding of the square of the least part.
+        // The offset along the normal, which is rounded itself, covers the roundings along the ray. In double-double
+        // numbers, distant coordinates contribute less than a rounding of the square of the least part.
         let way = ray.origin.abs().max_element() + (position - ray.origin).abs().max_element();
         let own = position.abs().max_element() + LEAST_PART * (way + LEAST_PART * extent);
         (normal, position, own.min(extent))
     }
 
-    /// The normal, the position and the extent on a triangle. The position is interpolated from the vertices, because the
-    /// one `along` the ray has a rounding error that grows with the distance from its origin.
+    /// Returns the normal, the position and the extent on a triangle. The position is interpolated from the vertices,
+    /// because a position `along` the ray has a rounding error that grows with the distance from the ray's origin.
     #[inline(always)]
     fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3, f64) {
         let corners = self.corners(i);
@@ -152,7 +152,7 @@ impl World {
     }
 }
 
-/// A vector times a power of two such that its largest coordinate is from 0.5 to 1.
+/// Returns a vector times a power of two such that its largest coordinate is from 0.5 to 1.
 fn rescaled(v: [Dd; 3]) -> [Dd; 3] {
     let largest = v.iter().map(|x| x.value().abs()).fold(0.0, f64::max);
     let exponent = libm::frexp(largest).1;

@@ -1,6 +1,6 @@
-//! Triangles, by the watertight test of Woop, Benthin and Wald (JCGT 2(1), 2013), made exact: whether a ray
-//! hits a triangle is decided as if there were no rounding, so that a ray through an edge or a vertex that
-//! triangles of a closed mesh share hits exactly one of them.
+//! Triangles, by the watertight test of Woop, Benthin and Wald (JCGT 2(1), 2013), made exact: a hit is decided as if
+//! there were no rounding. So a ray through an edge or a vertex that triangles of a closed mesh share hits exactly one
+//! of them.
 //!
 //! This holds for all finite coordinates and directions. The t of a hit is accurate to within rounding, and
 //! the normal has unit length. A triangle whose t would overflow counts as missed. The point of a hit is
@@ -19,8 +19,8 @@ use crate::world::edge_functions::{
 };
 use glam::DVec3;
 
-/// The part of the test that depends on the ray only: the shear that maps its direction to the z axis, after
-/// a permutation of the axes that makes z the one along which the direction is longest.
+/// The part of the test that depends only on the ray: the shear that maps its direction to the z axis, after a
+/// permutation of the axes that makes the direction longest along z.
 #[derive(Clone, Copy, Debug)]
 pub struct Shear<'r> {
     ray: &'r Ray,
@@ -33,21 +33,20 @@ pub struct Shear<'r> {
     t_per_depth: f64,
 }
 
-/// The point of a triangle with these barycentric weights, which need not add up to one. Its error is that of
-/// rounding the vertices, so the point is at most that far beyond an edge, however distant the ray's origin
-/// is.
+/// Returns the point of a triangle with these barycentric weights, which need not add up to one. Its error comes only
+/// from rounding the vertices. So the point is at most this error beyond an edge, however distant the ray's origin is.
 #[inline(always)]
 pub fn point([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
     interpolated([a.into(), b.into(), c.into()], weights).into()
 }
 
-/// The largest absolute coordinate of the corners.
+/// Returns the largest absolute coordinate of the corners.
 #[inline(always)]
 pub fn extent(corners: [DVec3; 3]) -> f64 {
     largest_coordinate(corners.map(Vector::from))
 }
 
-/// The same in any number of lanes.
+/// Computes [`extent`] in any number of lanes.
 #[inline(always)]
 pub(crate) fn largest_coordinate<N: Number>([a, b, c]: [Vector<N>; 3]) -> N {
     let Vector { x, y, z } = a.abs().max(b.abs()).max(c.abs());
@@ -61,7 +60,7 @@ pub(crate) fn interpolated<N: Number>([a, b, c]: [Vector<N>; 3], [u, v, w]: [N; 
 }
 
 impl<'r> Shear<'r> {
-    /// The shear for a ray. A ray whose direction is zero or not finite misses every triangle.
+    /// Returns the shear for a ray. A ray whose direction is zero or not finite misses every triangle.
     #[inline(always)]
     pub fn new(ray: &'r Ray) -> Self {
         let d = ray.direction.to_array();
@@ -77,30 +76,30 @@ impl<'r> Shear<'r> {
         Self { ray, axes: [x, y, z], origin: Vector { x: o[x], y: o[y], z: o[z] }, slopes, t_per_depth }
     }
 
-    /// A vertex in the sheared space: x and y are its distances from the ray, z its depth along the longest
+    /// Maps a vertex to the sheared space: x and y are its distances from the ray, and z is its depth along the longest
     /// axis.
     #[inline(always)]
     fn apply(&self, vertex: &DVec3) -> Vector<f64> {
-        // The vertex is indexed in place as an array: indexing a glam vector branches, and a copy would have
-        // to be stored to memory before it is indexed.
+        // The vertex is indexed in place as an array. Indexing a glam vector branches, and a copy would be stored to
+        // memory before it is indexed.
         let v: &[f64; 3] = vertex.as_ref();
         let [x, y, z] = self.axes;
         sheared(Vector { x: v[x], y: v[y], z: v[z] } - self.origin, self.slopes)
     }
 
-    /// The t where the ray's line crosses the triangle, whatever its winding. It may be negative.
+    /// Returns the t at which the ray's line crosses the triangle, whatever its winding. It may be negative.
     ///
-    /// The line crosses the triangle where the three edge functions have the same sign. A sign that is within
-    /// the error bound is decided in exact arithmetic, and where an edge function is exactly zero, as if the
-    /// ray were moved by an infinitesimal amount. So two triangles never disagree about the edge they share,
-    /// and a triangle without area, or one that contains the ray's direction, is missed without opening a
-    /// gap.
+    /// The line crosses the triangle if the three edge functions have the same sign. A sign within the error bound is
+    /// decided in exact arithmetic. If an edge function is exactly zero, its sign is decided as if the ray were moved
+    /// by an infinitesimal amount. So two triangles never disagree about the edge they share, and a triangle without
+    /// area, or one that contains the ray's direction, is missed without opening a gap.
     #[inline(always)]
     pub fn intersect(&self, corners: [&DVec3; 3]) -> Option<f64> {
         self.hit(corners).map(|(t, _)| t)
     }
 
-    /// The same with the barycentric weights of the crossing, up to a common factor.
+    /// Returns the t at which the ray's line crosses the triangle, and the barycentric weights of the crossing up to a
+    /// common factor.
     #[inline(always)]
     pub fn hit(&self, corners: [&DVec3; 3]) -> Option<(f64, [f64; 3])> {
         let (a, b, c) = self.sheared(corners);
@@ -115,7 +114,7 @@ impl<'r> Shear<'r> {
         // In this form another order of the vertices changes t by little more than its rounding error.
         let depth = a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum;
         let t = self.t_per_depth * depth;
-        // The sign of t is exact: it says on which side of the triangle the ray begins.
+        // The sign of t is exact: it tells the side of the triangle on which the ray begins.
         if is_interpolation_accurate([a, b, c], sum)
             && is_depth_certain(depth, sum, [a, b, c])
             && t.is_finite()
@@ -125,8 +124,8 @@ impl<'r> Shear<'r> {
         self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z]).map(|t| (t, weights))
     }
 
-    /// The weights alone, for callers that do not need t. They are none exactly where [`hit`](Self::hit) finds
-    /// no crossing, except for a t that overflows.
+    /// Returns only the weights, for callers that do not need t. They are `None` exactly if [`hit`](Self::hit) finds no
+    /// crossing, except for a t that overflows.
     #[inline(always)]
     pub fn weights(&self, corners: [&DVec3; 3]) -> Option<[f64; 3]> {
         let (a, b, c) = self.sheared(corners);
@@ -138,8 +137,8 @@ impl<'r> Shear<'r> {
         }
     }
 
-    /// The point where the ray crosses the triangle with this unit normal, computed along the ray and moved into the
-    /// triangle's plane. Its error is one of its own coordinates, however far away the corners are.
+    /// Returns the point where the ray crosses the triangle with this unit normal, computed along the ray and moved
+    /// into the triangle's plane. Its error is relative to its own coordinates, however far away the corners are.
     #[cold]
     pub fn precise_point(&self, corners: [&DVec3; 3], normal: DVec3) -> Option<DVec3> {
         let (a, b, c) = self.sheared(corners);
@@ -151,7 +150,7 @@ impl<'r> Shear<'r> {
         Some(along + volume(along, corners).over(largest) / length * normal)
     }
 
-    /// On which side of the edges the ray passes, as far as rounded numbers tell.
+    /// Returns the side of the edges on which the ray passes, as far as rounded numbers tell.
     pub fn sides(&self, corners: [&DVec3; 3]) -> Sides {
         let (a, b, c) = self.sheared(corners);
         Sides::new(edge_functions([a, b, c]), [a, b, c])
@@ -163,14 +162,14 @@ impl<'r> Shear<'r> {
         (self.apply(p), self.apply(q), self.apply(r))
     }
 
-    /// The t of a triangle for which rounding errors do not tell whether it is hit.
+    /// Returns the t and the weights of a triangle if rounding errors hide whether the ray hits it.
     #[cold]
     fn decide_hit(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<(f64, [f64; 3])> {
         let weights = self.decide(vertices)?;
         Some((self.exact_t(vertices, depths)?, weights))
     }
 
-    /// The t where the ray crosses the triangle's plane, from exact determinants that are rounded before the
+    /// Returns the t at which the ray crosses the triangle's plane, from exact determinants that are rounded before the
     /// division.
     #[cold]
     fn exact_t(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<f64> {
@@ -186,7 +185,7 @@ impl<'r> Shear<'r> {
         t.is_finite().then_some(t)
     }
 
-    /// The edge functions with exact signs, all divided by the same power of two, if the ray, moved by an
+    /// Returns the edge functions with exact signs, all divided by the same power of two, if the ray, moved by an
     /// infinitesimal amount, passes on the same side of all three edges.
     #[cold]
     fn decide(&self, vertices: [DVec3; 3]) -> Option<[f64; 3]> {
@@ -203,9 +202,9 @@ impl<'r> Shear<'r> {
         inside.then(|| on_one_scale(weights))
     }
 
-    /// The side of an edge on which the ray passes that meets the edge's line exactly: as if the ray were
-    /// moved in the sheared plane by an infinitesimal amount towards negative x, and by an infinitely smaller
-    /// one towards negative y. Zero for an edge that is parallel to the ray.
+    /// Returns the side on which a ray passes an edge if it meets the edge's line exactly: as if the ray were moved in
+    /// the sheared plane by an infinitesimal amount towards negative x, and by an infinitely smaller amount towards
+    /// negative y. Returns zero for an edge that is parallel to the ray.
     fn side_of_edge_met(&self, edge: [DVec3; 2]) -> i32 {
         let (d, [x, y, z]) = (self.ray.direction, self.axes);
         let sheared = |axis: usize| cross_component(d, edge, [z, axis]).sign();
@@ -213,11 +212,11 @@ impl<'r> Shear<'r> {
     }
 }
 
-/// Whether a triangle certainly has an area or, where rounded products do not tell, exactly has one. No ray hits one
-/// without.
+/// Returns true if a triangle has an area. If rounded products do not decide, exact arithmetic does. No ray hits a
+/// triangle without area.
 #[inline(always)]
 pub fn has_area([a, b, c]: [&DVec3; 3]) -> bool {
-    // One coordinate of the normal tells most of those that have an area.
+    // One coordinate of the normal decides for most triangles with an area.
     (b.x - a.x) * (c.y - a.y) != (b.y - a.y) * (c.x - a.x) || exactly_has_area([*a, *b, *c])
 }
 
@@ -226,20 +225,20 @@ fn exactly_has_area(triangle: [DVec3; 3]) -> bool {
     area_vector(triangle).iter().any(|coordinate| coordinate.sign() != 0)
 }
 
-/// The squared tangent of the angle between two edges at which their rounding changes the normal by 2^-20.
+/// The squared tangent of the angle between two edges at which rounding the edges changes the normal by 2^-20.
 const NEEDLE: f64 = 1.0 / (1u64 << 60) as f64;
 /// The squared length of the cross product of two edges above which underflow does not matter.
 const SHORT: f64 = 1e-280;
 
-/// The outward unit normal; the vertices run counter-clockwise seen from outside. Its error is at most 2^-20
-/// for every triangle with an area. It is NaN for a triangle without one.
+/// Returns the outward unit normal. The vertices run counter-clockwise seen from outside. Its error is at most 2^-20
+/// for every triangle with an area, and it is NaN for a triangle without area.
 #[inline(always)]
 pub fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     let (normal, accurate) = rounded_normal([a.into(), b.into(), c.into()]);
     if accurate != 0 { normal.into() } else { exact_normal([a, b, c]) }
 }
 
-/// The same from rounded numbers, and the set of the lanes where their error is within that bound.
+/// Returns the normal from rounded numbers, and the set of the lanes in which its error is at most 2^-20.
 #[inline(always)]
 pub(crate) fn rounded_normal<N: Number>([a, b, c]: [Vector<N>; 3]) -> (Vector<N>, u32) {
     let (p, q) = (b - a, c - a);

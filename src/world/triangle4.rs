@@ -1,7 +1,7 @@
 //! The surfaces of triangles where four rays hit them, one ray in each SIMD lane.
 //!
-//! Only how the axes are turned differs from [`Shear`](crate::world::triangle::Shear), which chooses a ray's longest axis by
-//! its index. Lanes that need exact arithmetic are left to single rays.
+//! It differs from [`Shear`](crate::world::triangle::Shear) only in how the axes are permuted: that type chooses a
+//! ray's longest axis by its index. Lanes that need exact arithmetic are left to single rays.
 
 use super::edge_functions::{EdgeRange, edge_functions, sheared};
 use super::surface::LEAST_PART;
@@ -18,7 +18,7 @@ pub struct Triangles4<S: Simd> {
     corners: [Vector<f64x4<S>>; 3],
     /// The outward unit normals.
     pub normals: [DVec3; 4],
-    /// The largest absolute coordinate of the corners of each.
+    /// The largest absolute coordinate of the corners of each triangle.
     pub extents: [f64; 4],
     /// Points with smaller coordinates than these need exact arithmetic.
     least: f64x4<S>,
@@ -31,12 +31,12 @@ pub struct Triangles4<S: Simd> {
 pub struct Hits4 {
     pub points: [DVec3; 4],
     /// The set of the rays for which rounded numbers suffice, bit 0 for the first one. The points and the normals of
-    /// the others have no meaning.
+    /// the other rays have no meaning.
     pub certain: u32,
 }
 
 impl<S: Simd> Triangles4<S> {
-    /// The triangles with these corners.
+    /// Returns the triangles with these corners.
     #[inline(always)]
     pub fn new(simd: S, [p, q, r, s]: [[&DVec3; 3]; 4]) -> Self {
         let a = Vector::new(simd, [p[0], q[0], r[0], s[0]]);
@@ -49,7 +49,7 @@ impl<S: Simd> Triangles4<S> {
         Self { corners: [a, b, c], normals, extents, least, accurate }
     }
 
-    /// The points where each ray hits its triangle.
+    /// Returns the points where each ray hits its triangle.
     #[inline(always)]
     pub fn hits(&self, simd: S, rays: [&Ray; 4]) -> Hits4 {
         let (weights, inside) = weights(simd, rays, self.corners);
@@ -60,7 +60,7 @@ impl<S: Simd> Triangles4<S> {
     }
 }
 
-/// The barycentric weights, and the set of the rays that certainly pass through their triangles.
+/// Returns the barycentric weights, and the set of the rays that certainly pass through their triangles.
 #[inline(always)]
 fn weights<S: Simd>(simd: S, rays: [&Ray; 4], [p, q, r]: [Vector<f64x4<S>>; 3]) -> ([f64x4<S>; 3], u32) {
     let [i, j, k, l] = rays;
@@ -83,8 +83,8 @@ fn weights<S: Simd>(simd: S, rays: [&Ray; 4], [p, q, r]: [Vector<f64x4<S>>; 3]) 
     }
 }
 
-/// The axes along which these directions are longest, as a shear chooses them: the set of those that are not longest
-/// along x, and the set of those that are longest along z.
+/// Finds the axes along which these directions are longest, as a shear chooses them. Returns the set of the directions
+/// that are not longest along x, and the set of those that are longest along z.
 #[inline(always)]
 fn longest_axes<S: Simd>(directions: Vector<f64x4<S>>) -> (u32, u32) {
     let Vector { x, y, z } = directions.abs();
@@ -92,7 +92,7 @@ fn longest_axes<S: Simd>(directions: Vector<f64x4<S>>) -> (u32, u32) {
     (x.le_mask(y) | x.le_mask(z), is_z)
 }
 
-/// Each vector turned so that this axis of it, 0 to 2, is the last one.
+/// Permutes the axes of each vector cyclically so that its axis `axis`, 0 to 2, is the last one.
 #[inline(always)]
 fn turned<S: Simd>(Vector { x, y, z }: Vector<f64x4<S>>, axis: f64x4<S>) -> Vector<f64x4<S>> {
     let choose = |of_x: f64x4<S>, of_y: f64x4<S>, of_z: f64x4<S>| {
@@ -112,7 +112,7 @@ fn zxy<S: Simd>(Vector { x, y, z }: Vector<f64x4<S>>) -> Vector<f64x4<S>> {
     Vector { x: z, y: x, z: y }
 }
 
-/// The weights for directions that are longest along z, and vertices relative to the rays' origins.
+/// Returns the weights for directions that are longest along z, and vertices relative to the rays' origins.
 #[inline(always)]
 fn sheared_weights<S: Simd>(
     direction: Vector<f64x4<S>>,
@@ -134,7 +134,7 @@ mod tests {
     use fearless_simd::dispatch;
     use rand::RngExt;
 
-    /// Numbers of which some are exceptional.
+    /// Random numbers, some of them exceptional.
     struct Numbers(Drand48);
 
     impl Numbers {
@@ -159,7 +159,7 @@ mod tests {
             DVec3::new(self.number(), self.number(), self.number())
         }
 
-        /// A triangle, of which some are thin or large or small.
+        /// Returns a triangle; some are thin, large or small.
         fn triangle(&mut self) -> [DVec3; 3] {
             let [a, b, c] = [self.vector(), self.vector(), self.vector()];
             let scale = [1.0, 1e-90, 1e100, 1e-65, 1e-150, 1e150][[0, 0, 0, 1, 2, 3, 4, 5][self.below(8)]];
@@ -171,7 +171,7 @@ mod tests {
             [a, b, c].map(|v| v * scale)
         }
 
-        /// A ray towards a triangle, most often through its inside or its boundary.
+        /// Returns a ray towards a triangle, most often through its inside or its boundary.
         fn ray(&mut self, [a, b, c]: [DVec3; 3], from: DVec3) -> Ray {
             let [u, v] = [self.0.random::<f64>(), self.0.random()];
             let target = match self.below(4) {
@@ -192,8 +192,8 @@ mod tests {
         v.to_array().map(f64::to_bits)
     }
 
-    /// Compares every lane that is certain with the surface of one triangle, and returns how many are certain and how
-    /// many could have been.
+    /// Compares every lane that is certain with the surface of one triangle. Returns the number of certain lanes, and
+    /// the number that could have been certain.
     fn agree_with_one<S: Simd>(simd: S) -> [usize; 2] {
         let mut numbers = Numbers(Drand48::UNSEEDED);
         let mut counts = [0; 2];

@@ -10,14 +10,14 @@ fn lattice() -> Lattice {
     Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(2.0, 4.0, 1.0) }, [8, 8, 8])
 }
 
-/// The cells that `insert` appends to an empty list.
+/// Returns the cells that `insert` appends to an empty list.
 fn cells_of(insert: impl Fn(&mut Vec<u32>)) -> Vec<u32> {
     let mut out = vec![];
     insert(&mut out);
     out
 }
 
-/// The cells of the lattice, each with its box.
+/// Returns the cells of the lattice, each with its box.
 fn cell_boxes(l: &Lattice) -> impl Iterator<Item = (u32, Aabb)> + '_ {
     (0..512).map(|i| [i % 8, i / 8 % 8, i / 64]).map(|c| {
         let min = l.bounds.min + l.cell_size * DVec3::from_array(c.map(|x| x as f64));
@@ -39,7 +39,7 @@ fn a_sphere_is_inserted_exactly_where_its_surface_is() {
     }
 }
 
-/// The sphere's surface is all but a plane, close to the faces of cells.
+/// The sphere's surface is almost a plane, close to the faces of cells.
 #[test]
 fn a_sphere_of_very_many_cells_is_listed_where_a_ray_finds_it() {
     let l = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(1.1, 1.3, 0.7) }, [11, 13, 7]);
@@ -96,7 +96,7 @@ fn padded_cells_are_touched_from_farther_away() {
 fn the_surface_of_a_huge_sphere_is_inserted_where_it_passes_through_cells() {
     let l = lattice();
     for (far, wall) in [(1e13, 3), (-1e13, 4)] {
-        // Its surface is as good as the plane x = 1, which is where cells 3 and 4 meet.
+        // The surface is practically the plane x = 1, where cells 3 and 4 meet.
         let cells = cells_of(|out| of_sphere(&l, DVec3::new(1.0 + far, 2.0, 0.5), 1e13, 1e-6, out));
         for (y, z) in (0..8).flat_map(|y| (0..8).map(move |z| (y, z))) {
             assert!([wall, 7 - wall].iter().all(|&x| cells.contains(&(l.index([x, y, z]) as u32))));
@@ -235,7 +235,7 @@ fn cells_are_padded_by_the_face_error_bound_and_that_of_positions() {
     assert!((0.9 * POSITION_ERROR_BOUND..1.1 * POSITION_ERROR_BOUND).contains(&more), "{more}");
 }
 
-/// `proofs/box8.g` assumes it for the boxes of trees, which end at the corners of padded cells. Cells far from the
+/// `proofs/box8.g` assumes this for the boxes of trees, which end at the corners of padded cells. Cells far from the
 /// origin are not smaller than `widened` makes them.
 #[test]
 fn the_corners_of_cells_are_off_by_at_most_two_roundings_of_single_precision() {
@@ -264,8 +264,8 @@ fn the_corners_of_cells_are_off_by_at_most_two_roundings_of_single_precision() {
     assert!((0.5..=2.0).contains(&roundings), "{roundings}");
 }
 
-/// In a flat lattice, how far the faces along y lie, in cells, from where an exact ray is at the t at which the
-/// DDA crosses them.
+/// Returns the largest distance along y, in cells, between a face of a flat lattice and the position of the exact ray
+/// at the t at which the DDA crosses the face.
 fn largest_position_error(lattice: &Lattice, ray: &Ray) -> Option<f64> {
     let (mut dda, [entry, exit]) = Dda::of_ray(lattice, ray)?;
     let t_per_unit = Dd::from(1.0 / (T_ONE / (exit - entry)));
@@ -289,8 +289,8 @@ fn largest_position_error(lattice: &Lattice, ray: &Ray) -> Option<f64> {
     }
 }
 
-/// A ray from as far away as it may come, where rounding errors are those just above a power of two: a corner and
-/// the extent of a lattice, the ray's origin, where in the lattice it is aimed, and the length of its direction.
+/// Returns a ray from the largest allowed distance, with rounding errors like those just above a power of two: a corner
+/// and the extent of a lattice, the ray's origin, its target in the lattice, and the length of its direction.
 fn from_far_away(rng: &mut Rng) -> Input<5> {
     let extent = DVec3::new(1e5, CELLS as f64 * (1.0 + rng.unit()), 1e5);
     let min = DVec3::new(0.0, rng.signed(), 0.0);
@@ -301,7 +301,7 @@ fn from_far_away(rng: &mut Rng) -> Input<5> {
 
 const CELLS: usize = 7;
 
-/// The largest error of a crossing, in roundings of the largest distance in cells.
+/// Returns the largest error of a crossing, in roundings of the largest distance in cells.
 fn crossing(&[min, extent, origin, part, length]: &Input<5>) -> Option<f64> {
     let lattice = Lattice::new(Aabb { min, max: min + extent }, [1, CELLS, 1]);
     let farthest = MAX_ORIGIN_CELLS * lattice.cell_size.min_element();
@@ -314,14 +314,14 @@ fn crossing(&[min, extent, origin, part, length]: &Input<5>) -> Option<f64> {
     Some(largest_position_error(&lattice, &ray)? / (MAX_ORIGIN_CELLS * UNIT_ROUNDOFF))
 }
 
-/// A ray along a diagonal from the origin, and a sphere ahead at a distance of about one.
+/// Returns a ray along a diagonal from the origin, and a sphere ahead at a distance of about one.
 fn sphere_far_away(rng: &mut Rng) -> Input<3> {
     let diagonal = DVec3::ONE + 1e-2 * rng.vector();
     [1e-3 * rng.vector(), diagonal, diagonal + DVec3::splat(1e-3).with_x(0.1 * rng.unit())]
 }
 
-/// The distance of a sphere's hit from its surface, in roundings of the origin's largest distance
-/// from its centre along an axis.
+/// Returns the distance of a sphere's hit from its surface, in roundings of the largest distance between the origin and
+/// the sphere's centre along an axis.
 fn off_sphere(&[origin, direction, place]: &Input<3>) -> Option<f64> {
     let sphere = Sphere { center: place, radius: 1e-2 };
     let t = sphere.intersect(&Ray::new(origin, direction))?;
@@ -332,8 +332,8 @@ fn off_sphere(&[origin, direction, place]: &Input<3>) -> Option<f64> {
     Some(off.abs() / ((origin - sphere.center).abs().max_element() * UNIT_ROUNDOFF))
 }
 
-/// The errors of crossings and of hits are of different roundings, so that a ray can have both. Other than spheres,
-/// what is hit is less far from where it seems to be.
+/// The errors of crossings and of hits come from different roundings, so a ray can have both. Hits of other primitives
+/// are less far from their surfaces than hits of spheres.
 #[test]
 fn crossings_and_hits_of_rays_from_far_away_need_half_of_the_padding() {
     let (crossing, _) = search(16, 60_000, from_far_away, crossing);

@@ -4,7 +4,7 @@ use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use glam::DVec3;
 
-/// A world of `count` triangles by their numbers, and of a sphere.
+/// Returns a world of `count` triangles, given by their numbers, and a sphere.
 fn world(count: u32, corners: impl Fn(u32) -> [DVec3; 3]) -> World {
     let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 2
          Material { } TriangleMesh { obj_file a.obj } Sphere { center 0.5 0.5 0.5 radius 0.125 } }";
@@ -43,7 +43,7 @@ fn triangles_without_area_are_in_the_structures_of_the_course_alone() {
     }
 }
 
-/// Most triangles are in a corner, so that its cell is crowded.
+/// Returns a world with most of its triangles in a corner, so that this cell is crowded.
 fn corner_crowd(count: u32) -> World {
     world(count, |i| {
         let corner = (DVec3::new(0.618, 0.754, 0.569) * f64::from(i)).fract();

@@ -24,7 +24,8 @@ fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
     assert!(![-1000.0, 0.0, 400.0, 1600.0, f64::NAN].into_iter().any(is_in_proven_range));
 }
 
-/// A unit cube of small triangles, two large ones and a few spheres, and a speck of tiny triangles in its middle.
+/// Returns a world of a unit cube of small triangles, two large ones and a few spheres, and a speck of tiny triangles
+/// in its middle.
 fn world_with_crowds() -> World {
     let spheres: String = (0..30)
         .map(|k| {
@@ -52,7 +53,7 @@ fn world_with_crowds() -> World {
     World::new(&parse(&text).unwrap(), &[mesh]).unwrap()
 }
 
-/// A point of a sequence that fills the unit cube evenly.
+/// Returns a point of a sequence that fills the unit cube evenly.
 fn point(k: f64) -> DVec3 {
     (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * k).fract()
 }

@@ -1,49 +1,49 @@
 //! The binary tree of primitives from which the nodes of a [`Tree`](super::Tree) are made.
 //!
-//! A node with its eight children stands for several levels of the binary tree. Which ones is chosen such that the sum
-//! of the nodes' surface areas is least, to which the number of nodes that a ray visits is proportional. This takes
-//! dynamic programming from the leaves upwards (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs
-//! Through Compressed Wide BVHs", High Performance Graphics 2017).
+//! A node with its eight children stands for several levels of the binary tree. The levels are chosen to minimise the
+//! sum of the nodes' surface areas, which is proportional to the number of nodes that a ray visits. This uses dynamic
+//! programming from the leaves upwards (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+//! Compressed Wide BVHs", High Performance Graphics 2017).
 
 use crate::caster::block::LANES;
 use crate::caster::division::{Bounds, Item, ItemRun};
 use arrayvec::ArrayVec;
 use std::ops::Range;
 
-/// The number of levels that are divided by the heuristic. Below them the primitives are divided by their number, which
-/// bounds the depth of trees of primitives that the heuristic does not divide evenly.
+/// The number of levels that are divided by the heuristic. Below them the primitives are divided by their number. This
+/// bounds the depth of the tree if the heuristic does not divide the primitives evenly.
 pub const HEURISTIC_LEVELS: usize = 40;
 
 /// Upper bound on the number of levels: [`HEURISTIC_LEVELS`], and 29 that halve the at most 2^29 leaves.
 pub const MAX_LEVELS: usize = HEURISTIC_LEVELS + 29;
 
-/// A binary tree over a list of items, which it has put in order.
+/// A binary tree over a list of items, which it reorders.
 pub struct BinaryTree {
-    /// The halves of a half come before it.
+    /// The branches. The two halves of a branch precede it.
     halves: Vec<Half>,
 }
 
 /// A branch of the binary tree.
 pub struct Half {
     pub bounds: Bounds,
-    /// The range of its items.
+    /// The range of the branch's items.
     pub items: Range<usize>,
     pub content: BranchContent,
-    /// By the number of children, up to [`LANES`], that may stand for it in a node.
+    /// The best plan for each number of children, up to [`LANES`], that may stand for the branch in a node.
     plans: [Plan; LANES + 1],
 }
 
-/// What becomes of a branch of the binary tree.
+/// The content of a branch of the binary tree.
 pub enum BranchContent {
     /// A leaf.
     Leaf,
-    /// A branch with a frame of its own, below so many levels.
+    /// A branch with a frame of its own, below this number of levels.
     Small { level: usize },
     /// Two halves, given by their indices.
     Halves([usize; 2]),
 }
 
-/// How some of a node's children stand for a branch.
+/// How the children of a node stand for a branch.
 #[derive(Clone, Copy)]
 struct Plan {
     /// The sum of half the areas of the nodes that the branch needs.
@@ -56,24 +56,24 @@ struct Plan {
 const PARALLEL_ITEMS: usize = 1 << 13;
 
 impl BinaryTree {
-    /// The tree of more than [`LANES`] items, below so many levels.
+    /// Builds the tree of more than [`LANES`] items, below this number of levels.
     pub fn new(items: &mut [Item], level: usize) -> Self {
         Self::divided(ItemRun::new(items), 0, level)
     }
 
-    /// The whole tree.
+    /// Returns the root, which holds all items.
     pub fn root(&self) -> &Half {
         &self.halves[self.halves.len() - 1]
     }
 
-    /// The children of the node that is made of a half.
+    /// Returns the children of the node that is made from a branch.
     pub fn children(&self, half: &Half) -> ArrayVec<&Half, LANES> {
         let mut children = ArrayVec::new();
         self.add_halves(half, LANES, &mut children);
         children
     }
 
-    /// Adds the children that stand for a branch, which are at most `count`.
+    /// Adds the children that stand for a branch. There are at most `count`.
     fn add_children<'a>(&'a self, half: &'a Half, count: usize, children: &mut ArrayVec<&'a Half, LANES>) {
         match half.plans[count].first {
             0 => children.push(half),
@@ -89,7 +89,7 @@ impl BinaryTree {
         }
     }
 
-    /// The tree of a branch with these items, the first of which has the index `start`.
+    /// Builds the tree of a branch with these items. The first item has the index `start`.
     fn of(group: ItemRun, start: usize, level: usize) -> Self {
         let content = if group.items.len() <= LANES {
             BranchContent::Leaf
@@ -104,7 +104,7 @@ impl BinaryTree {
         tree
     }
 
-    /// The same for a group that is divided.
+    /// Builds the tree of a branch that is divided into two halves.
     fn divided(group: ItemRun, start: usize, level: usize) -> Self {
         let (bounds, items) = (group.bounds, start..start + group.items.len());
         let [a, b] = group.halves(level >= HEURISTIC_LEVELS);
@@ -134,12 +134,12 @@ impl BinaryTree {
 }
 
 impl Plan {
-    /// Of a branch that needs no nodes.
+    /// The plan of a branch that needs no nodes.
     const NOTHING: Self = Self { area: 0.0, first: 0 };
 }
 
-/// The plans for a branch of half this area, whose halves have these plans. The last one is for the node that is made
-/// of the branch.
+/// Returns the plans for a branch. `half_area` is half its surface area, and `a` and `b` are the plans of its halves.
+/// The last plan is for the node that is made from the branch.
 fn plans(half_area: f32, [a, b]: [&[Plan; LANES + 1]; 2]) -> [Plan; LANES + 1] {
     let among = |count: usize| {
         let plan = |first: usize| Plan { area: a[first].area + b[count - first].area, first: first as u32 };

@@ -4,7 +4,7 @@ use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use glam::DVec3;
 
-/// A world of triangles with this corner and size, by their numbers.
+/// Returns a world of triangles. `triangle` gives the corner and the size of each by its number.
 fn world(count: u32, triangle: impl Fn(u32) -> (DVec3, f64)) -> World {
     let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
          Group { numObjects 1 Material { } TriangleMesh { obj_file a.obj } }";
@@ -20,7 +20,7 @@ fn world(count: u32, triangle: impl Fn(u32) -> (DVec3, f64)) -> World {
 /// A tree with its leaves.
 type Grown = (Tree, Leaves);
 
-/// The ids in the leaves of a branch, and the number of levels of nodes.
+/// Appends the ids in the leaves of a branch, and returns the number of levels of nodes.
 fn ids_under(grown: &Grown, branch: Branch, ids: &mut Vec<u32>) -> usize {
     if branch >= LEAF {
         let leaf = grown.1.ids[(branch - LEAF) as usize];

@@ -40,7 +40,7 @@ fn a_mesh_taken_over_is_the_mesh_copied() {
     }
 }
 
-/// The world of one object, or its error.
+/// Builds the world of one object, or returns its error.
 fn world_of(object: &str, meshes: &[Mesh]) -> Result<World, Diagnostic> {
     let text = format!(
         "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
@@ -78,7 +78,7 @@ fn a_sphere_has_the_radius_and_the_semi_axes_of_its_transform() {
         world.boxes().collect::<Vec<_>>(),
         [Aabb { min: DVec3::new(-1.5, 2.0, -4.0), max: DVec3::new(1.5, 6.0, 4.0) }]
     );
-    // A radius may be 1e-100 and no less, and neither it nor the centre beyond 1e100.
+    // A radius may be 1e-100 and no less. Neither the radius nor the centre may be beyond 1e100.
     assert!(transformed("1 1 1", "center 0 0 0 radius 1e-100").is_ok());
     for (scale, sphere, expected) in [
         ("0.9 0.9 0.9", "center 0 0 0 radius 1e-100", "radius below 1e-100"),

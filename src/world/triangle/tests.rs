@@ -1,4 +1,4 @@
-//! The exact test against rays through edges and vertices, and against triangles without an area.
+//! Tests the exact test with rays through edges and vertices, and with triangles without area.
 
 use super::*;
 use crate::world::edge_functions::edge_error_bound;
@@ -7,7 +7,7 @@ fn test(origin: DVec3, direction: DVec3, triangle: [DVec3; 3]) -> Option<f64> {
     Shear::new(&Ray::new(origin, direction)).intersect(triangle.each_ref())
 }
 
-/// A fan of triangles around the origin in the plane z = 0.
+/// Returns a fan of triangles around the origin in the plane z = 0.
 fn fan(spokes: usize) -> Vec<[DVec3; 3]> {
     let rim = |i: usize| {
         let angle = (i % spokes) as f64 / spokes as f64 * std::f64::consts::TAU;
@@ -103,9 +103,8 @@ fn the_crossed_point_lies_in_the_triangle() {
     assert_eq!(weights.map(|w| point(t, w)), Some(DVec3::new(0.25, 0.5, 0.0)));
 }
 
-/// Rays and two points as bit patterns: direction, origin, p and q. The computed edge function of p and q
-/// has the wrong sign, and hill climbing made it as large as it could: 0.77, 0.84, 0.73 and 0.86 of the
-/// error bound.
+/// Rays and two points as bit patterns: direction, origin, p and q. The computed edge function of p and q has the wrong
+/// sign. Hill climbing made it as large as possible: 0.77, 0.84, 0.73 and 0.86 of the error bound.
 #[rustfmt::skip]
 const WORST: [[u64; 12]; 4] = [
     // The points are close to the ray compared with their distance along it,
@@ -121,7 +120,7 @@ const WORST: [[u64; 12]; 4] = [
      0x3ffb2201614a5234, 0x400052aba04015ce, 0x3fe99681285b7b8a, 0x3ffb195c6b31c49c, 0x40004e5b2cc6698f, 0x3fe985373ad99da2],
 ];
 
-/// The ray, p and q.
+/// Returns the rays, each with its p and q.
 fn worst() -> [(Ray, [DVec3; 2]); 4] {
     WORST.map(|bits| {
         let vector = |i: usize| DVec3::from_array([0, 1, 2].map(|k| f64::from_bits(bits[3 * i + k])));
@@ -146,7 +145,7 @@ fn a_ray_beside_an_edge_where_rounding_is_worst_hits_one_triangle() {
     for (ray, [p, q]) in worst() {
         let shear = Shear::new(&ray);
         let [x, y, z] = shear.axes;
-        // A point beside the edge, `times` as far from the ray as p is.
+        // Returns a point beside the edge, `times` as far from the ray as p is.
         let beside = |times: f64| {
             let seen = shear.apply(&p);
             let mut point = p;

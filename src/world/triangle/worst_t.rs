@@ -1,5 +1,5 @@
-//! How tight the error bound of t is: a search for rays and triangles whose t is off by a large part of it. The
-//! reference is computed in double-double arithmetic.
+//! Tests how tight the error bound of t is, by a search for rays and triangles whose error of t is a large part of the
+//! bound. The reference is computed in double-double arithmetic.
 
 use super::Shear;
 use crate::math::double_double::{Dd, cross, difference, dot};
@@ -9,12 +9,12 @@ use crate::math::worst_case::{Input, Rng, search};
 use crate::world::edge_functions::{T_ROUNDINGS, edge_functions, is_interpolation_accurate};
 use glam::DVec3;
 
-/// A ray's origin and direction, and a triangle. The ray passes close to a corner, so that the roundings of the other
-/// corners hardly matter, and those of this one as much as they can: the triangle is narrow along x and about as steep
-/// as may be, and the corner's coordinates are just above a power of two, the slopes just below one. The depth is
-/// interpolated from the corner that lies farthest away behind the origin, so that the difference of their depths, the
-/// sum of the weights and the product of the two are large, and all are just above a power of two. The origin is
-/// not small, so that the differences of the corners from it are rounded.
+/// Returns a ray's origin and direction, and a triangle. The ray passes close to a corner, so that the roundings of
+/// this corner matter most and the others little. The triangle is narrow along x and about as steep as allowed. The
+/// corner's coordinates are just above a power of two, and the slopes just below one. The depth is interpolated from
+/// the corner that lies farthest away behind the origin. So the difference of their depths, the sum of the weights and
+/// the product of the two are large, and all are just above a power of two. The origin is not small, so that the
+/// differences of the corners from it are rounded.
 fn near_a_corner(rng: &mut Rng) -> Input<5> {
     let origin = DVec3::splat(0.3) + 0.1 * rng.vector();
     let mut above_one = || 1.0 + 1e-3 * rng.unit();
@@ -26,7 +26,7 @@ fn near_a_corner(rng: &mut Rng) -> Input<5> {
     [origin, direction, a, b, c]
 }
 
-/// The error of t over its bound, where t is interpolated.
+/// Returns the error of t over its bound, if t is interpolated.
 fn ratio(&[origin, direction, a, b, c]: &Input<5>) -> Option<f64> {
     let ray = Ray::new(origin, direction);
     let shear = Shear::new(&ray);

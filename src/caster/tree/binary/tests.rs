@@ -5,7 +5,7 @@ use crate::math::worst_case::Rng;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Items of this side, whose lower corners are these points.
+/// Returns cubic items with this side. `corners` are their lower corners.
 fn items(corners: impl Iterator<Item = DVec3>, side: f64) -> Vec<Item> {
     let frame = Frame::new(&Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) });
     corners.zip(0..).map(|(min, id)| Item::new(&frame, &Aabb { min, max: min + side }, id)).collect()
@@ -16,7 +16,8 @@ fn scattered(count: u32) -> Vec<Item> {
     items((0..count).map(point), 0.01)
 }
 
-/// The sum of half the areas of the nodes that are made of a half, the number of these nodes, and that of their leaves.
+/// Returns the sum of half the areas of the nodes that are made from a branch, the number of these nodes, and the
+/// number of their leaves.
 fn nodes_of(tree: &BinaryTree, half: &Half) -> (f32, usize, usize) {
     let mut sums = (half.bounds.half_area(), 1, 0);
     let children = tree.children(half);
@@ -37,8 +38,8 @@ fn nodes_of(tree: &BinaryTree, half: &Half) -> (f32, usize, usize) {
     sums
 }
 
-/// The least such sum for a half given by its index, if `count` children may stand for it: by trying every set of
-/// children, with the results in `known`.
+/// Returns the least sum of half the areas for the branch with this index, if `count` children may stand for it. Tries
+/// every set of children, and stores the results in `known`.
 fn least_area(tree: &BinaryTree, index: usize, count: usize, known: &mut Known) -> f32 {
     if let Some(&area) = known.get(&(index, count)) {
         return area;
@@ -99,7 +100,7 @@ fn of_many_small_items_a_branch_is_small_unless_there_are_too_many_levels_above_
     }
 }
 
-/// The number of levels below a half.
+/// Returns the number of levels below a branch.
 fn levels(tree: &BinaryTree, half: &Half) -> usize {
     match half.content {
         BranchContent::Halves(halves) => {

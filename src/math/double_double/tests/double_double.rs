@@ -11,12 +11,12 @@ fn exact_sum(x: Dd) -> BigRational {
     exact(x.high) + exact(x.low)
 }
 
-/// Evenly distributed in [-0.5, 0.5), with all bits of the significand in use.
+/// Returns a number from an even distribution in [-0.5, 0.5), with all bits of the significand in use.
 fn sample(i: u32, step: f64) -> f64 {
     (i as f64 * step).fract() - 0.5
 }
 
-/// Numbers of both signs and of magnitudes from 2^-20 to 2^20, with all bits of both parts in use.
+/// Returns numbers of both signs and of magnitudes from 2^-20 to 2^20, with all bits of both parts in use.
 fn sums() -> impl Iterator<Item = Dd> {
     (1..400).map(|i| {
         let high = sample(i, 2f64.sqrt()) * 2f64.powi((i % 41) as i32 - 20);

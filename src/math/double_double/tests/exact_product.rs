@@ -1,7 +1,7 @@
 use super::super::*;
 use crate::math::worst_case::Rng;
 
-/// A float as an integer times 2^(exponent - 1074).
+/// Returns a float as an integer and an exponent: the integer times 2^(exponent - 1074).
 fn integer(x: f64) -> (i128, i32) {
     let field = (x.to_bits() >> 52 & 0x7ff) as i32;
     let fraction = (x.to_bits() & ((1 << 52) - 1)) as i128;
@@ -9,7 +9,7 @@ fn integer(x: f64) -> (i128, i32) {
     (if x < 0.0 { -significand } else { significand }, (field - 1).max(0))
 }
 
-/// Whether the two parts add up to a b, by whole numbers.
+/// Returns true if the two parts add up to a b, in integer arithmetic.
 fn is_exact(a: f64, b: f64, [product, error]: [f64; 2]) -> bool {
     let ((a, i), (b, j)) = (integer(a), integer(b));
     // All are multiples of the last bits of a and b.

@@ -35,7 +35,7 @@ fn a_bit_far_below_breaks_a_tie() {
     assert_eq!(sum(&tie).significand, 0.5);
     assert_eq!(sum(&[tie[0], tie[1], [tiny; 3]]).significand, 0.5 + half_an_ulp);
     assert_eq!(sum(&[tie[0], tie[1], [-tiny, tiny, tiny]]).significand, 0.5);
-    // Two bits do so as well as one, whichever the higher is.
+    // Two bits do so as well as one, whichever is the higher.
     for place in 54..300 {
         let two_bits = [[0.5f64.powi(place), 1.0, 1.0], [tiny; 3]];
         let above = sum(&[tie[0], tie[1], two_bits[0], two_bits[1]]);

@@ -23,7 +23,7 @@ fn product(one: &Exact, other: &Exact) -> Exact {
     })
 }
 
-/// A factor off an exact one by at most its error bound.
+/// Returns a factor that differs from an exact one by at most its error bound.
 fn factor(rng: &mut Rng) -> (RoundedAffine, Exact) {
     let scale = 2f64.powi((8.0 * rng.vector().x) as i32);
     let cols = [rng.vector(), rng.vector(), rng.vector()].map(|v| scale * v);

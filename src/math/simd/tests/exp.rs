@@ -4,7 +4,8 @@ use fearless_simd::{SimdFrom, dispatch};
 
 const LOWEST_ARGUMENT: f64 = -708.0;
 
-/// Arguments of every magnitude, and those on both sides of where `libm::exp` branches or k changes.
+/// Returns arguments of every magnitude, and arguments on both sides of each branch of `libm::exp` and each change of
+/// k.
 fn arguments() -> Vec<f64> {
     let mut all = vec![0.0, -0.0, LOWEST_ARGUMENT, -f64::MIN_POSITIVE, -f64::from_bits(1)];
     let borders = (1..1020).map(|k| (f64::from(k) - 0.5) * std::f64::consts::LN_2);

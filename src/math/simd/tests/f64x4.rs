@@ -1,4 +1,4 @@
-//! The lanes against scalar arithmetic.
+//! Compares the lanes with scalar arithmetic.
 
 use super::super::{FourLanes, ROUND_TO_INTEGER};
 use crate::math::instructions;
@@ -7,7 +7,7 @@ use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 
 const HUGE: f64 = 1e300;
 
-/// Whether two floats have the same value and sign, or are both NaN.
+/// Returns true if two floats have the same value and sign, or are both NaN.
 fn is_identical(a: f64, b: f64) -> bool {
     a == b && a.is_sign_negative() == b.is_sign_negative() || a.is_nan() && b.is_nan()
 }
@@ -15,7 +15,7 @@ fn is_identical(a: f64, b: f64) -> bool {
 const NUMBERS: [f64; 10] =
     [0.0, -0.0, 1.5, -2.75, 7.0, HUGE, -HUGE, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
 
-/// The results of every operation on two numbers, with their names.
+/// Returns the results of every operation on two numbers, with their names.
 fn results<N: Number>(x: N, y: N) -> [(&'static str, N); 11] {
     [
         ("sum", x + y),
@@ -32,7 +32,7 @@ fn results<N: Number>(x: N, y: N) -> [(&'static str, N); 11] {
     ]
 }
 
-/// The same by plain arithmetic.
+/// Returns the results of these operations in plain arithmetic.
 fn expected(a: f64, b: f64) -> [f64; 11] {
     let (min, max) = (if a < b { a } else { b }, if a > b { a } else { b });
     let selected = if a < b { a + b } else { a - b };
