@@ -36,7 +36,7 @@ impl Setting {
         Tracer::new(&caster, self.effects).color(ray, &mut Memory::default(), observer)
     }
 
-    /// The colour seen from a point in a direction, which is the same whether it is counted or not.
+    /// Returns the colour along a ray from a point, and checks that counting does not change it.
     fn seen(&self, origin: [f64; 3], direction: [f64; 3]) -> Color {
         let ray = Ray::new(origin.into(), DVec3::from(direction).normalize());
         let color = self.seen_by(&ray, &mut Quiet);
@@ -44,7 +44,7 @@ impl Setting {
         color
     }
 
-    /// The colour of a surface with this normal for a ray along the negative z axis.
+    /// Returns the colour of a surface with this normal for a ray along the negative z axis.
     fn color_of_surface(&self, normal: DVec3) -> Color {
         let caster = Caster::new(&self.world, None).unwrap();
         let surface = SurfacePoint {
