@@ -61,7 +61,9 @@ impl Observer for RayCount {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Secondary {
+    /// The reflected ray.
     Reflected,
+    /// The refracted ray.
     Refracted,
 }
 
