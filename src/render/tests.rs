@@ -90,7 +90,7 @@ fn part(picture: &FloatPicture, window: Window, zoom: usize) -> FloatPicture {
     FloatPicture { size, colors: rows.flat_map(row).collect() }
 }
 
-/// Replaced by adaptive samples, which start with this sampler.
+/// Marks a request whose samples are adaptive. [`further`] returns the settings.
 const ADAPTIVE: Sampler = Sampler::of_adaptive(Drand48::UNSEEDED);
 
 fn further(sampler: Sampler) -> Option<Adaptive> {
