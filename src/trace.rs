@@ -262,7 +262,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
             let light = incident(light, surface.position);
             let view = View { cosine: normal.dot(light.direction), normal, to_viewer };
             let shows = material.shows(highlight, &light, view.cosine);
-            // The course's program casts the shadow ray even where the light has no effect.
+            // The course's program casts the shadow ray even if the light has no effect.
             if !O::COUNTS && !shows {
                 continue;
             }

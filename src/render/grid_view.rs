@@ -282,7 +282,7 @@ mod tests {
         assert!((1000..2500).contains(&seen), "{seen}");
     }
 
-    /// A ray through an edge visits the cells beside the edge as well, first the one across the face along x.
+    /// A ray through an edge also visits the cells beside the edge, first the cell across the face along x.
     #[test]
     fn a_ray_through_an_edge_steps_along_x_before_y_before_z() {
         let [across, corner] = [ray([-1.0, -1.0, 0.5], [1.0, 1.0, 0.0]), ray([-1.0; 3], [1.0; 3])];
@@ -296,7 +296,7 @@ mod tests {
         assert_eq!(t(occupied(&[[0, 1, 1]]), &corner), None);
         // Of two faces at the same t the first one visited is shown.
         assert_eq!(t(occupied(&[[2, 1, 0], [2, 2, 0]]), &across), Some((3.0, -DVec3::X)));
-        // So it is where the ray leaves the grid through the same edge.
+        // The same holds if the ray leaves the grid through an edge.
         let outward = ray([-1.0, 0.0, 0.5], [1.0, 1.0, 0.0]);
         assert_eq!(t(occupied(&[[3, 3, 0]]), &outward), Some((4.0, -DVec3::X)));
     }

@@ -99,7 +99,7 @@ impl From<NoMemory> for Stopped {
     }
 }
 
-/// Renders the layers of a request, and returns what was counted.
+/// Renders the layers of a request, and returns the counts.
 ///
 /// Rows are traced in parallel on rayon's current thread pool and handed out in order. Neither the colours nor the
 /// counts depend on the number of threads. Only some rows are in memory at a time, never the whole picture.
@@ -187,7 +187,7 @@ pub fn render_some_rows(
     samplers.iter().map(render).collect()
 }
 
-/// Renders the layers of a request whose colours are reduced, and returns what was counted.
+/// Renders the layers of a request whose colours are reduced, and returns the counts.
 fn render_reduced(
     scene: (&Camera, &Caster),
     view: View,

@@ -1,5 +1,5 @@
-//! Finds the small things in a picture without casting rays: points in pixels where rays through the corners may miss
-//! something.
+//! Finds the small things in a picture without casting rays: points in pixels at which there may be something that
+//! rays through the corners miss.
 //!
 //! All triangles and shapes are projected onto the pixels. A thing narrower than a pixel or two that fills little of a
 //! pixel gets a point there. A probe through this point finds out if the thing is visible, and how much it differs
@@ -202,7 +202,7 @@ mod tests {
         let camera = Camera::new(&scene.camera, [8, 8]);
         let things = SmallThings::new(&camera, &world);
         let all = things.specks(&(0..8), &(0..8));
-        // A part has what the whole has.
+        // A part of the picture has the same specks as the whole picture.
         let part = things.specks(&(2..7), &(3..5));
         assert!((0..2).all(|y| part[5 * y..][..5] == all[8 * (y + 3) + 2..][..5]));
         let places = (0..64).map(|k| [k % 8, k / 8]);
@@ -221,7 +221,7 @@ mod tests {
             let expected = [([5, 2], 0.0314), ([1, 6], 0.0628), ([6, 6], 0.02)];
             assert_eq!(found.len(), 3, "{camera} {found:?}");
             for ((place, speck), (expected, part)) in found.iter().zip(expected) {
-                // In perspective the box of a solid is larger than what it covers.
+                // In perspective, the box of a solid is larger than the area that the solid covers.
                 assert!(
                     *place == expected && (0.9..2.0).contains(&(speck.part / part)),
                     "{camera} {found:?}"

@@ -1,4 +1,4 @@
-//! Small pictures: windows, strips, and how a render ends early.
+//! Small pictures: windows, strips, and renders that end early.
 
 mod known;
 mod layers;

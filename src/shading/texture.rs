@@ -383,7 +383,7 @@ mod tests {
         for (roundings, first) in [(48.0, 0.0), (56.0, 1.0)] {
             assert_eq!(below_a_boundary(moved, DVec3::new(0.5, -5.0, 0.5), roundings), first);
         }
-        // Where several coordinates contribute, the bound is 16 roundings of their sum.
+        // If several coordinates contribute, the bound is 16 roundings of their sum.
         let mut sheared = DAffine3::IDENTITY;
         sheared.matrix3.x_axis.y = 1.0;
         for (roundings, first) in [(44.0, 1.0), (52.0, 0.0)] {

@@ -11,7 +11,7 @@ pub enum FirstHit {
     Nothing,
     /// The ray hits this primitive first.
     Primitive(Visible),
-    /// The ray has to be cast.
+    /// The ray must be cast.
     Unknown,
 }
 

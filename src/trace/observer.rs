@@ -71,7 +71,7 @@ pub enum Secondary {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "reason", rename_all = "snake_case")]
 pub enum PathEnd {
-    /// The material's colour for this kind of ray is black.
+    /// The colour that would multiply the ray is black.
     NoColor,
     /// The path has the maximum number of bounces.
     Bounces,

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// The number of rays between two calls of the callback. Such rare calls take no measurable time, and still come soon
-/// where each ray is tested against a hundred thousand triangles.
+/// enough if each ray is tested against a hundred thousand triangles.
 const RAYS_AT_ONCE: usize = 1 << 9;
 
 /// The approximate number of secondary rays of one camera ray that may wait at once. They take about 30 MB per thread.
@@ -24,14 +24,14 @@ pub struct Patience<'a> {
 }
 
 impl<'a> Patience<'a> {
-    /// Traces rays until `is_over` returns true for the number of rays that wait. Each ray may cause a shadow ray to
-    /// each of `lights` lights.
+    /// Returns a patience that ends when `is_over` returns true for the number of rays that wait. Each ray may cause a
+    /// shadow ray to each of `lights` lights.
     pub fn until(is_over: &'a (dyn Fn(usize) -> bool + Sync), lights: usize) -> Self {
         let at_once = (RAYS_AT_ONCE / (1 + lights)).max(1) as u32;
         Self { is_over, at_once, left: at_once, has_ended: false }
     }
 
-    /// Traces all rays.
+    /// Returns a patience that never ends.
     pub fn endless() -> Self {
         Self::until(&|_| false, 0)
     }

@@ -146,7 +146,7 @@ impl<H: Hints> Tracer<'_, H> {
     }
 
     /// Returns the sine of the angle between the ray and the surface's normal. It has less rounding than the unit
-    /// normal where the exact normal is known.
+    /// normal if the exact normal is known.
     #[inline(always)]
     fn precise_sine(&self, line: (DVec3, DVec3), surface: &SurfacePoint) -> SquaredSine {
         // A smooth normal is not the triangle's.

@@ -61,7 +61,7 @@ impl<H: Hints> Tracer<'_, H> {
         }
         let ray = self.shadow_ray(surface, light, observer);
         let is_hit = match blocker {
-            // The course's program looks for the nearest hit, even where any hit would do.
+            // The course's program searches the nearest hit, even if any hit would do.
             _ if O::COUNTS => self.caster.nearest(&ray, leaves, observer).is_some(),
             Blocker::Any => self.caster.any_from(&ray, leaves, observer),
             Blocker::Only(triangle) => {
@@ -72,8 +72,8 @@ impl<H: Hints> Tracer<'_, H> {
         is_hit || is_at_rest
     }
 
-    /// Returns the fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an object,
-    /// this is the object's colour to the power of the distance since the last surface (Beer's law).
+    /// Returns the fraction of light that transparent objects transmit along a shadow ray. At each exit from an
+    /// object, this is the object's colour to the power of the distance since the last surface (Beer's law).
     ///
     /// If the light lies on surfaces, they are crossed at the light itself, and only if the ray was inside an object
     /// before. So it does not matter which of them the ray hits by rounding. An opaque one blocks the light.

@@ -146,7 +146,7 @@ fn nearest_pixel(coordinate: f64) -> usize {
 pub enum MapPlace {
     /// In this column and row.
     Pixel([usize; 2]),
-    /// Beside all primitives.
+    /// Outside the picture, beside all primitives.
     Outside,
     /// Rounding errors may be too large.
     Unknown,

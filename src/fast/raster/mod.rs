@@ -75,7 +75,7 @@ pub struct VisibilityBuffer {
 
 /// The id of a pixel in which nothing is visible.
 const NOTHING: u32 = u32::MAX;
-/// The id of a pixel whose ray has to be cast.
+/// The id of a pixel whose ray must be cast.
 const UNSURE: u32 = u32::MAX - 1;
 
 /// The number of rows of pixels in a tile, which one thread draws. A tile fits into the thread's cache.

@@ -120,7 +120,7 @@ mod tests {
     use num_rational::BigRational;
     use num_traits::ToPrimitive;
 
-    /// A vector of exact numbers.
+    /// Returns a vector of exact numbers.
     fn exact(v: DVec3) -> [BigRational; 3] {
         v.to_array().map(|x| BigRational::from_float(x).unwrap())
     }
@@ -133,12 +133,12 @@ mod tests {
         a * d + b * e + c * f
     }
 
-    /// The sum of a vector and so many times another one.
+    /// Returns the sum of a vector and `factor` times another one.
     fn moved(a: &[BigRational; 3], factor: &BigRational, b: &[BigRational; 3]) -> [BigRational; 3] {
         [0, 1, 2].map(|i| &a[i] + factor * &b[i])
     }
 
-    /// A view of a box of this size, as far from the origin.
+    /// Returns a view of a box of this size, at this distance from the origin.
     fn view(size: f64, far: f64) -> ParallelView {
         let middle = far * DVec3::new(1.0 / 3.0, -0.7, 0.3);
         let bounds = Aabb { min: middle - size, max: middle + size };
@@ -148,12 +148,12 @@ mod tests {
         ParallelView::new(eye, &bounds, 64, Footprint::Center, [0.0; 2]).unwrap()
     }
 
-    /// The difference of a plane's nearness from the exact one at a pixel, and its error bound.
+    /// Returns the error of a plane's nearness at a pixel, and its error bound.
     fn error_and_bound(view: &ParallelView, plane: &Plane, x: f64, y: f64) -> [f64; 2] {
         let Eye { center, direction, right, up, .. } = view.eye;
         let (normal, d) = (exact(plane.normal), exact(direction));
         let origin = moved(&moved(&exact(center), &number(x), &exact(right)), &number(y), &exact(up));
-        // The rate is that of the ray's test.
+        // Use the same rate as the ray's test.
         let rate = number(plane.normal.dot(direction));
         let t = (number(plane.offset) - dot(&normal, &origin)) / rate;
         let from_middle = moved(&moved(&origin, &t, &d), &number(-1.0), &exact(view.middle));
@@ -180,7 +180,7 @@ mod tests {
                 }
             }
         }
-        // More than where planes are across the rays, so that the bound has to grow with the slope.
+        // The error is larger than for planes at right angles to the rays, so the bound must grow with the slope.
         assert!(largest > 10.0 * NEARNESS_ERROR, "{largest}");
     }
 

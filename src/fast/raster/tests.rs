@@ -140,7 +140,7 @@ fn stretched_and_skew_views_are_rasterized() {
     }
 }
 
-/// Two triangles that share an edge through the centres of a column, where nothing is certain.
+/// Two triangles share an edge through the centres of a column, so nothing is certain there.
 #[test]
 fn pixels_on_an_edge_are_unsure() {
     assert_ne!(UNSURE, NOTHING);

@@ -73,9 +73,9 @@ impl AffineRow {
 
 /// The coverage of some pixels by a triangle: bounds on the least of the three edge functions.
 struct Coverage {
-    /// A lower bound. The triangle certainly covers the pixels where it is positive.
+    /// A lower bound. The triangle certainly covers a pixel if this is positive.
     least: Lanes,
-    /// An upper bound. The triangle certainly misses the pixels where it is negative.
+    /// An upper bound. The triangle certainly misses a pixel if this is negative.
     most: Lanes,
 }
 

@@ -365,7 +365,7 @@ mod tests {
         assert!((1e-8..1.1e-8).contains(&ratio), "{ratio}");
     }
 
-    /// In a view so wide that an axis is short, the error is mostly that of the border.
+    /// In a view so wide that an axis is short, most of the error comes from the border.
     #[test]
     fn the_distance_from_a_side_plane_has_the_error_of_axis_and_border() {
         let eye = Eye { right: DVec3::X * 100.0, up: DVec3::Y * 100.0, ..viewport().eye };

@@ -115,8 +115,8 @@ impl<'t, 'a> Tile<'t, 'a> {
         None
     }
 
-    /// Returns the number of samples that each pixel needs by what is known, after tests of the errors that they
-    /// leave. `least` is the total number with the least errors.
+    /// Returns the number of samples that each pixel needs, after tests of the errors that remain. `least` is the
+    /// total number with the least errors.
     fn tested(&mut self, mut known: Known, least: u64) -> Option<Vec<u16>> {
         let settings = self.planner.settings;
         let optimistic = std::mem::replace(&mut known.gains, [1.0; 2]);

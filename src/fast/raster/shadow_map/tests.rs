@@ -87,7 +87,7 @@ fn points(world: &World, distance: f64) -> Vec<(DVec3, Option<u32>)> {
     let around = |scale: f64, spread: &mut Spread| (center + scale * spread.vector(), None);
     let mut points: Vec<_> = (0..12_000).map(|_| around(2.0, &mut spread)).collect();
     points.extend((0..12_000).map(|_| around(distance, &mut spread)));
-    // Around each point light, where there is nothing between.
+    // Points around each point light, with nothing between.
     for light in &world.lights {
         if let Light::Point { position, .. } = *light {
             points.extend((0..2000).map(|_| (position + 2.0 * spread.vector(), None)));
