@@ -21,7 +21,7 @@ pub struct Camera {
     is_perspective: bool,
     /// The picture's width and height in pixels.
     size: DVec2,
-    /// The pixels along each axis that the whole screen spans.
+    /// The number of pixels along each axis that the whole screen spans.
     span: DVec2,
     /// True if the up vector is not at right angles to the direction.
     is_skew: bool,

@@ -296,7 +296,7 @@ mod tests {
         assert_eq!(t(occupied(&[[0, 1, 1]]), &corner), None);
         // Of two faces at the same t the first one visited is shown.
         assert_eq!(t(occupied(&[[2, 1, 0], [2, 2, 0]]), &across), Some((3.0, -DVec3::X)));
-        // The same holds if the ray leaves the grid through an edge.
+        // This also holds if the ray leaves the grid through an edge.
         let outward = ray([-1.0, 0.0, 0.5], [1.0, 1.0, 0.0]);
         assert_eq!(t(occupied(&[[3, 3, 0]]), &outward), Some((4.0, -DVec3::X)));
     }

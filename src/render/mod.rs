@@ -61,12 +61,12 @@ pub type TakeRow<'a> = &'a mut (dyn FnMut(usize, &[Color]) -> ControlFlow<()> + 
 /// The reason why a render ended before its last row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stopped {
-    /// The watch cancelled it, after this number of rows of pixels had been handed out.
+    /// The watch cancelled the render after this number of rows of pixels had been handed out.
     Cancelled {
         /// Rows from the top of the window.
         rows: usize,
     },
-    /// The callback that takes the rows ended it.
+    /// The callback that takes the rows ended the render.
     Output,
     /// The system has too little memory for the rows that must be in memory at the same time.
     Memory(NoMemory),

@@ -35,7 +35,7 @@ pub enum View<'a> {
     Scene,
     /// The occupied cells of the grid, lit by the world's lights.
     Cells(&'a Occupancy),
-    /// The place of each pixel.
+    /// A colour for the position of each pixel.
     Places,
 }
 

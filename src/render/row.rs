@@ -197,7 +197,7 @@ impl Painter<'_> {
         (column * height + self.row.j) as u64
     }
 
-    /// Takes the samples of the pixels in these columns, packet by packet.
+    /// Traces the samples of the pixels in these columns, packet by packet.
     fn take_samples(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, size: [_, height], .. } = *self.setting.request;
         if let Some(c_rand) = &mut self.c_rand {

@@ -20,7 +20,7 @@ pub struct PointMaterial<'m> {
 pub struct View {
     /// The cosine of the angle between the normal and the direction to the light.
     pub cosine: f64,
-    /// The normal on the side from which it is seen, a unit vector.
+    /// The normal on the side from which the surface is seen, a unit vector.
     pub normal: DVec3,
     /// The direction to the viewer, a unit vector.
     pub to_viewer: DVec3,
@@ -219,7 +219,7 @@ mod tests {
         let reflect = |light: &Incident| {
             material.reflect(Highlight::Phong, light, &seen(DVec3::Y.dot(light.direction), DVec3::Y, viewer))
         };
-        // The mirrored direction is at 45 degrees to the one, and a little farther from the other.
+        // The mirrored direction is at 45 degrees to one light, and a little farther from the other.
         assert!((reflect(&level) - Color::new(0.5, 0.0, 0.0)).length() < 1e-15);
         let cosine = behind.direction.dot(DVec3::new(-1.0, 1.0, 0.0).normalize());
         assert!((reflect(&behind) - Color::X * cosine * cosine).length() < 1e-15);

@@ -149,7 +149,7 @@ impl<H: Hints> Tracer<'_, H> {
     /// normal if the exact normal is known.
     #[inline(always)]
     fn precise_sine(&self, line: (DVec3, DVec3), surface: &SurfacePoint) -> SquaredSine {
-        // A smooth normal is not the triangle's.
+        // A smooth normal is not the exact normal of the triangle.
         let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
         let primitive = surface.primitive.filter(|_| !is_smooth);
         self.world().precise_sine(line, primitive, surface.normal)

@@ -100,13 +100,13 @@ fn what_is_seen_is_what_rays_hit_and_little_is_unsure() {
     {
         // Every parallel ray hits a plane, since the camera also sees it behind itself.
         let fills = objects.len() > 1 || camera == ORTHOGRAPHIC && !objects.is_empty();
-        // From the eye the nearer triangles are larger.
+        // In perspective, nearer triangles are larger.
         let least_seen = if camera == CAMERA { 700 } else { 150 };
         let (camera, world) = scene(camera, &triangles, objects, size);
         let [nothing, seen, unsure] = counts(&camera, &world, size, rows.clone(), Footprint::Center);
         assert!(25 * unsure < seen, "{nothing} {seen} {unsure}");
         assert!(seen > 1000 && (fills || nothing > 200), "{nothing} {seen} {unsure}");
-        // Of whole pixels those at the edges of triangles are unsure.
+        // With whole pixels, the pixels at the edges of triangles are unsure.
         let [nothing, seen, unsure] = counts(&camera, &world, size, rows, Footprint::Pixel);
         assert!(triangles.len() > 40 || unsure < seen + nothing, "{nothing} {seen} {unsure}");
         assert!(seen > least_seen && (fills || nothing > 200), "{nothing} {seen} {unsure}");

@@ -61,7 +61,7 @@ impl RenderSetting<'_> {
 }
 
 impl Painter<'_> {
-    /// Takes the samples of the pixels in these columns as planned, packet by packet.
+    /// Traces the planned samples of the pixels in these columns, packet by packet.
     pub fn take_planned(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Some(plan) = self.plan else { return };
         let [_, height] = self.setting.request.size;

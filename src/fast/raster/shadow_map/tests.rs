@@ -187,7 +187,7 @@ fn the_error_bounds_cover_what_vertices_are_off() {
             nearness: 1.5 + spread.number(),
         };
         let corners = [(); 3].map(|()| vertex(&mut spread));
-        // Off by as much as is allowed along both axes.
+        // Move the vertices by the allowed error along both axes.
         let off = |corner: Projected| {
             let signs = spread.vector().truncate().signum();
             Projected { at: corner.at + SCREEN_ERROR * signs, ..corner }

@@ -39,7 +39,7 @@ fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
     {
         let (i, j) = (37 * k % (WIDTH - 2), 32 + 7 * k % 31);
         let [x, y] = [i as f64 - 99.5, j as f64 - 40.5];
-        // Zero where a sign is lost: at (-x, y), at (x, -y), and as far on the other side of the middle.
+        // Zero at points that a wrong sign would use: (-x, y), (x, -y), and the point opposite the middle.
         let per_pixel = per_pixel.map(|p: f64| p * (0.37 + 0.01 * k as f64));
         let quotients = [0.5 * (x - i as f64 / 99.5).abs(), 0.5 * (y - j as f64 / 40.5).abs()];
         for value in [[99.5, 40.5], [199.0, 81.0], [x.abs(), y.abs()], quotients].map(|[across, up]| {
