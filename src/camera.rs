@@ -9,7 +9,7 @@ use crate::scene::model::Screen;
 use fearless_simd::{Simd, SimdFrom, f64x4};
 use glam::{DVec2, DVec3};
 
-/// A camera.
+/// A camera for a picture of a given size.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     center: DVec3,
@@ -21,50 +21,50 @@ pub struct Camera {
     is_perspective: bool,
     /// The picture's width and height in pixels.
     size: DVec2,
-    /// The pixels along each axis that the whole screen spans.
+    /// The number of pixels along each axis that the whole screen spans.
     span: DVec2,
-    /// Whether the way up is not at right angles to the direction.
+    /// True if the up vector is not at right angles to the direction.
     is_skew: bool,
 }
 
-/// How the rays through the pixels' centres depend on the pixel. For the one in column i of row j, let the way across
-/// be `(i - middle.x) right + (j - middle.y) up`.
+/// The rays through the pixels' centres, as functions of the pixel. The offset of the pixel in column i of row j is
+/// `(i - middle.x) right + (j - middle.y) up`.
 #[derive(Clone, Copy, Debug)]
 pub enum Projection {
-    /// All rays start at the eye. The way across is added to their direction, which is normalised then.
+    /// All rays start at the eye. Their directions are the eye's direction plus the offset, normalised.
     Perspective(Eye),
-    /// All rays have the same direction. The way across is added to their origin.
+    /// All rays have the same direction. Their origins are the eye's center plus the offset.
     Orthographic(Eye),
 }
 
-/// The ray at right angles to the picture, and the steps from there to the others.
+/// The ray at right angles to the picture, and the steps from it to the other rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Eye {
     /// The origin of the ray.
     pub center: DVec3,
     /// Its direction, a unit vector.
     pub direction: DVec3,
-    /// The step from one pixel's centre to that of the next pixel in the row.
+    /// The step from one pixel's centre to the next in the row.
     pub right: DVec3,
     /// The step from one row of pixel centres to the next.
     pub up: DVec3,
-    /// Where the ray meets the picture, in pixels from the centre of the lower left pixel: in the middle, unless the
-    /// eye is turned.
+    /// The point where the ray meets the picture, in pixels from the centre of the lower left pixel. It is the
+    /// picture's middle unless the eye is turned.
     pub middle: DVec2,
-    /// Whether the camera's way up is not at right angles to its direction, so that the eye looks another way. Its
-    /// vectors are then off by a few more roundings, which are less than [`TURN_ROUNDINGS`] of the longest ray's
-    /// direction.
+    /// True if the camera's up vector is not at right angles to its direction, so that the direction of the eye
+    /// differs from the camera's. The eye's vectors are then off by a few more roundings: less than [`TURN_ROUNDINGS`]
+    /// of the longest ray's direction.
     pub is_turned: bool,
 }
 
-/// The error of a direction of a turned eye, in units of u times the sum of the lengths of its direction and of the
-/// ways across in both axes: 10 of the cosine, 7 of the direction, 8 of where it meets the picture, and 4 of the ways
-/// across.
+/// The error of a ray's direction from a turned eye, in units of u times the sum of the lengths of the eye's direction
+/// and of the offsets along both axes: 10 of the cosine, 7 of the direction, 8 of the point where the eye's ray meets
+/// the picture, and 4 of the offsets.
 pub const TURN_ROUNDINGS: f64 = 29.0;
 
 impl Eye {
-    /// The same rays, up to their lengths, by vectors at right angles. The steps have to be at right angles to each
-    /// other, and `right` to the direction.
+    /// Returns an eye with the same rays, up to their lengths, whose vectors are at right angles. The steps must be at
+    /// right angles to each other, and `right` to the direction.
     fn turned(self) -> Self {
         let Self { direction, right, up, middle, .. } = self;
         let ahead = unit(up.cross(right));
@@ -82,7 +82,7 @@ impl Eye {
 }
 
 impl Camera {
-    /// How the camera's rays depend on the pixel.
+    /// Returns the camera's rays as a function of the pixel.
     pub fn projection(&self) -> Projection {
         let Self { center, direction, .. } = *self;
         let (right, up) = (self.horizontal / self.span.x, self.vertical / self.span.y);
@@ -94,13 +94,14 @@ impl Camera {
         }
     }
 
-    /// The camera for a picture with this width and height in pixels. The longer side spans the square
-    /// screen, which the shorter side crops around its middle.
+    /// Returns the camera for a picture with this width and height in pixels. The longer side spans the square screen.
+    /// The shorter side crops the screen around its middle.
     pub fn new(camera: &scene::Camera, size: [usize; 2]) -> Self {
         Self::with_screen(camera, size, Screen::LongerSide)
     }
 
-    /// The same for a camera whose view is spread over the pixels in this way, if it is a perspective one.
+    /// Returns the camera like [`Camera::new`], but a perspective camera spreads its screen over the pixels as
+    /// `spread` says.
     pub fn with_screen(camera: &scene::Camera, size: [usize; 2], spread: Screen) -> Self {
         let (center, direction, up, screen, is_perspective) = match *camera {
             scene::Camera::Orthographic { center, direction, up, size } => {
@@ -126,15 +127,15 @@ impl Camera {
         Self { center, direction, horizontal, vertical, is_perspective, size, span, is_skew }
     }
 
-    /// The ray through the point at `offset` from the centre of a pixel, whose integer coordinates start with
-    /// 0 at the lower left of the picture. Its direction is a unit vector.
+    /// Returns the ray through the point at `offset` from the centre of a pixel. The pixel's integer coordinates start
+    /// with 0 at the lower left of the picture. The ray's direction is a unit vector.
     #[inline(always)]
     pub fn ray(&self, pixel: DVec2, offset: DVec2) -> Ray {
         let [origin, direction] = self.origin_and_direction(pixel.to_array(), offset.to_array());
         Ray { t_min: self.t_min(), ..Ray::new(origin.into(), direction.into()) }
     }
 
-    /// The rays of four samples of pixels in these columns of a row, at these offsets from their centres.
+    /// Returns the rays of four samples in these columns of a row, at these offsets from the pixels' centres.
     #[inline(always)]
     pub(crate) fn rays<S: Simd>(
         &self,
@@ -155,20 +156,21 @@ impl Camera {
         [ray(e, a), ray(f, b), ray(g, c), ray(h, d)]
     }
 
-    /// As in the course an orthographic camera also sees objects behind its plane.
+    /// Returns the least parameter of a hit. As in the course, an orthographic camera also sees objects behind its
+    /// plane.
     #[inline(always)]
     fn t_min(&self) -> f64 {
         if self.is_perspective { 0.0 } else { f64::NEG_INFINITY }
     }
 
-    /// The origins and directions of rays through the points at these offsets from the centres of pixels.
+    /// Returns the origins and directions of rays through the points at these offsets from the centres of pixels.
     #[inline(always)]
     fn origin_and_direction<N: Number>(&self, [column, row]: [N; 2], offset: [N; 2]) -> [Vector<N>; 2] {
         let splat = |v: DVec3| Vector::splat(column.proof(), v);
         let (half, middle) = (column.broadcast(0.5), 0.5 * self.size);
         let span = self.span;
-        // The distance of a centre from the picture's middle is exact, so the rays of mirrored samples are
-        // exact mirror images.
+        // The distance between a centre and the picture's middle is exact, so the rays of mirrored samples are exact
+        // mirror images.
         let on_screen = |pixel: N, offset: N, middle: f64, span: f64| {
             (pixel + half - pixel.broadcast(middle) + offset) / pixel.broadcast(span)
         };
@@ -223,7 +225,7 @@ mod tests {
         assert!((left.direction.length() - 1.0).abs() < 1e-15);
     }
 
-    /// A camera of each kind at the same point with the same direction.
+    /// Returns a camera of each kind at the same point with the same direction.
     fn oblique() -> [scene::Camera; 2] {
         let (center, direction, up) =
             (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, 3.0, -4.0), DVec3::new(0.0, 1.0, 0.0));

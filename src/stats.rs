@@ -5,17 +5,17 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::time::Duration;
 
-/// Counts the steps of the search for what a ray hits. By default it does not, which costs nothing.
+/// Counts the steps of a traversal. The default methods do nothing and cost nothing.
 pub trait Probe {
-    /// Whether it counts. If so, the search takes all steps that the course's program takes: cell by cell, and every
-    /// primitive there exactly.
+    /// True if it counts. Then the traversal takes all steps of the course's program: cell by cell, with an exact test
+    /// of every primitive there.
     const COUNTS: bool = false;
 
-    /// Tests of a ray against `count` primitives, whether they hit or not.
+    /// Notes that a ray was tested against `count` primitives. Misses count, too.
     #[inline(always)]
     fn intersections(&mut self, _count: usize) {}
 
-    /// A step from one grid cell to the next, or out of the grid.
+    /// Notes a step from one grid cell to the next, or out of the grid.
     #[inline(always)]
     fn cell(&mut self) {}
 }
@@ -40,12 +40,12 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Rays of every kind.
+    /// Returns the number of rays of every kind.
     pub fn rays(&self) -> u64 {
         self.non_shadow_rays + self.shadow_rays
     }
 
-    /// The sum with the counts of another thread.
+    /// Returns the sum with the counts of another thread.
     pub fn merge(self, other: Self) -> Self {
         Self {
             non_shadow_rays: self.non_shadow_rays + other.non_shadow_rays,
@@ -55,7 +55,7 @@ impl Counts {
         }
     }
 
-    /// What has been counted since.
+    /// Returns the counts that were added since `before`.
     pub fn since(self, before: Self) -> Self {
         Self {
             non_shadow_rays: self.non_shadow_rays - before.non_shadow_rays,
@@ -104,21 +104,21 @@ fn seconds<S: Serializer>(time: &Duration, serializer: S) -> Result<S::Ok, S::Er
 /// The times of a scene that was rendered several times.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Repeats {
-    /// How often it was rendered.
+    /// The number of renders.
     pub times: usize,
-    /// The least time.
+    /// The minimum.
     #[serde(serialize_with = "seconds")]
     pub least: Duration,
-    /// The time in the middle, or the mean of the two there.
+    /// The middle time, or the mean of the two middle times.
     #[serde(serialize_with = "seconds")]
     pub median: Duration,
-    /// The most time less the least.
+    /// The maximum minus the minimum.
     #[serde(serialize_with = "seconds")]
     pub spread: Duration,
 }
 
 impl Repeats {
-    /// What these times come to; none if there are none.
+    /// Summarizes these times. Returns `None` if there are no times.
     pub fn of(mut times: Vec<Duration>) -> Option<Self> {
         times.sort();
         let (least, most) = (*times.first()?, *times.last()?);
@@ -150,9 +150,9 @@ fn ms(time: Duration) -> String {
 pub struct Report {
     /// The picture's width and height in pixels.
     pub size: [usize; 2],
-    /// The bounding box of the finite primitives; none where the scene has none.
+    /// The bounding box of the finite primitives. `None` if the scene has no finite primitives.
     pub bounds: Option<Aabb>,
-    /// The number of cells along each axis; none without a grid.
+    /// The number of cells along each axis. `None` without a grid.
     pub grid: Option<[usize; 3]>,
     /// The events that were counted.
     pub counts: Counts,
@@ -160,9 +160,9 @@ pub struct Report {
     pub timings: Timings,
     /// The number of threads that rendered.
     pub threads: usize,
-    /// The standard error of the colours in levels, if they are means of samples.
+    /// The standard error of the colours in levels, if each pixel has several samples.
     pub standard_error: Option<f64>,
-    /// The name of the course's edition; none for that of 2004, which the first block is from.
+    /// The name of the course's edition. `None` for the 2004 edition, whose statistics are the first block.
     pub edition: Option<&'static str>,
 }
 
@@ -201,7 +201,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// The time as `H:MM:SS.mmm`, with unpadded hours.
+/// Formats the time as `H:MM:SS.mmm`, with unpadded hours.
 fn clock(time: Duration) -> String {
     let ms = time.as_millis();
     let (s, m, h) = (ms / 1000, ms / 60_000, ms / 3_600_000);
@@ -217,7 +217,7 @@ fn cells([x, y, z]: [usize; 3]) -> String {
     format!("{} ({x}x{y}x{z})", x * y * z)
 }
 
-/// The quotient with one decimal. 0 / 0 gives 0.0, where the course's program would print `nan`.
+/// Formats the quotient with one decimal. 0 / 0 gives 0.0, where the course's program would print `nan`.
 fn ratio(part: f64, whole: f64) -> String {
     format!("{:.1}", if part == 0.0 { 0.0 } else { part / whole })
 }

@@ -1,8 +1,8 @@
 //! The tracer, after Whitted ("An Improved Illumination Model for Shaded Display", CACM 23(6), 1980).
 //!
-//! [`Tracer::color`] finds the surface that a camera ray hits first. The colour there is the ambient light, the light of
-//! each source that nothing blocks, and the colours along the reflected and the refracted ray, which wait on a stack until
-//! it is their turn. An [`Observer`] counts or records the steps. [`Hints`] spare rays and never change a colour.
+//! [`Tracer::color`] finds the surface that a camera ray hits first. The colour there is the ambient light, the light
+//! of each source that nothing blocks, and the colours along the reflected and the refracted ray. These secondary rays
+//! wait on a stack. An [`Observer`] counts or records the steps. [`Hints`] spare rays and never change a colour.
 
 use crate::caster::Caster;
 use crate::math::ray::{Ray, Visible};
@@ -53,11 +53,11 @@ pub enum Shadows {
 pub struct Effects {
     /// The objects that cast shadows.
     pub shadows: Shadows,
-    /// Whether surfaces are also lit on their inside. Otherwise it is black.
+    /// True if surfaces are also lit on their inside. Otherwise the inside is black.
     pub shade_back: bool,
     /// The maximum number of times that a ray is reflected or refracted.
     pub bounces: u32,
-    /// A secondary ray is traced if its weight is above this.
+    /// The minimum weight. Only secondary rays above it are traced.
     pub min_weight: f64,
 }
 
@@ -72,14 +72,14 @@ pub struct Tracer<'a, H = NoHints> {
 /// The memory of a tracer, kept from one camera ray to the next.
 #[derive(Debug)]
 pub struct Memory<'a> {
-    /// The secondary rays that wait. There are none between two camera rays.
+    /// The secondary rays that wait to be traced. The stack is empty between two camera rays.
     pending: Vec<SecondaryRay>,
     mixture: Mixture,
-    /// How long secondary rays are followed.
+    /// Decides when to stop tracing secondary rays.
     pub(crate) patience: Patience<'a>,
 }
 
-/// A surface as a ray arrives at it.
+/// A ray, and the surface that it hits.
 struct Arrival<'m> {
     ray: &'m Ray,
     path: &'m Path,
@@ -88,33 +88,33 @@ struct Arrival<'m> {
 }
 
 impl<'a> Memory<'a> {
-    /// Follows secondary rays as long as the patience lasts.
+    /// Returns a memory whose secondary rays are traced until the patience ends.
     pub fn new(patience: Patience<'a>) -> Self {
         Self { pending: vec![], mixture: Mixture::default(), patience }
     }
 
-    /// Whether rays were left out, since the patience ended.
+    /// Returns true if the patience ended and rays were left out.
     pub(crate) fn is_cut(&self) -> bool {
         self.patience.has_ended
     }
 }
 
 impl Default for Memory<'_> {
-    /// Follows all secondary rays.
+    /// Returns a memory whose secondary rays are all traced.
     fn default() -> Self {
         Self::new(Patience::endless())
     }
 }
 
 impl<'a> Tracer<'a> {
-    /// A tracer that casts every ray.
+    /// Returns a tracer that casts every ray.
     pub fn new(caster: &'a Caster<'a>, effects: Effects) -> Self {
         Self { caster, effects, hints: &NoHints }
     }
 }
 
 impl<'a, H: Hints> Tracer<'a, H> {
-    /// A tracer that casts no ray whose result the hints know.
+    /// Returns a tracer that casts only the rays whose result the hints do not know.
     pub fn with_hints(caster: &'a Caster<'a>, effects: Effects, hints: &'a H) -> Self {
         Self { caster, effects, hints }
     }
@@ -124,14 +124,14 @@ impl<'a, H: Hints> Tracer<'a, H> {
         self.caster.world
     }
 
-    /// Returns the colour along a ray from the camera.
+    /// Returns the colour along a camera ray.
     pub fn color<O: Observer>(&self, ray: &Ray, memory: &mut Memory, observer: &mut O) -> Color {
         let visible = self.nearest(ray, None, observer);
         let surface = visible.map(|visible| self.surface(ray, visible));
         self.color_of(ray, surface.as_ref(), memory, observer)
     }
 
-    /// Returns the colour along a ray from the camera that hits this surface first.
+    /// Returns the colour along a camera ray that hits this surface first, or nothing if it is `None`.
     pub fn color_of<O: Observer>(
         &self,
         ray: &Ray,
@@ -144,7 +144,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         color
     }
 
-    /// Sets the colour along a ray from the camera that hits this surface first.
+    /// Sets the colour along a camera ray that hits this surface first, or nothing if it is `None`.
     #[inline(always)]
     fn set_color<S: Simd, O: Observer>(
         &self,
@@ -161,7 +161,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         }
     }
 
-    /// Adds the colours along the secondary rays that wait, and along those that they cause in turn.
+    /// Adds the colours along the secondary rays that wait, and along the rays that these cause in turn.
     #[simd]
     #[inline(never)]
     fn add_secondary<S: Simd, O: Observer>(
@@ -172,8 +172,8 @@ impl<'a, H: Hints> Tracer<'a, H> {
         observer: &mut O,
     ) {
         let mut color = *sum;
-        // The parts of a ray are copied one by one. They were written one by one just before, so that reading them as
-        // vectors would fail to forward the stores, and the processor would stall.
+        // Copy the parts of a ray one by one. They were written one by one just before: reading them as vectors would
+        // defeat store forwarding and stall the processor.
         while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {
             if memory.patience.ends(memory.pending.len()) {
                 memory.pending.clear();
@@ -192,7 +192,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         *sum = color;
     }
 
-    /// Returns what a ray hits first that leaves the primitive `leaves`.
+    /// Returns the first hit of a ray that starts on the primitive `leaves`.
     #[inline(always)]
     fn nearest<O: Observer>(&self, ray: &Ray, leaves: Option<u32>, observer: &mut O) -> Option<Visible> {
         let visible = self.caster.nearest(ray, leaves, observer);
@@ -205,7 +205,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
         let mut surface = self.world().visible_surface(ray, visible);
         if self.world().has_smooth_normals() {
-            // A reference to a copy leaves the surface itself in registers.
+            // Taking a reference to a copy keeps the surface itself in registers.
             let flat = surface;
             surface.normal = self.world().smooth_normal(&flat).unwrap_or(flat.normal);
         }
@@ -214,7 +214,8 @@ impl<'a, H: Hints> Tracer<'a, H> {
 
     /// Returns the colour along a ray without its secondary rays, which are pushed to the stack.
     ///
-    /// It is inlined, because a colour that is returned through memory would be written in two parts and read as a whole.
+    /// The function is inlined: a colour returned through memory would be written in two parts and read as a whole,
+    /// which is slow.
     #[inline(always)]
     fn local_color<O: Observer>(
         &self,
@@ -242,7 +243,8 @@ impl<'a, H: Hints> Tracer<'a, H> {
         color
     }
 
-    /// Returns the light that a surface itself reflects: ambient light, and that of the lights that are visible from it.
+    /// Returns the light that a surface itself reflects: ambient light, and light from the sources that are visible
+    /// from it.
     #[inline(always)]
     fn shade<O: Observer>(&self, arrival: &Arrival, observer: &mut O) -> Color {
         let Arrival { ray, surface, material, .. } = arrival;
@@ -260,7 +262,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
             let light = incident(light, surface.position);
             let view = View { cosine: normal.dot(light.direction), normal, to_viewer };
             let shows = material.shows(highlight, &light, view.cosine);
-            // The course's program casts the shadow ray even where the light has no effect.
+            // The course's program casts the shadow ray even if the light has no effect.
             if !O::COUNTS && !shows {
                 continue;
             }
@@ -276,8 +278,8 @@ impl<'a, H: Hints> Tracer<'a, H> {
         color
     }
 
-    /// Returns a ray from a surface. It starts a few roundings off the surface, on the side to which it goes, or has the
-    /// scene's epsilon.
+    /// Returns a ray that starts on a surface. Its origin is moved off the surface by a few roundings, to the side of
+    /// its direction. If the scene has an epsilon, this is the ray's `t_min` instead.
     #[inline(always)]
     fn departing(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
         let SurfacePoint { position, normal, extent, .. } = *surface;
@@ -288,7 +290,8 @@ impl<'a, H: Hints> Tracer<'a, H> {
         Ray { t_min, ..Ray::new(origin, direction) }
     }
 
-    /// Returns the primitive that is not tested against rays from this surface. An epsilon takes its place.
+    /// Returns the primitive that is not tested against rays from this surface. If the scene has an epsilon, every
+    /// primitive is tested.
     #[inline(always)]
     fn origin_primitive(&self, surface: &SurfacePoint) -> Option<u32> {
         if self.world().model.epsilon.is_some() { None } else { surface.primitive }

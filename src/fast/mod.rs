@@ -1,7 +1,7 @@
 //! Optional hints for the tracer. They never change a picture: a build without the feature `fast` makes the same bytes.
 //!
-//! Rasterization finds the first hits of camera rays and what stands between a surface and a light, where that is certain.
-//! [`RasterHints`] answers the questions of [`Hints`]; the tracer casts the other rays.
+//! Rasterization finds the first hits of camera rays, and the primitives between a surface and a light, if they are
+//! certain. [`RasterHints`] implements [`Hints`] with these results. The tracer casts the other rays.
 
 mod raster;
 #[cfg(test)]
@@ -19,20 +19,20 @@ use std::sync::Arc;
 
 pub use raster::{Footprint, VisibilityBuffer};
 
-/// The rays that are wanted for a picture.
+/// The rays that a picture needs.
 #[derive(Clone, Debug)]
 pub struct Demand {
     /// Width and height of the whole picture in pixels.
     pub size: [usize; 2],
-    /// The columns that are rendered.
+    /// The columns to render.
     pub columns: Range<usize>,
-    /// Which rays are cast from the camera into the scene, if any are.
+    /// The camera rays that go into the scene. `None` if there are none.
     pub footprint: Option<Footprint>,
-    /// The number of rays to each light, if they only have to tell whether they are blocked.
+    /// The number of rays to each light, if it only matters that they are blocked or not. Otherwise 0.
     pub shadow_rays: usize,
 }
 
-/// What rasterization tells of the rays of a picture.
+/// The results of rasterization for the rays of a picture.
 #[derive(Clone, Debug)]
 pub struct RasterHints {
     demand: Demand,
@@ -44,7 +44,7 @@ pub struct RasterHints {
 impl Hints for RasterHints {
     #[inline(always)]
     fn first_hit(&self, world: &World, ray: &Ray, pixel: [usize; 2]) -> FirstHit {
-        // A closure would not be compiled for the instructions of the caller.
+        // No closure here: it would not be compiled for the instructions of the caller.
         match &self.visibility {
             Some(buffer) => buffer.first_hit(world, ray, pixel),
             None => FirstHit::Unknown,
@@ -57,19 +57,19 @@ impl Hints for RasterHints {
     }
 }
 
-/// Whether the first hits of camera rays are found without casting most of them.
+/// Returns true if rasterization finds the first hits of most camera rays.
 pub fn finds_first_hits(camera: &Camera, world: &World, size: [usize; 2]) -> bool {
     VisibilityBuffer::suits(camera, world, size)
 }
 
 impl RasterHints {
-    /// Hints about shadows.
+    /// Returns hints about shadows.
     pub fn new(world: &World, demand: Demand) -> Self {
         let shadow_maps = Arc::new(ShadowMaps::new(world, demand.shadow_rays));
         Self { demand, shadow_maps, visibility: None }
     }
 
-    /// Adds hints about the first hits in these rows, counted from the bottom.
+    /// Returns these hints with hints about the first hits in these rows, counted from the bottom.
     pub fn in_rows(&self, camera: &Camera, caster: &Caster, rows: Range<usize>) -> Self {
         let Demand { size, footprint, .. } = self.demand;
         let buffer = footprint.and_then(|of| VisibilityBuffer::new(camera, caster, size, rows, of));

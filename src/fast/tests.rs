@@ -14,8 +14,8 @@ use fearless_simd::dispatch;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// What the later editions have: glass, mirrors, highlights, a noise and a picture as colours, meshes, one of which is
-/// mirrored, a cube map, and a camera that looks down. All of it is moved up so far.
+/// Returns a scene of the later editions: glass, mirrors, highlights, a noise and an image as colours, two meshes, one
+/// of them mirrored, a cube map, and a camera that looks down. All of it is moved up by `up`.
 fn later(up: f64) -> (Scene, Vec<Mesh>) {
     let text = format!(
         "PerspectiveCamera {{ center 0 {} 6 direction .1 -.25 -1 up .1 1 .2 angle 40 }}
@@ -60,8 +60,8 @@ fn later(up: f64) -> (Scene, Vec<Mesh>) {
     (scene, meshes)
 }
 
-/// How many pixels of a picture are known without casting their rays, and how many colours are those of the background.
-/// All colours are compared with the tracer's.
+/// Compares all colours with the tracer's. Returns the number of pixels of a picture that are known without casting
+/// their rays, and the number of background colours.
 fn compared(
     world: &World,
     camera: &Camera,
@@ -73,7 +73,7 @@ fn compared(
     let mut found = [0; 2];
     for level in instructions::available() {
         let caster = Caster::with(world, Layout::Grid([4; 3]), level).expect("a grid");
-        // So many that there are shadow maps.
+        // Enough shadow rays that there are shadow maps.
         let demand = Demand { size, columns: 0..size[0], footprint, shadow_rays: 1 << 20 };
         let hints = RasterHints::new(world, demand).in_rows(camera, &caster, 0..size[1]);
         let unsure = hints.visibility.as_ref().map_or(size[0] * size[1], |buffer| buffer.unsure(0..size[0]));
@@ -108,7 +108,7 @@ fn compared(
     found
 }
 
-/// Those of the editions, and others with such epsilons that they matter.
+/// Returns the models of the editions, and others with epsilons that matter.
 fn models() -> Vec<Model> {
     let editions = [Edition::Y2012A4, Edition::Y2012A5, Edition::Y2019].map(Edition::model);
     let coarse = |model: Model| Model { epsilon: Some(0.7), ..model };

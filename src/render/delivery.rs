@@ -1,25 +1,26 @@
-//! Rows on their way from the threads that trace them to the one who takes them: in order, each as soon as it and all
-//! rows before it are traced.
+//! Delivers rows in order from the threads that trace them to the callback that takes them. Each row is delivered as
+//! soon as it and all rows before it are traced.
 
 use super::Stopped;
 use super::tally::Tally;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// How many rows per thread may be on their way: so few that they take little memory, and so many that threads seldom
-/// wait for a row that takes long.
+/// The maximum number of undelivered rows per thread. It is small enough that the rows take little memory, and large
+/// enough that threads seldom wait for a slow row.
 const ROWS_PER_THREAD: usize = 64;
 
-/// How many of this number of rows are in memory at the same time, at most.
+/// Returns the maximum number of rows that are in memory at the same time, out of `rows`.
 pub fn most_at_once(rows: usize) -> usize {
     rows.min(ROWS_PER_THREAD * rayon::current_num_threads())
 }
 
-/// Traces this number of rows in parallel, and hands them out one after the other. Returns how many have been handed
-/// out: all, unless the watch cancels the render.
+/// Traces this number of rows in parallel, and hands them out one after the other. Returns the number of rows that
+/// have been handed out: all, unless the watch cancels the render.
 ///
-/// The thread that traces the row that is due hands it out, and those after it that are traced by then, while the
-/// others go on. A row that is cancelled while it is traced is none, and ends the delivery. `trace` may get a row that has been handed out, whose memory it can use again: the first access to new
-/// memory takes longer than tracing a simple pixel, and threads that free each other's memory wait for each other.
+/// The thread that traces the next row due hands it out, together with all rows after it that are traced by then. The
+/// other threads continue. `trace` returns `None` if it is cancelled, which ends the delivery. Its second argument is
+/// a row that has been handed out, whose memory it can reuse. The first access to new memory takes longer than tracing
+/// a simple pixel, and threads that free each other's memory wait for each other.
 pub fn in_order<T: Send>(
     rows: usize,
     tally: &Tally,
@@ -49,30 +50,30 @@ pub fn in_order<T: Send>(
 
 struct Delivery<T, H> {
     progress: Mutex<Progress<T, H>>,
-    /// Rows have been handed out, or no more are taken.
+    /// Signals that rows have been handed out, or that no more rows are taken.
     goes_on: Condvar,
 }
 
 struct Progress<T, H> {
-    /// The rows that are to be traced: fewer than at first once the render has failed.
+    /// The number of rows to trace. It is reduced if the render fails.
     rows: usize,
-    /// How many of them threads have taken so far, and how many of these have been handed out.
+    /// The number of rows that threads have taken so far, and the number of rows that have been handed out.
     taken: usize,
     handed_out: usize,
-    /// The rows that are traced and not yet handed out. Row k stands at k modulo the number of places.
+    /// The rows that are traced and not yet handed out. Row k is at index k modulo the length.
     places: Vec<Option<T>>,
-    /// Rows that have been handed out.
+    /// Rows that have been handed out, whose memory can be reused.
     used: Vec<T>,
-    /// Hands out a row. None while a thread does so.
+    /// The callback that hands out a row. `None` while a thread calls it.
     hand_out: Option<H>,
-    /// How many threads wait for a place.
+    /// The number of threads that wait for a place.
     waiting: usize,
     failure: Option<Stopped>,
 }
 
 impl<T, H: FnMut(&mut T) -> Result<(), Stopped>> Delivery<T, H> {
-    /// A row to trace, as soon as there is a place for it, and one that is no longer needed, if there is any. None if
-    /// all are taken or the watch has cancelled the render.
+    /// Waits for a free place, and returns the next row to trace and a row that is no longer needed, if there is one.
+    /// Returns `None` if all rows are taken or the watch has cancelled the render.
     fn take(&self, tally: &Tally) -> Option<(usize, Option<T>)> {
         let mut progress = self.progress();
         while progress.taken < progress.rows && progress.taken - progress.handed_out == progress.places.len()
@@ -88,8 +89,8 @@ impl<T, H: FnMut(&mut T) -> Result<(), Stopped>> Delivery<T, H> {
         })
     }
 
-    /// Keeps a row that is traced until it is due. If it is due, hands it out with those after it, unless another
-    /// thread is about to do so.
+    /// Stores a row that is traced. If it is due, hands it out together with the traced rows after it, unless another
+    /// thread is handing out rows.
     fn put(&self, row: usize, traced: T) {
         let mut progress = self.progress();
         let place = row % progress.places.len();
@@ -106,7 +107,7 @@ impl<T, H: FnMut(&mut T) -> Result<(), Stopped>> Delivery<T, H> {
             }
             progress.handed_out += 1;
             if progress.waiting > 0 {
-                // It is a call of the system even where nobody waits.
+                // Avoid this system call if no thread waits.
                 self.goes_on.notify_all();
             }
         }
@@ -115,7 +116,7 @@ impl<T, H: FnMut(&mut T) -> Result<(), Stopped>> Delivery<T, H> {
 }
 
 impl<T, H> Delivery<T, H> {
-    /// No thread takes another row.
+    /// Ends the delivery: no thread takes another row.
     fn end(&self, mut progress: MutexGuard<Progress<T, H>>) {
         progress.rows = progress.taken;
         self.goes_on.notify_all();
@@ -127,14 +128,15 @@ impl<T, H> Delivery<T, H> {
 }
 
 impl<T, H> Progress<T, H> {
-    /// The row that is due, if it is traced.
+    /// Takes the row that is due, if it is traced.
     fn due(&mut self) -> Option<T> {
         let place = self.handed_out % self.places.len();
         self.places[place].take()
     }
 }
 
-/// Ends the delivery when it is dropped. A thread that panics in its row ends it so: others would wait for that row.
+/// Ends the delivery when it is dropped. So a thread that panics in its row ends it, too. Otherwise other threads
+/// would wait for that row.
 struct End<'d, T, H>(&'d Delivery<T, H>);
 
 impl<T, H> Drop for End<'_, T, H> {

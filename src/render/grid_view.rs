@@ -1,8 +1,8 @@
 //! `-visualize_grid`: a picture of the grid's occupied cells, by the course's rule for inserting primitives.
 //!
-//! The acceleration structure's own grid cannot be used for it, because the course's program inserts spheres
-//! by a coarser rule and has a tolerance at the faces of cells. So the primitives of each cell are counted
-//! here.
+//! The grid of the acceleration structure does not serve for this picture, because the course's program inserts
+//! spheres by a coarser rule and has a tolerance at the faces of cells. So this module counts the primitives of each
+//! cell.
 
 use crate::caster::GridTooLarge;
 use crate::caster::dda::Dda;
@@ -40,8 +40,8 @@ pub struct Face {
 }
 
 impl Occupancy {
-    /// Counts the primitives in each cell. `bounds` is the world's box. If it is empty, every ray misses.
-    /// Errors: a grid too large for the memory.
+    /// Counts the primitives in each cell. `bounds` is the world's box. If it is empty, every ray misses. Fails if the
+    /// grid is too large for the memory.
     pub fn new(
         scene: &Scene,
         meshes: &[Mesh],
@@ -95,7 +95,7 @@ impl Occupancy {
         }
     }
 
-    /// The face of the first occupied cell along the ray.
+    /// Returns the face of the first occupied cell along the ray.
     pub fn first_face(&self, ray: &Ray) -> Option<Face> {
         let (mut dda, [entry, _]) = Dda::of_ray(&self.lattice, ray)?;
         let mut index = dda.index();
@@ -104,8 +104,7 @@ impl Occupancy {
         }
         loop {
             let unchanged_axes = dda.step();
-            // Where a ray crosses several faces at once, the cells are visited one by one: x before y before
-            // z.
+            // If a ray crosses several faces at once, visit the cells one by one: x before y before z.
             for axis in (0..3).filter(|axis| unchanged_axes >> axis & 1 == 0) {
                 index = index.wrapping_add_signed(dda.stride(axis));
                 match self.counts[index] {
@@ -120,13 +119,13 @@ impl Occupancy {
         }
     }
 
-    /// The face through which the ray enters an occupied cell at `t`. `axis` is that of the face's normal, or none where
-    /// the ray starts in the cell.
+    /// Returns the face through which the ray enters an occupied cell at `t`. `axis` is the axis of the face's normal,
+    /// or `None` if the ray starts in the cell.
     fn face(&self, index: usize, t: f64, axis: Option<usize>, ray: &Ray) -> Face {
         Face { t, normal: face_normal(axis, ray), color: count_color(self.counts[index]) }
     }
 
-    /// The axis of the face through which the ray enters the grid; none where it starts inside.
+    /// Returns the axis of the face through which the ray enters the grid, or `None` if the ray starts inside.
     fn face_at(&self, entry: f64, ray: &Ray) -> Option<usize> {
         let at = ray.at(entry);
         let Aabb { min, max } = self.lattice.bounds;
@@ -134,7 +133,7 @@ impl Occupancy {
         (entry > ray.t_min).then(|| distances.min_position())
     }
 
-    /// The t where the ray enters a cell through the face with this axis as its normal.
+    /// Returns the t where the ray enters a cell through the face with this axis as its normal.
     fn entry_across(&self, axis: usize, index: usize, ray: &Ray) -> f64 {
         let cell = self.lattice.cell_of(index)[axis] + f64::from(ray.direction[axis] < 0.0);
         let face = self.lattice.bounds.min[axis] + cell * self.lattice.cell_size[axis];
@@ -142,15 +141,15 @@ impl Occupancy {
     }
 }
 
-/// The normal of the face with this axis through which the ray enters. A ray that starts inside an occupied
+/// Returns the normal of the face with this axis through which the ray enters. A ray that starts inside an occupied
 /// cell gets the face through which it would have entered along its longest axis.
 fn face_normal(axis: Option<usize>, ray: &Ray) -> DVec3 {
     let axis = axis.unwrap_or_else(|| ray.direction.abs().max_position());
     DVec3::AXES[axis] * -ray.direction[axis].signum()
 }
 
-/// The course's colour scale, from white through blue, green and yellow to red: of cells with one primitive, two, and so
-/// on. Those with more have the last colour.
+/// The course's colour scale, from white through blue, green and yellow to red: the colours of cells with one
+/// primitive, two, and so on. Cells with more primitives have the last colour.
 pub const SCALE: [[f64; 3]; 17] = [
     [1.0, 1.0, 1.0],
     [1.0, 0.0, 1.0],
@@ -180,8 +179,7 @@ mod tests {
     use super::*;
     use crate::scene::parser::parse;
 
-    /// The occupancy of the box from (0, 0, 0) to (4, 4, 2) with unit cells, of which the given ones are
-    /// occupied.
+    /// Returns the occupancy of the box from (0, 0, 0) to (4, 4, 2) with unit cells. The given cells are occupied.
     fn occupied(cells: &[[usize; 3]]) -> Occupancy {
         let scene =
             "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 0 }";
@@ -284,7 +282,7 @@ mod tests {
         assert!((1000..2500).contains(&seen), "{seen}");
     }
 
-    /// A ray through an edge visits the cells beside the edge as well, first the one across the face along x.
+    /// A ray through an edge also visits the cells beside the edge, first the cell across the face along x.
     #[test]
     fn a_ray_through_an_edge_steps_along_x_before_y_before_z() {
         let [across, corner] = [ray([-1.0, -1.0, 0.5], [1.0, 1.0, 0.0]), ray([-1.0; 3], [1.0; 3])];
@@ -298,7 +296,7 @@ mod tests {
         assert_eq!(t(occupied(&[[0, 1, 1]]), &corner), None);
         // Of two faces at the same t the first one visited is shown.
         assert_eq!(t(occupied(&[[2, 1, 0], [2, 2, 0]]), &across), Some((3.0, -DVec3::X)));
-        // So it is where the ray leaves the grid through the same edge.
+        // This also holds if the ray leaves the grid through an edge.
         let outward = ray([-1.0, 0.0, 0.5], [1.0, 1.0, 0.0]);
         assert_eq!(t(occupied(&[[3, 3, 0]]), &outward), Some((4.0, -DVec3::X)));
     }

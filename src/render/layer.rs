@@ -1,4 +1,4 @@
-//! The layers of a render: each of them is a picture that shows another property of the same scene.
+//! The layers of a render. Each layer is a picture of one property of the scene.
 
 use crate::stats::Counts;
 use serde::{Deserialize, Serialize};
@@ -22,14 +22,14 @@ pub enum Layer {
     Distance,
     /// The absolute coordinates of the unit normal at the hit of the ray through each pixel's centre.
     Normals,
-    /// The coordinates of that normal; zeros if the ray hits nothing.
+    /// The coordinates of the unit normal there; zeros if the ray hits nothing.
     SignedNormals,
     /// The samples of each pixel with their colours, on a chequered background.
     Samples {
         /// The side of the square that shows one pixel, at least 1.
         zoom: usize,
     },
-    /// What each pixel costs, as its probe counts it: zeros where the probe counts nothing.
+    /// The cost of each pixel, as its probe counts it. All costs are zero if the probe counts nothing.
     Cost(Cost),
     /// The weights of the filter around the middle pixel, with lines between the pixels.
     Filter {
@@ -38,7 +38,7 @@ pub enum Layer {
     },
 }
 
-/// What a pixel costs.
+/// The kind of cost of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "cost", rename_all = "snake_case")]
 pub enum Cost {
@@ -51,7 +51,7 @@ pub enum Cost {
 }
 
 impl Cost {
-    /// The name, as after `-cost_map`.
+    /// Returns the name, as after `-cost_map`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rays => "rays",
@@ -60,7 +60,7 @@ impl Cost {
         }
     }
 
-    /// How much of it has been counted.
+    /// Returns the count of this kind.
     pub fn of(self, counts: &Counts) -> u64 {
         match self {
             Self::Rays => counts.rays(),
@@ -71,17 +71,17 @@ impl Cost {
 }
 
 impl Layer {
-    /// Whether its colours are distances.
+    /// Returns true if its colours are distances.
     pub fn is_distance(self) -> bool {
         self == Self::Distance
     }
 
-    /// Whether it shows the t of hits.
+    /// Returns true if it shows the t of hits.
     pub(super) fn has_depth(self) -> bool {
         matches!(self, Self::Depth { .. } | Self::Distance)
     }
 
-    /// Whether it shows normals.
+    /// Returns true if it shows normals.
     pub(super) fn has_normals(self) -> bool {
         matches!(self, Self::Normals | Self::SignedNormals)
     }
@@ -91,7 +91,7 @@ impl Layer {
         matches!(self, Self::Color | Self::Depth { .. } | Self::Normals)
     }
 
-    /// Width and height of the layer's picture, for a window of this width and height in pixels.
+    /// Returns the width and height of the layer's picture, for a window of this width and height in pixels.
     pub fn size(self, window: [usize; 2]) -> [usize; 2] {
         match self {
             Self::Samples { zoom } => window.map(|n| n * zoom),
@@ -100,7 +100,7 @@ impl Layer {
         }
     }
 
-    /// The number of colours that a row of pixels has in this layer.
+    /// Returns the number of colours that a row of pixels has in this layer.
     pub(super) fn colors_per_row(self, width: usize) -> usize {
         match self {
             Self::Samples { zoom } => width * zoom * zoom,

@@ -1,5 +1,5 @@
-//! Rows of pixels in parallel: samples -> film -> the layers' rows, handed out from the top as they are
-//! finished.
+//! Renders rows of pixels in parallel: samples -> film -> the layers' rows. Rows are handed out from the top as soon
+//! as they are finished.
 
 mod delivery;
 pub mod grid_view;
@@ -45,31 +45,32 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
-    /// The rays that have been cast for them. Those through the corners of pixels, for adaptive samples, are not among them.
+    /// The number of rays that have been cast for these rows. Rays through the corners of pixels, for adaptive
+    /// samples, do not count.
     pub rays: u64,
 }
 
-/// A callback that is told the progress of a render, and may cancel it. It is called from any of the render's
-/// threads, at least once for each row, and within a row that takes long.
+/// A callback that gets the progress of a render and may cancel it. Any of the render's threads may call it. It is
+/// called at least once for each row, and also within a row that takes long.
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
-/// A callback that takes the rows of the layers: the arguments are the index of a layer in the request, and
-/// the colours of that layer's next row, from the top. It may end the render.
+/// A callback that takes the rows of the layers. The arguments are the index of a layer in the request and the colours
+/// of the layer's next row, from the top. The callback may end the render.
 pub type TakeRow<'a> = &'a mut (dyn FnMut(usize, &[Color]) -> ControlFlow<()> + Send + 'a);
 
-/// Why a render ended before its last row.
+/// The reason why a render ended before its last row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stopped {
-    /// The watch cancelled it, after this number of rows of pixels had been handed out.
+    /// The watch cancelled the render after this number of rows of pixels had been handed out.
     Cancelled {
         /// Rows from the top of the window.
         rows: usize,
     },
-    /// The callback that takes the rows ended it.
+    /// The callback that takes the rows ended the render.
     Output,
-    /// The system has too little memory for the rows that are in memory at the same time.
+    /// The system has too little memory for the rows that must be in memory at the same time.
     Memory(NoMemory),
-    /// More secondary rays of one camera ray wait than may.
+    /// Too many secondary rays of one camera ray wait to be traced.
     Rays,
 }
 
@@ -98,11 +99,10 @@ impl From<NoMemory> for Stopped {
     }
 }
 
-/// Renders the layers of a request, and returns what was counted.
+/// Renders the layers of a request, and returns the counts.
 ///
-/// Rows are traced in parallel on the current thread pool of rayon and handed out in order, so that neither
-/// the colours nor the counts depend on the number of threads. Only some rows are in memory at a time, never
-/// the whole picture.
+/// Rows are traced in parallel on rayon's current thread pool and handed out in order. Neither the colours nor the
+/// counts depend on the number of threads. Only some rows are in memory at a time, never the whole picture.
 pub fn render(
     (camera, caster): (&Camera, &Caster),
     view: View,
@@ -121,7 +121,7 @@ pub fn render(
     }
     let setting = RenderSetting { caster, view, request, tracing };
     let rows = request.rows();
-    // No strip takes more than the first.
+    // No strip takes more memory than the first one.
     memory::ask(Strip::below(&setting, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = |waiting| tally.asks(waiting);
@@ -142,8 +142,8 @@ pub fn render(
     Ok(counts)
 }
 
-/// Renders the colours of these rows of the window, counted from its top, which are not reduced, with each of these
-/// samplers. Each row is rendered by itself.
+/// Renders the colours of these rows of the window, counted from its top, with each of these samplers. The colours are
+/// not reduced. Each row is rendered by itself.
 pub fn render_some_rows(
     (camera, caster): (&Camera, &Caster),
     view: View,
@@ -157,7 +157,7 @@ pub fn render_some_rows(
     let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracing = Tracing::Fast;
     let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
-    // Adaptive samples of all samplers have the same plan.
+    // The plan of adaptive samples is the same for all samplers.
     let planner = Planner::new(camera, RenderSetting { caster, view, request, tracing });
     let all = request.traced_rows(request.rows());
     let bands = match planner {
@@ -187,7 +187,7 @@ pub fn render_some_rows(
     samplers.iter().map(render).collect()
 }
 
-/// The same for a request whose colours are reduced.
+/// Renders the layers of a request whose colours are reduced, and returns the counts.
 fn render_reduced(
     scene: (&Camera, &Caster),
     view: View,
@@ -214,8 +214,8 @@ fn render_reduced(
     Ok(counts)
 }
 
-/// The offsets of the adaptive samples of the pixel in this column and row from the bottom left; none where the watch
-/// cancels.
+/// Returns the offsets of the adaptive samples of the pixel in this column and row from the bottom left. Returns an
+/// empty list if the watch cancels.
 pub fn adaptive_offsets(
     (camera, caster): (&Camera, &Caster),
     view: View,
@@ -237,8 +237,8 @@ pub fn adaptive_offsets(
     plan.map_or(vec![], |plan| setting.offsets(&plan, [column, row]).collect())
 }
 
-/// Renders a request into memory, and returns a picture for each of its layers and what was counted. A layer without
-/// pixels, or with more than there is memory for, is an error.
+/// Renders a request into memory. Returns a picture for each of its layers, and the counts. Fails if a layer has no
+/// pixels or does not fit into memory.
 pub fn render_in_memory(
     scene: (&Camera, &Caster),
     view: View,
@@ -254,9 +254,9 @@ pub fn render_in_memory(
     let never_cancels = |_| ControlFlow::Continue(());
     let counts = match render(scene, view, request, tracing, &never_cancels, &mut take_row) {
         Ok(counts) => counts,
-        // Neither callback ends it.
+        // Neither callback ends the render.
         Err(Stopped::Cancelled { .. } | Stopped::Output) => Counts::default(),
-        // Rays that split without end take more memory than the picture may.
+        // Rays that split without end take too much memory.
         Err(Stopped::Memory(_) | Stopped::Rays) => {
             let [width, height] = request.window_size();
             return Err(BadSize { width, height });

@@ -1,7 +1,8 @@
-//! Plans adaptive samples: how many each pixel gets, by rays through the corners of pixels and by probes.
+//! Plans adaptive samples: finds the number of samples of each pixel, by rays through the corners of pixels and by
+//! probes.
 //!
-//! The picture is cut into tiles, of which each is planned by itself, so that a part of a picture needs the plans of the
-//! tiles that it touches and no more.
+//! The picture is cut into tiles. Each tile is planned by itself. So a part of a picture needs only the plans of the
+//! tiles that it touches.
 
 use super::row::{Looked, RenderSetting};
 use super::small_things::SmallThings;
@@ -21,7 +22,7 @@ use tile::Tile;
 
 mod tile;
 
-/// How many samples the pixels of a row get.
+/// The number of samples of each pixel of a row.
 #[derive(Clone, Copy)]
 pub struct Plan<'a> {
     /// The largest number of samples of a pixel.
@@ -29,20 +30,20 @@ pub struct Plan<'a> {
     /// The column of the first pixel.
     start: usize,
     samples: &'a [u16],
-    /// What planning a pixel has cost, if costs are a layer.
+    /// The cost of planning each pixel, if costs are a layer.
     costs: &'a [Counts],
-    /// What planning the row has cost.
+    /// The cost of planning the row.
     pub counts: Counts,
 }
 
-/// How many samples the pixels of a row of tiles get.
+/// The number of samples of each pixel of a row of tiles.
 pub struct Band {
     most: u32,
     columns: Range<usize>,
     rows: Range<usize>,
     samples: Vec<u16>,
     costs: Vec<Counts>,
-    /// For each row.
+    /// The cost of planning each row.
     counts: Vec<Counts>,
 }
 
@@ -51,14 +52,14 @@ pub struct Planner<'a> {
     setting: RenderSetting<'a>,
     settings: Adaptive,
     small_things: SmallThings<'a>,
-    /// The brightest colour that may be seen in mirrors or glass, if there are any; at least white.
+    /// The brightest colour that may be seen in mirrors or glass, at least white.
     reflected: f32,
 }
 
-/// The side of a tile at most, in pixels. The larger tiles are, the fewer probes each pixel needs.
+/// The largest side of a tile, in pixels. In larger tiles each pixel needs fewer probes.
 const SIDE: usize = 256;
 
-/// The memory of a pixel in a band, and while its tile is planned, in bytes, about.
+/// The approximate memory of a pixel, in bytes: in a band, and while its tile is planned.
 const BYTES: usize = size_of::<u16>();
 const BYTES_OF_TILE: usize = 120;
 
@@ -70,7 +71,7 @@ fn tiles(pixels: &Range<usize>, count: usize) -> impl Iterator<Item = Range<usiz
 }
 
 impl Band {
-    /// The plan of row `j`, if it is in the band.
+    /// Returns the plan of row `j`, if the row is in the band.
     pub fn plan(&self, j: usize) -> Option<Plan<'_>> {
         let row = j.checked_sub(self.rows.start).filter(|&row| row < self.rows.len())?;
         let width = self.columns.len();
@@ -79,7 +80,7 @@ impl Band {
         Some(Plan { most: self.most, start: self.columns.start, samples, costs, counts: self.counts[row] })
     }
 
-    /// Adds what rays of row `j` in these columns have cost.
+    /// Adds the cost of rays in row `j` and these columns.
     fn add_counts(&mut self, j: usize, looked: &Looked, columns: impl Iterator<Item = usize>) {
         let (row, width) = (j - self.rows.start, self.columns.len());
         self.counts[row] = self.counts[row].merge(looked.counts);
@@ -91,26 +92,26 @@ impl Band {
 }
 
 impl Plan<'_> {
-    /// The part of its pixel that a sample in this column stands for.
+    /// Returns the part of its pixel that a sample in this column represents.
     pub fn part(&self, column: usize) -> f64 {
         let [columns, rows] = self.strata(column);
         1.0 / f64::from(columns * rows)
     }
 
-    /// The columns and rows of a pixel's strata.
+    /// Returns the columns and rows of a pixel's strata.
     pub fn strata(&self, column: usize) -> [u32; 2] {
         let samples = column.checked_sub(self.start).and_then(|k| self.samples.get(k)).copied().unwrap_or(1);
         MultiJittered::strata(u32::from(samples), self.most)
     }
 
-    /// What planning a pixel has cost.
+    /// Returns the cost of planning a pixel.
     pub fn cost(&self, column: usize) -> Counts {
         column.checked_sub(self.start).and_then(|k| self.costs.get(k)).copied().unwrap_or_default()
     }
 }
 
 impl<'a> Planner<'a> {
-    /// None if samples are not adaptive, or no colours are traced.
+    /// Returns a planner, or `None` if samples are not adaptive or no colours are traced.
     pub fn new(camera: &Camera, setting: RenderSetting<'a>) -> Option<Self> {
         let settings = setting.request.adaptive.filter(|_| setting.request.traces_colors(setting.tracing))?;
         let world = setting.caster.world;
@@ -120,8 +121,8 @@ impl<'a> Planner<'a> {
         Some(Self { setting, settings, small_things: SmallThings::new(camera, world), reflected })
     }
 
-    /// Plans the rows of tiles that have some of these rows, but for those that are planned already; none if the watch
-    /// cancels the render. Too little memory is an error.
+    /// Plans the rows of tiles that overlap these rows, except the rows of tiles in `planned`. Returns `None` if the
+    /// watch cancels the render. Fails if there is too little memory.
     pub fn bands(
         &self,
         picture: &PictureTracer,
@@ -165,7 +166,7 @@ impl<'a> Planner<'a> {
     }
 }
 
-/// The brightest colour of dull surfaces and of the background, without highlights; at least white.
+/// Returns the brightest colour of diffuse surfaces and the background, without highlights, but at least white.
 fn brightest(world: &World) -> f32 {
     let color = |light: &Light| match *light {
         Light::Directional { color, .. } | Light::Point { color, .. } => color,

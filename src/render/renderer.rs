@@ -1,5 +1,4 @@
-//! The library's main interface: a scene is opened once, prepared once for each grid, and rendered any number
-//! of times.
+//! The library's main interface. Open a scene once, prepare it once for each grid, and render it any number of times.
 
 use crate::camera::Camera;
 use crate::caster::choose::{Layout, Rays, Resolution, Structure};
@@ -30,13 +29,14 @@ pub struct Renderer {
     /// The text of the scene, to show the position of an error in it.
     pub source: Source,
     world: World,
-    /// Kept only for the view of the grid's cells, for the objects behind a pixel, and for other scenes with the same
-    /// meshes.
+    /// The meshes, which are kept only for the view of the grid's cells, for the objects behind a pixel, and for other
+    /// scenes with the same meshes.
     meshes: Vec<Mesh>,
     threads: Option<Arc<ThreadPool>>,
 }
 
-/// Whether the meshes are kept as they were read. The view of the grid's cells and [`Renderer::with_scene`] need them.
+/// Selects if a renderer keeps the meshes as they were read. The view of the grid's cells and [`Renderer::with_scene`]
+/// need them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meshes {
     /// The meshes are moved into the world.
@@ -46,13 +46,12 @@ pub enum Meshes {
 }
 
 impl Renderer {
-    /// Reads the scene at `path` with its meshes. The work is done on rayon's current thread pool.
+    /// Reads the scene at `path` with its meshes, on rayon's current thread pool.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         Self::new(load::load(path)?, Meshes::Moved)
     }
 
-    /// A renderer of a scene that has been read. An object that cannot be placed in world space
-    /// is an error.
+    /// Returns a renderer of a scene that has been read. Fails if an object cannot be placed in world space.
     pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, Diagnostic> {
         let LoadedScene { scene, meshes, source, .. } = loaded;
         let world = match kept {
@@ -65,36 +64,36 @@ impl Renderer {
         }
     }
 
-    /// Another scene that names the same meshes, in the same order. The renderer must have kept them, which the new
-    /// one does not.
+    /// Returns a renderer of another scene that names the same meshes in the same order. This renderer must have kept
+    /// the meshes. The new one does not keep them.
     pub fn with_scene(&self, scene: Scene) -> Result<Self, Diagnostic> {
         let world = World::new(&scene, &self.meshes)?;
         let (source, threads) = (self.source.clone(), self.threads.clone());
         Ok(Self { scene, source, world, meshes: vec![], threads })
     }
 
-    /// The meshes that the scene names, if they were kept.
+    /// Returns the meshes of the scene, or an empty list if they were not kept.
     pub fn meshes(&self) -> &[Mesh] {
         &self.meshes
     }
 
-    /// The same renderer, with its work done on this thread pool.
+    /// Returns the renderer with its work moved to this thread pool.
     pub fn on_threads(self, threads: Arc<ThreadPool>) -> Self {
         Self { threads: Some(threads), ..self }
     }
 
-    /// The scene in world space.
+    /// Returns the scene in world space.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The bounds of the finite primitives; none if there are no such primitives.
+    /// Returns the bounds of the finite primitives, or `None` if there are no such primitives.
     pub fn bounds(&self) -> Option<Aabb> {
         (!self.world.bounds.is_empty()).then_some(self.world.bounds)
     }
 
-    /// Builds the structure that is asked for, for a request that is traced in this way. Where any will do, it is the one
-    /// with the least total time: what the course's program counts is counted without a grid.
+    /// Builds a structure for a request that is traced in this way. [`Structure::Any`] chooses the structure with the
+    /// least total time. If rays are counted as in the course's program, it chooses no grid.
     pub fn prepare_for(
         &self,
         structure: Structure,
@@ -105,7 +104,7 @@ impl Renderer {
         self.prepare_as(structure, Rays { camera: request.camera_rays(), cast }, tracing)
     }
 
-    /// The same for about this number of rays.
+    /// Builds a structure like [`Renderer::prepare_for`], but for about this number of rays.
     pub fn prepare_as(
         &self,
         structure: Structure,
@@ -116,7 +115,7 @@ impl Renderer {
             let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
             let build = |layout| Caster::with(&self.world, layout, instructions::available()[0]);
             let caster = match build(layout) {
-                // Nobody has asked for the structure that does not fit into memory.
+                // The user did not request the structure that does not fit into memory, so use a list instead.
                 Err(_) if structure == Structure::Any => build(Layout::List),
                 caster => caster,
             }?;
@@ -124,14 +123,14 @@ impl Renderer {
         })
     }
 
-    /// The camera that a request's pictures are seen with.
+    /// Returns the camera of a request's pictures.
     pub(crate) fn camera(&self, request: &Request) -> Camera {
         let camera = request.camera.as_ref().unwrap_or(&self.scene.camera);
         Camera::with_screen(camera, request.size, self.scene.model.screen)
     }
 
-    /// Builds a grid, or a list of all primitives. `rays` is the approximate number of camera rays, by which an
-    /// automatic grid is chosen.
+    /// Builds a grid, or a list of all primitives. `rays` is the approximate number of camera rays. An automatic grid
+    /// depends on it.
     pub fn prepare(
         &self,
         grid: Option<Resolution>,
@@ -141,8 +140,8 @@ impl Renderer {
         self.prepare_as(grid.map_or(Structure::List, Structure::Grid), Rays::cast(rays), tracing)
     }
 
-    /// Counts the primitives in each cell of a grid, so that the cells are drawn in place of the scene. The
-    /// renderer must have kept the scene's meshes.
+    /// Counts the primitives in each cell of a grid. The result draws the cells in place of the scene. The renderer
+    /// must have kept the scene's meshes.
     pub fn prepare_cells(
         &self,
         grid: Resolution,
@@ -159,7 +158,7 @@ impl Renderer {
         })
     }
 
-    /// Does some work on the renderer's threads.
+    /// Runs `work` on the renderer's threads.
     pub(crate) fn on_own_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         match &self.threads {
             Some(threads) => threads.install(work),
@@ -180,23 +179,24 @@ pub struct Prepared<'r> {
 }
 
 impl Prepared<'_> {
-    /// How it is traced.
+    /// Returns how the scene is traced.
     pub fn tracing(&self) -> Tracing {
         self.tracing
     }
 
-    /// The cells of the grid along each axis.
+    /// Returns the number of grid cells along each axis, or `None` without a grid.
     pub fn cells(&self) -> Option<[usize; 3]> {
         self.cells
     }
 
-    /// How full the cells of the grid are, with so many of the fullest; none without a grid.
+    /// Returns statistics of the primitives in the grid's cells, with up to `fullest` of the fullest cells. Returns
+    /// `None` without a grid.
     pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
         self.caster.fullness(fullest)
     }
 
-    /// Renders the layers of a request into memory, in the order of the request. A picture without pixels, or
-    /// with more than there is memory for, is an error.
+    /// Renders the layers of a request into memory, in the order of the request. Fails if a picture has no pixels or
+    /// does not fit into memory.
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
@@ -204,13 +204,13 @@ impl Prepared<'_> {
         self.renderer.on_own_threads(render).map(|(pictures, _)| pictures)
     }
 
-    /// Renders a request row by row, and returns what was counted. Rows are handed out from the top as soon as they
-    /// are finished.
+    /// Renders a request row by row, and returns the counts. Rows are handed out from the top as soon as they are
+    /// finished.
     pub fn render_rows(&self, request: &Request, watch: Watch, take_row: TakeRow) -> Result<Counts, Stopped> {
         self.render_traced(request, self.tracing, watch, take_row)
     }
 
-    /// The same without counting, which may be faster.
+    /// Renders a request like [`Prepared::render_rows`], but without counting, which may be faster.
     pub(crate) fn render_rows_fast(
         &self,
         request: &Request,
@@ -220,8 +220,8 @@ impl Prepared<'_> {
         self.render_traced(request, Tracing::Fast, watch, take_row).map(drop)
     }
 
-    /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers, without
-    /// counting.
+    /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers.
+    /// Does not count.
     pub(crate) fn render_some_rows(
         &self,
         request: &Request,
@@ -247,28 +247,28 @@ impl Prepared<'_> {
         self.renderer.on_own_threads(|| render::render(scene, view, request, tracing, watch, take_row))
     }
 
-    /// The cells of the grid along each axis, if they are drawn in place of the scene.
+    /// Returns the number of grid cells along each axis if they are drawn in place of the scene.
     pub fn drawn_cells(&self) -> Option<[usize; 3]> {
         self.occupancy.as_ref().and(self.cells)
     }
 
-    /// Returns the renderer that it was prepared by.
+    /// Returns the renderer that prepared it.
     pub fn renderer(&self) -> &Renderer {
         self.renderer
     }
 
-    /// Finds what rays hit.
+    /// Returns the caster, which finds the hits of rays.
     pub(crate) fn caster(&self) -> &Caster<'_> {
         &self.caster
     }
 
-    /// The camera that a request's pictures are seen with.
+    /// Returns the camera of a request's pictures.
     pub(crate) fn camera(&self, request: &Request) -> Camera {
         self.renderer.camera(request)
     }
 
-    /// The samples of the pixel in this column and row from the bottom left: their offsets from its centre, and the
-    /// parts of the pixel that they stand for, up to a factor; none where the watch cancels.
+    /// Returns the samples of the pixel in this column and row from the bottom left: their offsets from its centre,
+    /// and the parts of the pixel that they represent, up to a factor. Returns an empty list if the watch cancels.
     pub(crate) fn samples(
         &self,
         request: &Request,
@@ -285,7 +285,7 @@ impl Prepared<'_> {
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
         let offsets = render::adaptive_offsets(scene, self.view(), request, [column, row], watch);
-        // Where only a pixel's own samples count, it makes no difference.
+        // If only a pixel's own samples count, all of them have the same weight.
         let part = if request.filter.support() == 0 { 1.0 } else { 1.0 / offsets.len() as f64 };
         offsets.into_iter().map(|offset| (offset, part)).collect()
     }

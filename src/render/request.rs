@@ -1,4 +1,4 @@
-//! The request: what is to be rendered.
+//! The request: the layers to render, and how to render them.
 
 use super::layer::Layer;
 use super::tracing::Tracing;
@@ -18,34 +18,34 @@ use std::ops::Range;
 #[cfg(feature = "fast")]
 use crate::fast::finds_first_hits;
 
-/// Where rasterization finds first hits, about one ray for this number of pixels is cast all the same: those at the edges of
-/// triangles.
+/// If rasterization finds the first hits, about one ray per this number of pixels must still be cast: the rays at the
+/// edges of triangles.
 const PIXELS_PER_CAST_RAY: usize = 32;
 
-/// Without hints all rays are cast.
+/// Returns false: without hints all rays are cast.
 #[cfg(not(feature = "fast"))]
 fn finds_first_hits(_: &Camera, _: &World, _: [usize; 2]) -> bool {
     false
 }
 
-/// What is drawn in the layers of colours.
+/// The subject of the layers of colours.
 #[derive(Clone, Copy, Debug)]
 pub enum View<'a> {
     /// The scene, with the request's effects.
     Scene,
     /// The occupied cells of the grid, lit by the world's lights.
     Cells(&'a Occupancy),
-    /// The place of each pixel.
+    /// A colour for the position of each pixel.
     Places,
 }
 
-/// The layers of a picture that are to be rendered, and how.
+/// The layers of a picture to render, and how to render them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     /// Width and height of the whole picture in pixels, at least 1 each.
     pub size: [usize; 2],
-    /// The part of the picture that is rendered, with the same pixels as in the whole picture. It is clipped
-    /// to the picture. None means the whole picture.
+    /// The part of the picture to render, with the same pixels as in the whole picture. It is clipped to the picture.
+    /// `None` means the whole picture.
     pub window: Option<Window>,
     /// A camera in place of the scene's own.
     pub camera: Option<scene::Camera>,
@@ -53,21 +53,22 @@ pub struct Request {
     pub effects: Effects,
     /// The positions of the samples of a pixel.
     pub sampler: Sampler,
-    /// Whether each pixel gets as many samples as it needs. The sampler has their random numbers then.
+    /// The settings of adaptive samples: each pixel gets as many samples as it needs. Then the sampler only provides
+    /// the random numbers.
     pub adaptive: Option<Adaptive>,
-    /// Whether the colours are kept as floats, also those brighter than white.
+    /// True if colours are kept as floats, including colours brighter than white.
     pub has_floats: bool,
-    /// The reconstruction filter, by which samples are combined to pixels.
+    /// The reconstruction filter, which combines samples to pixels.
     pub filter: Filter,
-    /// Whether the colours are blurred and reduced to a third of the size, as [`Blur`](crate::sampling::blur::Blur) does.
+    /// True if the colours are blurred and reduced to a third of the size by [`Blur`](crate::sampling::blur::Blur).
     pub is_reduced: bool,
     /// The layers, in the order in which rows are handed out.
     pub layers: Vec<Layer>,
 }
 
 impl Request {
-    /// The colours of a whole picture, by one ray through each pixel's centre, without shadows or secondary
-    /// rays.
+    /// Returns a request for the colours of a whole picture, with one ray through each pixel's centre, without shadows
+    /// or secondary rays.
     pub fn new(size: [usize; 2]) -> Self {
         Self {
             size,
@@ -83,29 +84,29 @@ impl Request {
         }
     }
 
-    /// Width and height of the rendered part, in pixels.
+    /// Returns the width and height of the rendered part, in pixels.
     pub fn window_size(&self) -> [usize; 2] {
         [self.columns().len(), self.rows().len()]
     }
 
-    /// Width and height of a layer's picture, in pixels.
+    /// Returns the width and height of a layer's picture, in pixels.
     pub fn layer_size(&self, layer: &Layer) -> [usize; 2] {
         let size = layer.size(self.window_size());
         if self.reduces(layer) { reduced(size) } else { size }
     }
 
-    /// Whether a layer's rows are reduced.
+    /// Returns true if a layer's rows are reduced.
     pub(super) fn reduces(&self, layer: &Layer) -> bool {
         self.is_reduced && *layer == Layer::Color
     }
 
-    /// The columns that are rendered.
+    /// Returns the columns to render.
     pub(crate) fn columns(&self) -> Range<usize> {
         let [width, _] = self.size;
         self.window.map_or(0..width, |w| w.x.min(width)..w.x.saturating_add(w.width).min(width))
     }
 
-    /// The rows that are rendered, counted from the bottom as the camera counts them.
+    /// Returns the rows to render, counted from the bottom as the camera counts them.
     pub(crate) fn rows(&self) -> Range<usize> {
         let [_, height] = self.size;
         let from_top = |w: Window| w.y.min(height)..w.y.saturating_add(w.height).min(height);
@@ -113,58 +114,59 @@ impl Request {
         height - rows.end..height - rows.start
     }
 
-    /// Whether any layer needs colours, or the rays that make them are counted.
+    /// Returns true if any layer needs colours, or if rays are counted.
     pub(super) fn traces_colors(&self, tracing: Tracing) -> bool {
         tracing == Tracing::Counted
             || self.layers.iter().any(|layer| matches!(layer, Layer::Color | Layer::Samples { .. }))
     }
 
-    /// Whether the colours of pixels are wanted.
+    /// Returns true if there is a layer of colours.
     pub(super) fn has_colors(&self) -> bool {
         self.layers.contains(&Layer::Color)
     }
 
-    /// Whether it is counted what each pixel costs.
+    /// Returns true if there is a layer of costs.
     pub(super) fn has_costs(&self) -> bool {
         self.layers.iter().any(|layer| matches!(layer, Layer::Cost(_)))
     }
 
-    /// The number of pixels around the window whose samples contribute to it.
+    /// Returns the width of the border around the window, in pixels, whose samples contribute to the window.
     pub(super) fn support(&self) -> usize {
         if self.has_colors() { self.filter.support() } else { 0 }
     }
 
-    /// These rows and those around them whose samples contribute to them.
+    /// Returns these rows and the rows around them whose samples contribute to them.
     pub(super) fn traced_rows(&self, rows: Range<usize>) -> Range<usize> {
         rows.start.saturating_sub(self.support())..(rows.end + self.support()).min(self.size[1])
     }
 
-    /// Whether depths or normals at the pixels' centres are needed, whatever the positions of the samples.
+    /// Returns true if a layer needs depths or normals at the pixels' centres, independent of the positions of the
+    /// samples.
     pub(super) fn measures(&self) -> bool {
         self.layers.iter().any(|layer| layer.has_depth() || layer.has_normals())
     }
 
-    /// Whether the surfaces at the pixels' centres are needed for a layer.
+    /// Returns true if a layer needs the surfaces at the pixels' centres.
     pub(super) fn has_normals(&self) -> bool {
         self.layers.iter().any(|layer| layer.has_normals())
     }
 
-    /// Whether colours are traced along the rays through the pixels' centres.
+    /// Returns true if colours are traced along the rays through the pixels' centres.
     pub(super) fn casts_centers(&self, view: View, tracing: Tracing) -> bool {
         self.traces_colors(tracing) && self.sampler.is_center() && matches!(view, View::Scene)
     }
 
-    /// About the number of samples of a pixel.
+    /// Returns the approximate number of samples of a pixel.
     pub(super) fn samples(&self) -> usize {
         self.adaptive.map_or(self.sampler.count(), Adaptive::usual) as usize
     }
 
-    /// About the number of camera rays of the whole picture.
+    /// Returns the approximate number of camera rays of the whole picture.
     pub fn camera_rays(&self) -> usize {
         self.size[0] * self.size[1] * self.samples()
     }
 
-    /// Returns about the number of rays that are cast. Where rasterizing triangles finds the hits, a few are left.
+    /// Returns the approximate number of rays to cast. If rasterization finds the first hits, only a few are left.
     pub(crate) fn cast_rays(&self, camera: &Camera, world: &World) -> usize {
         let Effects { shadows, bounces, .. } = self.effects;
         let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()

@@ -1,4 +1,4 @@
-//! A row of pixels: its samples are traced, and their colours are added to the layers.
+//! Traces the samples of a row of pixels, and adds their colours to the layers.
 
 use super::layer::Layer;
 use super::plan::Plan;
@@ -28,7 +28,7 @@ mod traced;
 pub use planned::Looked;
 pub use traced::{Colors, Row};
 
-/// Everything that is needed to trace any row of a picture.
+/// The data that every row of a picture needs to be traced.
 #[derive(Clone, Copy)]
 pub struct RenderSetting<'a> {
     pub caster: &'a Caster<'a>,
@@ -38,8 +38,8 @@ pub struct RenderSetting<'a> {
 }
 
 impl RenderSetting<'_> {
-    /// Traces an empty row; none if the render is cancelled meanwhile, within a pixel that takes long. If `is_shown` is
-    /// false, only the samples are traced, because they contribute to the rows around it.
+    /// Traces an empty row. Returns `None` if the render is cancelled meanwhile, possibly within a pixel that takes
+    /// long. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
     pub fn row(&self, empty: Row, tracer: &PictureTracer, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
         let mut painter = Painter { plan, ..self.painter(empty, tracer, is_shown) };
         let (columns, mut packet) = (self.columns(), SamplePacket::default());
@@ -61,20 +61,20 @@ impl RenderSetting<'_> {
         Some(painter.row)
     }
 
-    /// The number of colours of all layers that a row of pixels has.
+    /// Returns the number of colours in a row of pixels, over all layers.
     pub fn colors_per_row(&self) -> usize {
         let width = self.request.columns().len();
         self.request.layers.iter().map(|layer| layer.colors_per_row(width)).sum()
     }
 
-    /// The columns whose samples contribute to the row.
+    /// Returns the columns whose samples contribute to the row.
     pub fn columns(&self) -> Range<usize> {
         let RenderSetting { request, .. } = *self;
         let (shown, support) = (request.columns(), request.support());
         shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0])
     }
 
-    /// A painter of an empty row.
+    /// Returns a painter of an empty row.
     fn painter<'a>(&'a self, row: Row, tracer: &'a PictureTracer<'a>, is_shown: bool) -> Painter<'a> {
         let RenderSetting { request, .. } = *self;
         Painter {
@@ -92,7 +92,7 @@ impl RenderSetting<'_> {
         }
     }
 
-    /// Row `j` before it is traced. If there is a row that is no longer needed, it gets its memory.
+    /// Returns an empty row `j`. Reuses the memory of `used` if possible.
     pub fn empty_row(&self, j: usize, used: Option<Row>) -> Row {
         let RenderSetting { request, .. } = *self;
         if let Some(row) = used.and_then(|used| used.emptied(j)) {
@@ -125,15 +125,15 @@ struct Painter<'a> {
     sum: Sum,
     /// The indices of the layers of samples, each with its zoom.
     plots: Vec<(usize, usize)>,
-    /// The random numbers of the next sample, where they are drawn row by row.
+    /// The random numbers of the next sample, if they are drawn row by row.
     c_rand: Option<CRand>,
-    /// How many samples pixels get, if it is not the same number.
+    /// The number of samples of each pixel, if the samples are adaptive.
     plan: Option<Plan<'a>>,
     row: Row,
 }
 
 impl Painter<'_> {
-    /// Traces the pixels in these columns, of which there are no more than a packet holds.
+    /// Traces the pixels in these columns. There must not be more columns than a packet holds.
     fn paint(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, .. } = *self.setting.request;
         for (k, zoom) in self.plots.clone() {
@@ -150,7 +150,7 @@ impl Painter<'_> {
         }
     }
 
-    /// Paints one pixel by itself, and enters what it costs.
+    /// Paints one pixel by itself, and adds its cost to the layers of costs.
     #[cold]
     fn paint_and_count(&mut self, column: usize, packet: &mut SamplePacket) {
         let before = self.row.counts;
@@ -191,13 +191,13 @@ impl Painter<'_> {
         packet.clear();
     }
 
-    /// The place of a pixel in the order in which random numbers are drawn.
+    /// Returns the index of a pixel in the order in which random numbers are drawn.
     fn index(&self, column: usize) -> u64 {
         let [_, height] = self.setting.request.size;
         (column * height + self.row.j) as u64
     }
 
-    /// Takes the samples of the pixels in these columns, packet by packet.
+    /// Traces the samples of the pixels in these columns, packet by packet.
     fn take_samples(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Request { sampler, size: [_, height], .. } = *self.setting.request;
         if let Some(c_rand) = &mut self.c_rand {
@@ -217,7 +217,7 @@ impl Painter<'_> {
         self.color_samples(packet);
     }
 
-    /// Casts and colours the samples of a packet, and empties it.
+    /// Traces and adds the samples of a packet, and empties it.
     fn color_samples(&mut self, packet: &mut SamplePacket) {
         let mut colors = [Color::ZERO; SamplePacket::SIZE];
         self.trace(self.wanted_of_samples(), packet, &mut colors);
@@ -225,7 +225,7 @@ impl Painter<'_> {
         packet.clear();
     }
 
-    /// The colours of a packet's samples.
+    /// Counts and traces a packet's samples, and returns their colours.
     fn colors_of(&mut self, packet: &mut SamplePacket) -> PacketColors {
         packet.samples().iter().for_each(|_| self.row.counts.non_shadow_ray());
         let mut colors = [Color::ZERO; SamplePacket::SIZE];
@@ -233,13 +233,13 @@ impl Painter<'_> {
         colors
     }
 
-    /// What is wanted of samples that are coloured. A view of cells casts no ray into the scene for them.
+    /// Returns the results that coloured samples need. A view of cells casts no ray into the scene for them.
     fn wanted_of_samples(&self) -> Wanted {
         let is_scene = matches!(self.setting.view, View::Scene);
         Wanted { hits: is_scene, surfaces: is_scene, colors: true }
     }
 
-    /// Traces the samples of a packet, and enters their colours, if they are wanted.
+    /// Traces the samples of a packet, and stores their colours if they are wanted.
     fn trace(&mut self, wanted: Wanted, packet: &mut SamplePacket, colors: &mut PacketColors) {
         let of_tracer =
             Wanted { colors: wanted.colors && matches!(self.setting.view, View::Scene), ..wanted };
@@ -263,7 +263,7 @@ impl Painter<'_> {
         }
     }
 
-    /// Adds the samples of a packet, which have these colours, to the row.
+    /// Adds the samples of a packet, with these colours, to the row.
     #[inline(always)]
     fn add_samples<const CENTERS: bool>(&mut self, packet: &SamplePacket, colors: &[Color]) {
         let mut sum = self.sum;
@@ -279,7 +279,7 @@ impl Painter<'_> {
         self.sum = sum;
     }
 
-    /// Adds a sample to the row. `sum` is that of its pixel.
+    /// Adds a sample to the row. `sum` is the sum of its pixel.
     #[inline(always)]
     fn add_sample<const CENTERS: bool>(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
         self.row.counts.non_shadow_ray();
@@ -306,12 +306,12 @@ impl Painter<'_> {
     }
 }
 
-/// The colour of a pixel that shows its place, which is its column and its row from the bottom.
+/// Returns the colour that shows a pixel's place: its column and its row from the bottom.
 fn place_color([column, row]: [usize; 2], [width, height]: [usize; 2]) -> Color {
     Color::new(column as f64 / width as f64, (height - 1 - row) as f64 / height as f64, 1.0)
 }
 
-/// The colour of a cell's face under the scene's lights: ambient and diffuse, without shadows.
+/// Returns the colour of a cell's face under the scene's lights: ambient and diffuse, without shadows.
 fn cell_color(face: &Face, ray: &Ray, world: &World) -> Color {
     let point = ray.at(face.t);
     let lights = world.lights.iter().map(|light| {

@@ -1,7 +1,9 @@
-//! Finds the small things in a picture without casting rays: places in pixels where something may be that no corner shows.
+//! Finds the small things in a picture without casting rays: points in pixels at which there may be something that
+//! rays through the corners miss.
 //!
-//! All triangles and shapes are projected onto the pixels. What is narrower than a pixel or two and fills little of a pixel
-//! leaves a place, at which a probe tells whether it can be seen, and how much it differs from what is around it.
+//! All triangles and shapes are projected onto the pixels. A thing narrower than a pixel or two that fills little of a
+//! pixel gets a point there. A probe through this point finds out if the thing is visible, and how much it differs
+//! from its surroundings.
 
 use crate::camera::{Camera, Eye, Projection};
 use crate::world::World;
@@ -13,16 +15,16 @@ use std::ops::Range;
 pub struct SmallThings<'a> {
     world: &'a World,
     view: View,
-    /// Where the vertices of the triangles are, in pixels from the lower left corner; NaN if not ahead of the eye.
+    /// The projected vertices of the triangles, in pixels from the lower left corner; NaN if not ahead of the eye.
     vertices: Vec<Vec2>,
 }
 
 /// Something small in a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Speck {
-    /// The part of the pixel that small things cover, about.
+    /// The approximate part of the pixel that small things cover.
     pub part: f32,
-    /// A place in one of them, in pixels from the pixel's centre.
+    /// A point in one of them, in pixels from the pixel's centre.
     pub offset: Vec2,
 }
 
@@ -33,16 +35,17 @@ struct Specks {
     specks: Vec<Speck>,
 }
 
-/// What is narrower than this number of pixels is small.
+/// Things narrower than this number of pixels are small.
 const SMALL: f32 = 1.5;
 
-/// Small things that fill more than this part of a pixel are a surface, which corners and other probes do not miss.
+/// Small things that fill more than this part of a pixel form a surface, which corners and other probes do not miss.
 const FULL: f32 = 0.5;
 
-/// Half of what is narrower than this number of pixels need not be told apart from its middle.
+/// Across things narrower than this number of pixels, the middle is the only point. Wider things also get points near
+/// both sides.
 const THIN: f32 = 0.02;
 
-/// The steps along something, which has no more pixels in a picture.
+/// The maximum number of steps along a thing. No picture has more pixels in a row.
 const MOST_STEPS: f32 = 1e5;
 
 impl<'a> SmallThings<'a> {
@@ -52,7 +55,7 @@ impl<'a> SmallThings<'a> {
         Self { world, view, vertices }
     }
 
-    /// The specks in these pixels, row by row.
+    /// Returns the specks in these pixels, row by row.
     pub fn specks(&self, columns: &Range<usize>, rows: &Range<usize>) -> Vec<Speck> {
         let specks = vec![Speck::default(); columns.len() * rows.len()];
         let mut found = Specks { columns: columns.clone(), rows: rows.clone(), specks };
@@ -78,7 +81,7 @@ impl<'a> SmallThings<'a> {
             if double_area < SMALL * way.length() {
                 let foot = ((c - a).dot(way) / way.length_squared()).clamp(0.01, 0.99);
                 let height = c - a.lerp(b, foot);
-                // The side, and the width there.
+                // `t` goes along the longest side, and `width` is the width there.
                 found.add(0.5 * double_area, way.length(), height.length(), |t, u| {
                     let width = (t / foot).min((1.0 - t) / (1.0 - foot));
                     a + t * way + u * width * height
@@ -89,7 +92,7 @@ impl<'a> SmallThings<'a> {
             let corners = shape.bounds().corners().map(|corner| self.view.project(corner));
             let [min, max] =
                 corners.into_iter().fold([Vec2::INFINITY, Vec2::NEG_INFINITY], |[min, max], at| {
-                    // NaN stays.
+                    // Keep NaN.
                     [Vec2::select(at.cmpge(min), min, at), Vec2::select(at.cmple(max), max, at)]
                 });
             let size = max - min;
@@ -102,7 +105,7 @@ impl<'a> SmallThings<'a> {
 }
 
 impl Specks {
-    /// Adds something with this area that fills a box.
+    /// Adds a thing with this area that fills a box.
     fn add_box(&mut self, min: Vec2, max: Vec2, area: f32) {
         let size = max - min;
         if size.x > size.y {
@@ -112,14 +115,14 @@ impl Specks {
         }
     }
 
-    /// Adds something with this area, length and width, of which `at` gives the places, by the part of the length and of
+    /// Adds a thing with this area, length and width. `at` returns its points, for a part of the length and a part of
     /// the width.
     fn add(&mut self, area: f32, length: f32, width: f32, at: impl Fn(f32, f32) -> Vec2) {
         let steps = if length < THIN { 0.0 } else { (2.0 * length).ceil().clamp(2.0, MOST_STEPS) };
         let across = if width < THIN { [0.5].as_slice() } else { &[0.5, 0.02, 0.98] };
         let part = area / ((steps + 1.0) * across.len() as f32);
         for k in 0..=steps as u32 {
-            // From the ends to the middle, which is the surest place.
+            // Go from the ends to the middle, which is the surest point.
             let k = if k % 2 == 0 { k / 2 } else { steps as u32 - k / 2 };
             let t = if steps > 0.0 { 0.01 + 0.98 * k as f32 / steps } else { 0.5 };
             for &u in across {
@@ -128,7 +131,7 @@ impl Specks {
                 if place.min_element() >= 0.0 && self.columns.contains(&x) && self.rows.contains(&y) {
                     let index = (y - self.rows.start) * self.columns.len() + x - self.columns.start;
                     let speck = &mut self.specks[index];
-                    // The middle is surely a part of it.
+                    // The middle is certainly in the thing.
                     if u == 0.5 || speck.part == 0.0 {
                         speck.offset = place.fract() - 0.5;
                     }
@@ -140,7 +143,7 @@ impl Specks {
 }
 
 impl Speck {
-    /// True if something covers the pixel, but does not as good as fill it.
+    /// Returns true if small things cover some of the pixel, but not most of it.
     pub fn is_alone(self) -> bool {
         self.part > 0.0 && self.part < FULL
     }
@@ -186,7 +189,7 @@ mod tests {
     /// With the same view of the plane z = 0.
     const AHEAD: &str = "PerspectiveCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 angle 90 }";
 
-    /// The specks in eight rows of eight pixels of a scene with these objects.
+    /// Returns the specks in eight rows of eight pixels of a scene with these objects.
     fn specks(camera: &str, objects: &[&str]) -> Vec<([usize; 2], Speck)> {
         let text = format!(
             "{camera} Materials {{ numMaterials 1 Material {{ }} }}
@@ -199,7 +202,7 @@ mod tests {
         let camera = Camera::new(&scene.camera, [8, 8]);
         let things = SmallThings::new(&camera, &world);
         let all = things.specks(&(0..8), &(0..8));
-        // A part has what the whole has.
+        // A part of the picture has the same specks as the whole picture.
         let part = things.specks(&(2..7), &(3..5));
         assert!((0..2).all(|y| part[5 * y..][..5] == all[8 * (y + 3) + 2..][..5]));
         let places = (0..64).map(|k| [k % 8, k / 8]);
@@ -218,7 +221,7 @@ mod tests {
             let expected = [([5, 2], 0.0314), ([1, 6], 0.0628), ([6, 6], 0.02)];
             assert_eq!(found.len(), 3, "{camera} {found:?}");
             for ((place, speck), (expected, part)) in found.iter().zip(expected) {
-                // In perspective the box of a solid is larger than what it covers.
+                // In perspective, the box of a solid is larger than the area that the solid covers.
                 assert!(
                     *place == expected && (0.9..2.0).contains(&(speck.part / part)),
                     "{camera} {found:?}"

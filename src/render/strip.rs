@@ -1,8 +1,8 @@
-//! A strip of rows: it is traced from the bottom, in the order in which the film adds up samples, and handed
-//! out from the top, in the order of rows in files.
+//! A strip of rows. It is traced from the bottom, in the order in which the film adds up samples, and handed out from
+//! the top, in the order of rows in files.
 //!
-//! If the filter's support extends beyond a pixel's row, the samples of the rows around the strip are traced
-//! as well, so that the strip's pixels are those of the whole picture.
+//! If the filter's support extends beyond a pixel's row, the samples of the rows around the strip are traced as well.
+//! So the strip's pixels are the same as in the whole picture.
 
 use super::layer::Layer;
 use super::plan::Band;
@@ -23,16 +23,16 @@ const MEMORY: usize = 48 << 20;
 /// Upper bound on the memory of a strip's rows in progress, in bytes.
 const MEMORY_IN_FLIGHT: usize = 32 << 20;
 
-/// Upper bound on the rows in progress, per thread, where samples contribute to other rows: so few that the system does
-/// not have to provide much memory, and so many that threads seldom wait for each other.
+/// Upper bound on the rows in progress, per thread, if samples contribute to other rows. It is small enough to need
+/// little memory, and large enough that threads seldom wait for each other.
 const ROWS_IN_FLIGHT_PER_THREAD: usize = 32;
 
-/// Upper bound on the samples of a strip whose rows cannot be handed out before it is complete, so that not much is
-/// lost when the render is cancelled: a few seconds' work.
+/// Upper bound on the samples of a strip whose rows cannot be handed out before it is complete. So a cancelled render
+/// loses a few seconds' work at most.
 const SAMPLES: usize = 1 << 24;
 
-/// A strip is not made shorter than this many times the rows beside it that are traced for it, which cost a thirtieth
-/// then.
+/// [`SAMPLES`] makes no strip shorter than this many times the filter's support. The rows that are traced beside the
+/// strip then cost a thirtieth of the work.
 const ROWS_PER_SUPPORT: usize = 64;
 
 /// Some rows of the window, counted from the bottom.
@@ -49,15 +49,15 @@ struct Finished {
 }
 
 impl<'a> Strip<'a> {
-    /// The rows from `end` down to at most `first`: as many as the memory allows, and at least one.
+    /// Returns the strip of rows from `end` down to at most `first`: as many as the memory allows, and at least one.
     pub fn below(setting: &'a RenderSetting<'a>, end: usize, first: usize) -> Self {
         let Request { sampler, adaptive, .. } = setting.request;
         let width = setting.request.columns().len();
         let rows = MEMORY / (setting.colors_per_row() * size_of::<Color>()).max(1);
-        // There are more if rows around the strip are traced and discarded, so that they are a small part of
-        // the work.
+        // If rows around the strip are traced and discarded, take more rows, so that the discarded ones are a small
+        // part of the work.
         let support = setting.request.support();
-        // The number of adaptive samples is not known; they seldom are the most.
+        // The number of adaptive samples is not known. It is seldom the maximum.
         let samples = adaptive.map_or(sampler.count(), |adaptive| adaptive.most / 4) as usize;
         let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
         // Rows are handed out together if they depend on each other, and adaptive samples are planned together.
@@ -66,7 +66,7 @@ impl<'a> Strip<'a> {
         Self { setting, rows: end.saturating_sub(rows).max(first)..end }
     }
 
-    /// Traces the strip and hands it out, and returns what was counted.
+    /// Traces the strip and hands it out. Returns the counts.
     pub fn render(
         &self,
         picture: &PictureTracer,
@@ -107,17 +107,17 @@ impl<'a> Strip<'a> {
         }
     }
 
-    /// The render is cancelled when the rows from `end` on have been handed out.
+    /// Returns the error of a render that is cancelled after the rows from `end` on have been handed out.
     fn cancelled_above(&self, end: usize) -> Stopped {
         Stopped::Cancelled { rows: self.setting.request.rows().end - end }
     }
 
-    /// The rows that are traced: those of the strip and those around it whose samples contribute to it.
+    /// Returns the rows to trace: the rows of the strip, and the rows around it whose samples contribute to it.
     pub fn traced(&self) -> Range<usize> {
         self.setting.request.traced_rows(self.rows.clone())
     }
 
-    /// Traces the strip; none if the watch cancels the render.
+    /// Traces the strip. Returns `None` if the watch cancels the render.
     fn finish(&self, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Finished> {
         let Request { filter, size, .. } = *self.setting.request;
         let traced = self.traced();
@@ -134,30 +134,30 @@ impl<'a> Strip<'a> {
         Some(finished)
     }
 
-    /// The number of rows that are traced before they are added to the film: at least one for each thread.
+    /// Returns the number of rows that are traced before they are added to the film: at least one for each thread.
     fn rows_in_flight(&self) -> usize {
         let threads = rayon::current_num_threads();
         let most = ROWS_IN_FLIGHT_PER_THREAD * threads;
         (MEMORY_IN_FLIGHT / self.bytes_in_flight()).min(most).max(threads).max(1)
     }
 
-    /// The memory of a row in progress, in bytes.
+    /// Returns the memory of a row in progress, in bytes.
     fn bytes_in_flight(&self) -> usize {
         self.bytes_of_sums() + 32 * self.setting.request.size[0]
     }
 
-    /// The memory of the sums of rows to which the samples of one row contribute, in bytes.
+    /// Returns the memory of the sums of all rows to which the samples of one row contribute, in bytes.
     fn bytes_of_sums(&self) -> usize {
         let Request { filter, size, .. } = *self.setting.request;
         if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) }
     }
 
-    /// The memory of the rows that are in memory at the same time, in bytes.
+    /// Returns the memory of the rows that are in memory at the same time, in bytes.
     pub fn bytes(&self) -> u64 {
         let finished = self.setting.colors_per_row() * size_of::<Color>();
         let bytes = if self.setting.request.support() > 0 {
             let in_flight = self.rows_in_flight().min(self.traced().len());
-            // The film has sums as well.
+            // The film also has sums.
             self.rows.len() * finished + in_flight * self.bytes_in_flight() + self.bytes_of_sums()
         } else {
             delivery::most_at_once(self.rows.len()) * finished
@@ -165,7 +165,7 @@ impl<'a> Strip<'a> {
         bytes as u64
     }
 
-    /// Traces a row; none if the render is cancelled meanwhile.
+    /// Traces a row. Returns `None` if the render is cancelled meanwhile.
     fn row(&self, empty: Row, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Row> {
         let is_shown = self.rows.contains(&empty.j);
         let plan = bands.iter().find_map(|band| band.plan(empty.j));
@@ -202,7 +202,7 @@ impl Finished {
         }
     }
 
-    /// Hands out the rows from the top, and returns what was counted.
+    /// Hands out the rows from the top, and returns the counts.
     fn hand_out(self, request: &Request, take_row: TakeRow) -> Result<Counts, Stopped> {
         let mut rows = self.rows.iter().rev();
         rows.try_for_each(|(colors, layers)| hand_out(colors, layers, request, take_row))?;
@@ -210,7 +210,7 @@ impl Finished {
     }
 }
 
-/// Hands out the layers of a row, of which those of colours get `colors`.
+/// Hands out the layers of a row. Layers of colours get `colors`.
 fn hand_out(
     colors: &[Color],
     layers: &[Vec<Color>],

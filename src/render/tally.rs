@@ -1,4 +1,4 @@
-//! How far a render has come, and the threads that trace its rows.
+//! The progress of a render, and the threads that trace its rows.
 
 use super::{Progress, Stopped, Watch};
 use crate::trace::MOST_WAITING;
@@ -23,19 +23,20 @@ impl<'a> Tally<'a> {
         Self { rows, done, rays, is_cancelled, has_too_many_rays, watch }
     }
 
-    /// Whether the watch has cancelled the render.
+    /// Returns true if the watch has cancelled the render.
     pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
-    /// A row is traced, with so many rays.
+    /// Notes that a row has been traced with this number of rays.
     pub fn row_is_done(&self, rays: u64) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
         self.tell(done, rays);
     }
 
-    /// Asks the watch whether the render is cancelled, and cancels it if too many rays of a camera ray wait.
+    /// Asks the watch to cancel or continue, and cancels the render if too many secondary rays of a camera ray wait.
+    /// Returns true if the render is cancelled.
     pub fn asks(&self, waiting: usize) -> bool {
         if waiting > MOST_WAITING {
             self.has_too_many_rays.store(true, Ordering::Relaxed);
@@ -47,7 +48,7 @@ impl<'a> Tally<'a> {
         self.is_cancelled()
     }
 
-    /// Why the render ended, where all that is seen of it is that it did.
+    /// Returns the reason for the end of the render: too many rays, or else `stopped`.
     pub fn reason(&self, stopped: Stopped) -> Stopped {
         if self.has_too_many_rays.load(Ordering::Relaxed) { Stopped::Rays } else { stopped }
     }
@@ -59,8 +60,8 @@ impl<'a> Tally<'a> {
     }
 }
 
-/// Does some work for each row, and returns the results in the order of the rows. Threads take the rows from the top,
-/// so that what is done until the render is cancelled are the topmost rows; the other results are none.
+/// Calls `work` for each row, and returns the results in the order of the rows. Threads take the rows from the top. If
+/// the render is cancelled, the topmost rows have results, and the other results are `None`.
 pub fn in_parallel<T: Send>(
     rows: Range<usize>,
     tally: &Tally,

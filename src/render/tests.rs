@@ -1,4 +1,4 @@
-//! Small pictures: windows, strips, and how a render ends early.
+//! Small pictures: windows, strips, and renders that end early.
 
 mod known;
 mod layers;
@@ -11,7 +11,8 @@ use crate::scene::parser::parse;
 use crate::world::World;
 use std::sync::Mutex;
 
-/// A tetrahedron's faces before a floor, seen in perspective, and a sphere where `other` says so.
+/// Returns the text of a scene with a tetrahedron's faces in front of a floor, seen in perspective, and the object
+/// `other` if it is not empty.
 fn scene(other: &str) -> String {
     let count = 4 + usize::from(!other.is_empty());
     format!(
@@ -35,7 +36,7 @@ fn jittered(count: u32) -> Sampler {
     Sampler::new(Pattern::Jittered, count, Drand48::UNSEEDED)
 }
 
-/// What a render hands out: its result, and the layer and the colours of each row.
+/// The output of a render: its result, and the layer and the colours of each row.
 type HandedOut = (Result<Counts, Stopped>, Vec<(usize, Vec<Color>)>);
 
 /// Renders a scene on one thread, so that the heights of strips are the same on every machine.
@@ -58,7 +59,7 @@ fn goes_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// All rows of a render, until `fails_at` rows have been taken.
+/// Returns all rows of a render, until `fails_at` rows have been taken.
 fn rows(text: &str, request: &Request, tracing: Tracing, fails_at: usize) -> HandedOut {
     let mut rows = vec![];
     let mut take_row = |layer: usize, colors: &[Color]| {
@@ -77,7 +78,7 @@ fn pictures(text: &str, request: &Request) -> Vec<FloatPicture> {
     render_in_memory((&camera, &caster), View::Scene, request, Tracing::Fast).unwrap().0
 }
 
-/// The part of a picture that a window shows, where each pixel is a square of `zoom` by `zoom`.
+/// Returns the part of a picture inside a window, where each pixel is a square of `zoom` by `zoom`.
 fn part(picture: &FloatPicture, window: Window, zoom: usize) -> FloatPicture {
     let [width, height] = picture.size;
     let cut = |from: usize, length: usize, size: usize| {
@@ -89,7 +90,7 @@ fn part(picture: &FloatPicture, window: Window, zoom: usize) -> FloatPicture {
     FloatPicture { size, colors: rows.flat_map(row).collect() }
 }
 
-/// Stands for adaptive samples, which begin with these.
+/// Marks a request whose samples are adaptive. [`further`] returns the settings.
 const ADAPTIVE: Sampler = Sampler::of_adaptive(Drand48::UNSEEDED);
 
 fn further(sampler: Sampler) -> Option<Adaptive> {
@@ -158,13 +159,13 @@ const LARGE: Layer = Layer::Samples { zoom: 78 };
 const LARGE_SIZE: [usize; 2] = [40, 20];
 const STRIP_ROWS: usize = 8;
 
-/// FNV-1a over the bits of the colours.
+/// Returns the FNV-1a hash over the bits of the colours.
 fn hash(row: &[Color]) -> u64 {
     let bits = row.iter().flat_map(|color| color.to_array().map(f64::to_bits));
     bits.fold(0xCBF2_9CE4_8422_2325, |hash, bits| (hash ^ bits).wrapping_mul(0x100_0000_01B3))
 }
 
-/// The hashes of the rows of two layers.
+/// Returns the hashes of the rows of two layers.
 fn hashes(request: &Request) -> [Vec<u64>; 2] {
     let mut hashes = [vec![], vec![]];
     let mut take_row = |layer: usize, row: &[Color]| {
@@ -244,7 +245,7 @@ fn the_watch_ends_a_long_row_before_its_end() {
     }
 }
 
-/// The rows of a picture whose samples contribute to their own rows only, and those of windows of one row.
+/// Covers a picture whose samples contribute to their own rows only, and windows of one row.
 #[test]
 fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
     let request = Request { layers: vec![Layer::Color], ..Request::new([3, 150]) };
@@ -323,7 +324,7 @@ fn the_counts_of_every_strip_are_added_up_once() {
         assert_eq!(result.unwrap().non_shadow_rays, 40 * 30 * samples);
         let (rays, _) = rows(&scene(""), &request, Tracing::Fast, usize::MAX);
         assert_eq!(rays.unwrap().rays(), 40 * 30 * samples);
-        // Where the filter reaches beyond a window, samples around it are traced but only its rows count.
+        // If the filter reaches beyond a window, samples around it are traced, but only its rows count.
         let window = Some(Window { x: 0, y: 10, width: 40, height: 2 });
         let (result, _) = rows(&scene(""), &Request { window, ..request }, Tracing::Counted, usize::MAX);
         assert_eq!(result.unwrap().non_shadow_rays, 40 * 2 * samples);

@@ -1,4 +1,4 @@
-//! Traces the samples of a picture, counted or as soon as possible.
+//! Traces the samples of a picture, either counted or as fast as possible.
 
 use super::request::{Request, View};
 use crate::camera::Camera;
@@ -16,14 +16,14 @@ use fearless_simd::dispatch;
 use serde::Serialize;
 use std::ops::Range;
 
-/// How a picture is traced. It is the same picture either way.
+/// The way to trace a picture. The picture does not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tracing {
-    /// As soon as possible: only what the picture needs is traced, and only rays are counted. They are not told apart.
+    /// As fast as possible. Only rays that the picture needs are traced. Only the total number of rays is counted.
     #[default]
     Fast,
-    /// As by the course's program, whose steps are counted.
+    /// With all steps of the course's program, which are counted.
     Counted,
 }
 
@@ -57,7 +57,7 @@ impl<'a> PictureTracer<'a> {
         Self { camera, caster, effects: request.effects, tracing, patience, hints }
     }
 
-    /// Prepares to trace these rows, counted from the bottom.
+    /// Returns a tracer that is prepared for these rows, counted from the bottom.
     #[cfg(feature = "fast")]
     pub fn rows(&self, rows: Range<usize>) -> Self {
         if self.tracing == Tracing::Counted {
@@ -71,13 +71,13 @@ impl<'a> PictureTracer<'a> {
         self.clone()
     }
 
-    /// The memory for a row.
+    /// Returns the memory for a row.
     pub fn memory(&self) -> Memory<'a> {
         Memory::new(self.patience)
     }
 
-    /// Traces the samples of a packet, which lie in row `j`, and enters their colours if they are wanted. The rays from
-    /// the camera are not counted. Does nothing once the row is cut.
+    /// Traces the samples of a packet in row `j`, and stores their colours if they are wanted. Does not count the
+    /// camera rays. Does nothing once the patience has ended.
     pub fn trace(
         &self,
         j: usize,
@@ -108,7 +108,7 @@ impl<'a> PictureTracer<'a> {
     }
 }
 
-/// The rays that a request asks for, of which none is counted.
+/// Returns the rays that a request needs if it does not count.
 #[cfg(feature = "fast")]
 fn demand(view: View, request: &Request, tracing: Tracing) -> Demand {
     let is_scene = matches!(view, View::Scene);

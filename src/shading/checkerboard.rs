@@ -8,12 +8,12 @@ use crate::math::simd::{FourLanes, Number};
 use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Whether a point is in a cell whose indices have an odd sum. Cells are half open: a boundary belongs to the cell
-/// above it.
+/// Returns true if a point is in a cell whose indices have an odd sum. Cells are half open: a boundary belongs to the
+/// cell above it.
 ///
-/// If a surface lies in a boundary, rounding would decide at random, in any precision, on which side each of
-/// its points falls. So a coordinate that is within its error bound of a boundary counts as being on it. The bound
-/// covers the errors of the point, of the map and of the coordinate itself (`proofs/checkerboard.g`).
+/// If a surface lies in a boundary, rounding would decide at random, in any precision, on which side each of its
+/// points falls. So a coordinate within its error bound of a boundary counts as on the boundary. The bound covers the
+/// errors of the point, of the map and of the coordinate itself (`proofs/checkerboard.g`).
 #[inline(always)]
 pub fn is_in_odd_cell(map: &RoundedAffine, point: &RoundedPoint, level: Level) -> bool {
     dispatch!(level, simd => is_in_odd_cell_at(simd, map, point))
@@ -21,7 +21,7 @@ pub fn is_in_odd_cell(map: &RoundedAffine, point: &RoundedPoint, level: Level) -
 
 #[inline(always)]
 fn is_in_odd_cell_at<S: Simd>(simd: S, map: &RoundedAffine, point: &RoundedPoint) -> bool {
-    /// Up to this the conversion to integers is exact.
+    /// The conversion to integers is exact up to this.
     const LARGEST_INDEX: f64 = i32::MAX as f64;
     let values = coordinates(simd, &map.map, point.position);
     let below = fearless_simd::SimdFloat::floor(values);
@@ -34,7 +34,8 @@ fn is_in_odd_cell_at<S: Simd>(simd: S, map: &RoundedAffine, point: &RoundedPoint
     (x ^ y ^ z) & 1 != 0
 }
 
-/// The same where a boundary may be close, or an index is larger than an `i32`, or NaN.
+/// Returns the result of [`is_in_odd_cell`] if a boundary may be close, or an index does not fit into an `i32` or is
+/// NaN.
 #[cold]
 fn is_in_odd_cell_exactly(map: &RoundedAffine, point: &RoundedPoint) -> bool {
     let values = map.map.transform_point3(point.position);
@@ -47,26 +48,26 @@ fn is_in_odd_cell_exactly(map: &RoundedAffine, point: &RoundedPoint) -> bool {
     (cell(0) + cell(1) + cell(2)) % 2 != 0
 }
 
-/// Whether a point lies in a boundary within its error bounds.
+/// Returns true if a point lies in a boundary within its error bounds.
 pub fn is_in_boundary(map: &RoundedAffine, point: &RoundedPoint) -> bool {
     to_boundaries(map, point).cmple(error_bounds(map, point)).any()
 }
 
-/// The distance of each coordinate from the nearest boundary, in its error bounds.
+/// Returns the distance of each coordinate from the nearest boundary, in units of its error bound.
 pub fn error_bounds_to_boundary(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     to_boundaries(map, point) / error_bounds(map, point)
 }
 
-/// The distance of each coordinate from the nearest boundary.
+/// Returns the distance of each coordinate from the nearest boundary.
 fn to_boundaries(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     let values = map.map.transform_point3(point.position);
     (values - values.round()).abs()
 }
 
-/// The coordinates of a point in the texture's space, computed as `map.transform_point3(point)` computes them.
+/// Returns the coordinates of a point in the texture's space, with the same bits as `map.transform_point3(point)`.
 #[inline(always)]
 fn coordinates<S: Simd>(simd: S, map: &DAffine3, point: DVec3) -> f64x4<S> {
-    // The fourth number of each column is the first of the next one, so that columns are loaded as a whole.
+    // The fourth number of each column is the first of the next column, so that columns are loaded as a whole.
     let [ax, ay, az, bx, by, bz, cx, cy, cz, tx, ty, tz] = map.to_cols_array();
     let columns = [[ax, ay, az, bx], [bx, by, bz, cx], [cx, cy, cz, tx]];
     let [a, b, c] = [
@@ -78,12 +79,12 @@ fn coordinates<S: Simd>(simd: S, map: &DAffine3, point: DVec3) -> f64x4<S> {
     a * a.broadcast(point.x) + b * b.broadcast(point.y) + c * c.broadcast(point.z) + translation
 }
 
-/// The error bound of a coordinate that depends on one coordinate of the point alone, as [`IMAGE_ROUNDINGS`] is that of
-/// others. Only one product and one sum are rounded.
+/// The error bound of a coordinate that depends on only one coordinate of the point, in place of [`IMAGE_ROUNDINGS`].
+/// Only one product and one sum are rounded.
 const ALONG_AXIS_ROUNDINGS: f64 = 4.0;
 
-/// How far from a boundary the coordinates of a point may be that lies in it: what the errors of the map, of the point
-/// and of the coordinates themselves add up to.
+/// Returns the largest distances between a boundary and the computed coordinates of a point in it: the sum of the
+/// errors of the map, of the point and of the coordinates themselves.
 fn error_bounds(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     let (sizes, reach) = (absolute(map.map), point.position.abs());
     let of_map = map.error.transform_point3(reach);
@@ -91,8 +92,8 @@ fn error_bounds(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     roundings(sizes.matrix3.transpose()) * sizes.transform_point3(reach) + (of_map + of_point)
 }
 
-/// The error bounds of the coordinates, as parts of the sums of absolute values that they are computed from. `rows` are
-/// the absolute values of the map.
+/// Returns the relative error bounds of the coordinates, as parts of the sums of absolute values that they are
+/// computed from. `rows` are the absolute values of the map.
 fn roundings(rows: DMat3) -> DVec3 {
     let of_row = |row: DVec3| {
         let is_along_axis = row.to_array().into_iter().filter(|&x| x != 0.0).count() <= 1;
@@ -107,7 +108,7 @@ mod tests {
     use crate::math::instructions;
     use glam::DQuat;
 
-    /// The same as [`is_in_odd_cell`], one axis after the other.
+    /// Returns the result of [`is_in_odd_cell`], one axis after the other.
     fn is_odd_by_axes(map: &DAffine3, point: DVec3, error: f64) -> bool {
         let (q, rows) = (map.transform_point3(point), map.matrix3.transpose());
         let cell = |axis: usize| {

@@ -11,13 +11,13 @@ use serde::Serialize;
 pub struct Incident {
     /// Unit vector towards the light.
     pub direction: DVec3,
-    /// The distance to the light; infinite for a directional one.
+    /// The distance to the light; infinite for a directional light.
     pub distance: f64,
     /// The light's colour times its attenuation at this distance.
     pub color: Color,
 }
 
-/// The light that arrives at `point`. The direction of a directional light must be a unit vector.
+/// Returns the light that arrives at `point`. The direction of a directional light must be a unit vector.
 #[inline(always)]
 pub fn incident(light: &Light, point: DVec3) -> Incident {
     let (direction, distance, factor) = match *light {
@@ -25,11 +25,10 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
         Light::Point { position, attenuation: [a0, a1, a2], .. } => {
             let to_light = position - point;
             let distance = to_light.length();
-            // A light at the point itself has no direction, and lights nothing.
+            // A light at the point itself has no direction and gives no light.
             let direction = unit_or_zero(to_light);
             let falloff = a0 + a1 * distance + a2 * distance * distance;
-            // As in the course a negative attenuation gives no light. The upper limit keeps the factor
-            // finite.
+            // As in the course, a negative attenuation gives no light. The upper limit keeps the factor finite.
             let factor = if falloff > 0.0 { (1.0 / falloff).min(LARGEST) } else { 0.0 };
             (direction, distance, factor)
         }
@@ -39,11 +38,10 @@ pub fn incident(light: &Light, point: DVec3) -> Incident {
     Incident { direction, distance, color: color * factor }
 }
 
-/// The unit vector along `v`, or zero where its length is zero, infinite or NaN.
+/// Returns the unit vector along `v`, or zero if its length is zero, infinite or NaN.
 ///
-/// The library's function instead asks whether the reciprocal of the length is finite and positive, which takes
-/// longer. It is so for the same vectors, because a length is a square root: where it is not zero, it is at least
-/// 1e-162.
+/// The library's function tests that the reciprocal of the length is finite and positive, which takes longer. Both
+/// tests hold for the same vectors, because a length is a square root: unless it is zero, it is at least 1e-162.
 #[inline(always)]
 pub fn unit_or_zero(v: DVec3) -> DVec3 {
     let length = v.length();

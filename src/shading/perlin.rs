@@ -22,11 +22,11 @@ const PERMUTATION: [u8; 256] = [
     66, 215, 61, 156, 180,
 ];
 
-/// The permutation, and its first element once more, so that the element after any other can be loaded without
-/// wrapping the index.
+/// The permutation, followed by its first element. So the element after any other can be loaded without wrapping the
+/// index.
 const HASHES: [u8; 257] = followed_by_first(&PERMUTATION);
 
-/// The gradient that belongs to each element of [`HASHES`], with an unused lane that is 0.
+/// The gradient for each element of [`HASHES`], with an unused lane that is 0.
 static HASHED_GRADIENTS: [[f64; 4]; 257] = {
     let mut gradients = [[0.0; 4]; 257];
     let mut i = 0;
@@ -48,9 +48,9 @@ const fn followed_by_first(permutation: &[u8; 256]) -> [u8; 257] {
     followed
 }
 
-/// The integer `cell` modulo `period`, which is a power of two. `cell` may be larger than an `i64`.
+/// Returns the integer `cell` modulo `period`, which is a power of two. `cell` may be larger than an `i64`.
 pub fn wrapped(cell: f64, period: i64) -> i64 {
-    // Below this the conversion is exact, and it is many times as fast as a floating-point remainder.
+    // Below this the conversion is exact. It is many times as fast as a floating-point remainder.
     const EXACT: f64 = (1i64 << 53) as f64;
     if cell.abs() < EXACT { cell as i64 & (period - 1) } else { cell.rem_euclid(period as f64) as i64 }
 }
@@ -76,8 +76,9 @@ const GRADIENTS: [[f64; 3]; 16] = [
     [0.0, -1.0, -1.0],
 ];
 
-/// One octave of noise at `p`, whose first three lanes are the coordinates: between about -1 and 1, zero at integer
-/// points, with period 256 along each axis. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`].
+/// Returns one octave of noise at `p`, whose first three lanes are the coordinates. It is between about -1 and 1, zero
+/// at integer points, and has period 256 along each axis. Unless `IS_FAR`, the absolute coordinates are at most
+/// [`NEAR`].
 #[inline(always)]
 fn noise<S: Simd, const IS_FAR: bool>(p: f64x4<S>) -> f64 {
     let cell = fearless_simd::SimdFloat::floor(p);
@@ -94,8 +95,9 @@ fn noise<S: Simd, const IS_FAR: bool>(p: f64x4<S>) -> f64 {
     at_near + fade_z * (at_far - at_near)
 }
 
-/// The dot products of the gradients and the offsets at the four corners of a cell that are `DX` from its index along
-/// x. Bit 0 of a lane's number is the corner's distance from the index along z, and bit 1 that along y.
+/// Returns the dot products of the gradients and the offsets at the four corners of a cell that are `DX` from its
+/// index along x. Bit 0 of a lane's number is the corner's distance from the index along z. Bit 1 is the distance
+/// along y.
 #[inline(always)]
 fn side<S: Simd, const DX: usize>(near: f64x4<S>, [x, y, z, _]: [u8; 4]) -> f64x4<S> {
     // Each step of the hash is computed once for all corners that share it.
@@ -111,49 +113,49 @@ fn side<S: Simd, const DX: usize>(near: f64x4<S>, [x, y, z, _]: [u8; 4]) -> f64x
     ])
 }
 
-/// The terms of the dot product of a gradient with the offset from a corner. Two of them are exact and the third is
-/// zero, so that the order in which they are added does not matter.
+/// Returns the terms of the dot product of a gradient with the offset from a corner. Two of them are exact and the
+/// third is zero, so the order of their sum does not matter.
 #[inline(always)]
 fn products<S: Simd>(gradient: usize, near: f64x4<S>, [dx, dy, dz]: [f64; 3]) -> f64x4<S> {
     f64x4::simd_from(near.proof(), HASHED_GRADIENTS[gradient])
         * (near - f64x4::simd_from(near.proof(), [dx, dy, dz, 0.0]))
 }
 
-/// Up to this size of coordinates the indices of cells are converted to integers exactly.
+/// The largest coordinate for which the indices of cells are converted to integers exactly.
 const NEAR: f64 = i32::MAX as f64;
 
-/// The indices of a cell modulo 256 along the three axes, which may be larger than [`NEAR`].
+/// Returns the indices of a cell modulo 256 along the three axes. The indices may be larger than [`NEAR`].
 fn far_indices(cell: [f64; 4]) -> [u8; 4] {
     cell.map(|index| wrapped(index, 256) as u8)
 }
 
-/// The sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last.
+/// Returns the sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last.
 #[inline(always)]
 pub fn turbulence(p: DVec3, octaves: u32, level: Level) -> f64 {
     dispatch!(level, simd => turbulence_at(simd, p.x, p.y, p.z, octaves))
 }
 
-/// The sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last. The coordinates
-/// of the point come in registers: a vector would be written to memory in three parts and read in two, so that store
-/// forwarding fails.
+/// Returns the sum of `octaves` octaves of noise, each at twice the frequency and half the amplitude of the last. The
+/// coordinates are separate parameters, to be passed in registers. A vector would be written to memory in three parts
+/// and read in two, so that store forwarding fails.
 #[simd]
 #[inline(never)]
 fn turbulence_at<S: Simd>(simd: S, x: f64, y: f64, z: f64, octaves: u32) -> f64 {
     let lanes = f64x4::simd_from(simd, [x, y, z, 0.0]);
-    // The coordinates are the largest in the last octave.
+    // The coordinates are largest in the last octave.
     let growth = 1u32.checked_shl(octaves).map_or(f64::INFINITY, f64::from);
     let is_near = (lanes.abs() * lanes.broadcast(growth)).le_mask(lanes.broadcast(NEAR)) & 7 == 7;
     if is_near { sum_of_octaves::<S, false>(lanes, octaves) } else { far_turbulence(simd, x, y, z, octaves) }
 }
 
-/// The sum of octaves where coordinates may be larger than [`NEAR`]. They come in registers here too: for a vector that
-/// is passed in memory, the caller would read its own from there.
+/// Returns the sum of octaves if coordinates may be larger than [`NEAR`]. The coordinates are separate parameters
+/// here, too: to pass a vector in memory, the caller would keep its own copy there.
 #[cold]
 fn far_turbulence<S: Simd>(simd: S, x: f64, y: f64, z: f64, octaves: u32) -> f64 {
     sum_of_octaves::<S, true>(f64x4::simd_from(simd, [x, y, z, 0.0]), octaves)
 }
 
-/// The sum of octaves. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`] in each of them.
+/// Returns the sum of octaves. Unless `IS_FAR`, the absolute coordinates are at most [`NEAR`] in each octave.
 #[inline(always)]
 fn sum_of_octaves<S: Simd, const IS_FAR: bool>(mut p: f64x4<S>, octaves: u32) -> f64 {
     let (mut sum, mut amplitude) = (0.0, 1.0);
@@ -170,7 +172,7 @@ mod tests {
     use super::*;
     use crate::math::instructions;
 
-    /// One octave of noise.
+    /// Returns one octave of noise.
     fn noise(p: DVec3) -> f64 {
         turbulence(p, 1, Level::baseline())
     }
@@ -206,7 +208,7 @@ mod tests {
         assert_eq!(turbulence(DVec3::splat(0.3), 1, Level::baseline()), noise(DVec3::splat(0.3)));
     }
 
-    /// The dot product with a gradient as Perlin's reference implementation selects it by the bits of a hash.
+    /// Returns the dot product with the gradient that Perlin's reference implementation selects by the bits of a hash.
     fn selected(hash: usize, offset: DVec3) -> f64 {
         let h = hash & 15;
         let u = if h < 8 { offset.x } else { offset.y };
@@ -244,7 +246,7 @@ mod tests {
         }
     }
 
-    /// One octave, corner by corner.
+    /// Returns one octave, computed corner by corner.
     fn plain_noise(p: DVec3) -> f64 {
         let lerp = |t: f64, a: f64, b: f64| a + t * (b - a);
         let (cell, f) = (p.floor(), p - p.floor());

@@ -1,4 +1,4 @@
-//! Blinn's and Phong's reflection, and the material at a point of a surface after its textures are evaluated.
+//! Blinn's and Phong's reflection models, and the material at a point of a surface, with its textures evaluated.
 
 use super::light::{Incident, unit_or_zero};
 use crate::picture::Color;
@@ -9,19 +9,18 @@ use glam::DVec3;
 /// A material evaluated at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMaterial<'m> {
-    /// The material: the scene's own, unless a texture mixes several.
+    /// The material of the scene, or the sum of several materials if a texture mixes them.
     pub phong: &'m Phong,
-    /// The highlights of the other materials in a mixture. They stay separate, because exponents cannot be
-    /// mixed.
+    /// The highlights of the other materials in a mixture. They are kept separate, because exponents cannot be mixed.
     further: &'m [Lobe],
 }
 
-/// From where a surface is lit and seen.
+/// The directions from which a surface is lit and seen.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// Between the normal and the direction to the light.
+    /// The cosine of the angle between the normal and the direction to the light.
     pub cosine: f64,
-    /// The normal on the side from which it is seen, a unit vector.
+    /// The normal on the side from which the surface is seen, a unit vector.
     pub normal: DVec3,
     /// The direction to the viewer, a unit vector.
     pub to_viewer: DVec3,
@@ -33,8 +32,8 @@ struct Lobe {
     exponent: f64,
 }
 
-/// A mixture of several materials. It is kept from one point to the next, so that neither memory is allocated nor the
-/// mixture moved.
+/// A mixture of several materials. It is reused from one point to the next. This avoids allocating memory and moving
+/// the mixture.
 #[derive(Debug, Default)]
 pub struct Mixture {
     sum: Phong,
@@ -42,7 +41,7 @@ pub struct Mixture {
 }
 
 impl Mixture {
-    /// Replaces what it was by a part of a new mixture. The weights of all parts must add up to one.
+    /// Starts a new mixture with one part. The weights of all parts must add up to one.
     #[inline(always)]
     pub fn start(&mut self, phong: &Phong, weight: f64) {
         self.sum = Phong {
@@ -69,7 +68,7 @@ impl Mixture {
         }
     }
 
-    /// The material that the parts make together.
+    /// Returns the mixed material.
     #[inline(always)]
     pub fn material(&self) -> PointMaterial<'_> {
         PointMaterial { phong: &self.sum, further: &self.further }
@@ -84,8 +83,8 @@ impl<'m> From<&'m Phong> for PointMaterial<'m> {
 }
 
 impl PointMaterial<'_> {
-    /// The light reflected to the viewer: Lambert's diffuse and a specular term. As in the course the specular term is not
-    /// multiplied by the cosine.
+    /// Returns the light reflected to the viewer: Lambert's diffuse term and a specular term. As in the course, the
+    /// specular term is not multiplied by the cosine.
     #[inline(always)]
     pub fn reflect(&self, highlight: Highlight, light: &Incident, view: &View) -> Color {
         let mut reflected = self.phong.diffuse * diffuse_factor(highlight, view.cosine);
@@ -95,26 +94,26 @@ impl PointMaterial<'_> {
         light.color * reflected
     }
 
-    /// Whether [`reflect`](Self::reflect) is to be asked, and may return anything but black.
+    /// Returns true if [`reflect`](Self::reflect) must be called, because it may return a colour other than black.
     #[inline(always)]
     pub fn shows(&self, highlight: Highlight, light: &Incident, cosine: f64) -> bool {
         let faces = cosine > 0.0 || highlight == Highlight::Phong && self.is_specular();
         faces && !self.is_black() && light.color != Color::ZERO
     }
 
-    /// The diffuse and the specular part of what [`reflect`](Self::reflect) returns, for whoever wants to know.
+    /// Returns the diffuse and the specular part of the result of [`reflect`](Self::reflect).
     pub fn parts(&self, highlight: Highlight, light: &Incident, view: &View) -> [Color; 2] {
         let diffuse = self.phong.diffuse * diffuse_factor(highlight, view.cosine);
         [diffuse, self.specular(highlight, light.direction, view)].map(|part| light.color * part)
     }
 
-    /// The specular term, per unit of light.
+    /// Returns the specular term per unit of light.
     #[inline(always)]
     fn specular(&self, highlight: Highlight, to_light: DVec3, view: &View) -> Color {
         self.highlights(alignment(highlight, to_light, view).max(0.0))
     }
 
-    /// The highlights per unit of light, where `alignment` is the cosine that is raised to their exponents.
+    /// Returns the highlights per unit of light. `alignment` is the cosine that is raised to their exponents.
     #[inline(always)]
     pub fn highlights(&self, alignment: f64) -> Color {
         let Phong { specular, exponent, .. } = *self.phong;
@@ -122,13 +121,13 @@ impl PointMaterial<'_> {
         self.further.iter().fold(first, |sum, h| sum + h.strength(alignment))
     }
 
-    /// Whether the material has a highlight at all.
+    /// Returns true if the material has a highlight.
     #[inline(always)]
     fn is_specular(&self) -> bool {
         self.phong.specular != Color::ZERO || !self.further.is_empty()
     }
 
-    /// Whether the material reflects no light from any direction.
+    /// Returns true if the material reflects no light from any direction.
     #[inline(always)]
     pub fn is_black(&self) -> bool {
         self.phong.diffuse == Color::ZERO && !self.is_specular()
@@ -142,7 +141,7 @@ impl Lobe {
     }
 }
 
-/// The cosine that is raised to the exponent of a highlight.
+/// Returns the cosine that is raised to the exponent of a highlight.
 #[inline(always)]
 pub fn alignment(highlight: Highlight, to_light: DVec3, view: &View) -> f64 {
     let View { normal, to_viewer, .. } = *view;
@@ -152,7 +151,8 @@ pub fn alignment(highlight: Highlight, to_light: DVec3, view: &View) -> f64 {
     }
 }
 
-/// The factor of the diffuse colour. By Blinn's law it is asked for only where the surface faces the light.
+/// Returns the factor of the diffuse colour. With [`Highlight::Blinn`] it is meaningful only if the surface faces the
+/// light.
 #[inline(always)]
 fn diffuse_factor(highlight: Highlight, cosine: f64) -> f64 {
     match highlight {
@@ -161,8 +161,8 @@ fn diffuse_factor(highlight: Highlight, cosine: f64) -> f64 {
     }
 }
 
-/// `base` to the power of `exponent`. Integer exponents, which are usual, are computed by repeated squaring,
-/// which is faster than the general power.
+/// Returns `base` to the power of `exponent`. Most exponents are integers, for which repeated squaring is faster than
+/// the general power.
 #[inline(always)]
 fn power(base: f64, exponent: f64) -> f64 {
     const MAX_INTEGER_EXPONENT: u32 = 65536;
@@ -219,7 +219,7 @@ mod tests {
         let reflect = |light: &Incident| {
             material.reflect(Highlight::Phong, light, &seen(DVec3::Y.dot(light.direction), DVec3::Y, viewer))
         };
-        // The mirrored direction is at 45 degrees to the one, and a little farther from the other.
+        // The mirrored direction is at 45 degrees to one light, and a little farther from the other.
         assert!((reflect(&level) - Color::new(0.5, 0.0, 0.0)).length() < 1e-15);
         let cosine = behind.direction.dot(DVec3::new(-1.0, 1.0, 0.0).normalize());
         assert!((reflect(&behind) - Color::X * cosine * cosine).length() < 1e-15);

@@ -1,4 +1,4 @@
-//! Solid textures: the mixture of Phong materials at a point of space.
+//! Solid textures: mixtures of Phong materials that depend on the point of space.
 
 use super::checkerboard::{self, is_in_odd_cell};
 use super::perlin::turbulence;
@@ -15,7 +15,7 @@ use fearless_simd::{Simd, dispatch};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// The material of a surface, with its textures evaluated at the point.
+/// Returns the material of a surface, with its textures evaluated at the point.
 #[inline(always)]
 pub fn material_of_surface<'m>(
     world: &'m World,
@@ -41,10 +41,10 @@ pub fn material_of_surface<'m>(
     }
 }
 
-/// The material `id` at a point of world space, with each texture that it depends on evaluated once.
+/// Returns the material `id` at a point of world space. Evaluates each texture that it depends on once.
 ///
-/// A point of a checkerboard has just one material, which is borrowed from the scene. Where a texture mixes several,
-/// the result is in `mixture`.
+/// A point of a checkerboard has just one material, which is borrowed from the scene. If a texture mixes several
+/// materials, the result is in `mixture`.
 #[inline(always)]
 pub fn material_at<'m>(
     materials: &'m [Material],
@@ -56,7 +56,7 @@ pub fn material_at<'m>(
     let mut id = id;
     loop {
         let texture = match &materials[id] {
-            // A painted material is part of no texture, and is not asked for here.
+            // A painted material is not part of a texture, so it does not occur here.
             Material::Phong(phong) | Material::Painted(phong, _) => return phong.into(),
             Material::Texture(texture) => texture,
         };
@@ -72,8 +72,9 @@ pub fn material_at<'m>(
     }
 }
 
-/// The child of a texture that has all the weight at a point. If there is none, the material is in `mixture`.
-/// `materials` are those before the texture in the scene, which include its children.
+/// Returns the child of a texture that has all the weight at a point. If there is no such child, returns `None`, and
+/// the material is in `mixture`. `materials` are the materials before the texture in the scene, which include its
+/// children.
 #[inline(always)]
 fn only_child(
     materials: &[Material],
@@ -85,7 +86,7 @@ fn only_child(
     dispatch!(level, simd => only_child_with(materials, texture, point, simd.level(), mixture))
 }
 
-/// Finds the child with the instructions of the caller.
+/// Implements [`only_child`] with the instructions of the caller.
 #[inline(always)]
 fn only_child_with(
     materials: &[Material],
@@ -105,11 +106,11 @@ fn only_child_with(
     }
 }
 
-/// Makes the mixture for a texture whose first child has the given weight.
+/// Builds the mixture for a texture whose first child has the given weight.
 ///
 /// Textures may share children. So the weights are propagated from the last material to the first: a texture
-/// distributes its weight to its two children, which come before it. This takes time linear in the number of
-/// materials, where a recursion could take exponential time.
+/// distributes its weight to its two children, which come before it. This takes linear time in the number of
+/// materials. A recursion could take exponential time.
 #[inline(always)]
 fn mix(
     materials: &[Material],
@@ -122,13 +123,13 @@ fn mix(
     if let [Material::Phong(one), Material::Phong(other)] = [&materials[i], &materials[j]]
         && i != j
     {
-        // Most textures end here. As in longer mixtures the parts are added from the last material to the first.
+        // Most textures end here. As in longer mixtures, add the parts from the last material to the first.
         let parts = [(one, first), (other, 1.0 - first)];
         let [later, earlier] = if i > j { parts } else { [parts[1], parts[0]] };
         mixture.start(later.0, later.1);
         return mixture.add(earlier.0, earlier.1);
     }
-    // Most scenes have so few materials that no memory has to be allocated for their weights.
+    // Most scenes have few materials, whose weights need no allocation.
     let (mut few, mut many) = ([0.0; 16], vec![]);
     let weights = few.get_mut(..materials.len()).unwrap_or_else(|| {
         many.resize(materials.len(), 0.0);
@@ -160,14 +161,14 @@ fn mix(
     }
 }
 
-/// The colour of two in a pattern of world space.
+/// Returns the mixture of two colours at a point of world space, by a pattern.
 pub fn mixed_color(pattern: Pattern, colors: [Color; 2], point: DVec3, level: Level) -> Color {
     let texture = Texture { pattern, world_to_texture: RoundedAffine::IDENTITY, children: [0, 1] };
     let first = first_weight(&texture, &point.into(), level);
     colors[0] * first + colors[1] * (1.0 - first)
 }
 
-/// The weight of a texture's first material at a point of world space, from 0 to 1.
+/// Returns the weight of a texture's first material at a point of world space, from 0 to 1.
 #[inline(always)]
 pub fn first_weight(texture: &Texture, point: &RoundedPoint, level: Level) -> f64 {
     let map = &texture.world_to_texture;
@@ -191,11 +192,11 @@ pub fn first_weight(texture: &Texture, point: &RoundedPoint, level: Level) -> f6
     }
 }
 
-/// Up to this angle half turns are counted to within far less than the margin that [`ring`] leaves.
+/// Up to this angle, the error of the number of half turns is far less than the margin in [`ring`].
 const LARGEST_RING_ANGLE: f64 = 1e6;
 
-/// How far a ring of wood is of the first material at this angle, in radians: 0.5 plus the sine, clamped to 0 and 1.
-/// For two thirds of all angles it is certainly 0 or 1, and the sine is not computed.
+/// Returns the weight of the first material in a ring of wood at this angle, in radians: 0.5 plus the sine, clamped to
+/// 0 and 1. For two thirds of all angles it is certainly 0 or 1, and the sine is not computed.
 #[inline(always)]
 fn ring(angle: f64) -> f64 {
     // From a sixth of a half turn to five sixths the sine is at least 0.5.
@@ -211,14 +212,14 @@ fn ring(angle: f64) -> f64 {
     (0.5 + libm::sin(angle)).clamp(0.0, 1.0)
 }
 
-/// A point of world space in the texture's space, clamped to the range in which the patterns do not overflow.
+/// Maps a point of world space to the texture's space, clamped to the range in which the patterns do not overflow.
 #[inline(always)]
 fn to_texture(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     let bound = DVec3::splat(LARGEST);
     map.map.transform_point3(point.position).clamp(-bound, bound)
 }
 
-/// Whether a point lies in a boundary of a checkerboard within roundings.
+/// Returns true if a point lies in a boundary of a checkerboard, within its error bounds.
 pub fn is_in_boundary(texture: &Texture, point: &RoundedPoint) -> bool {
     texture.pattern == Pattern::Checkerboard && checkerboard::is_in_boundary(&texture.world_to_texture, point)
 }
@@ -256,8 +257,8 @@ mod tests {
         }
     }
 
-    /// The angles are those at which the sine is 0.5 away from 0 and their neighbours among floating-point numbers,
-    /// others between them, and some that are too large for the shortcut.
+    /// Tests angles at which the sine is 0.5 away from 0, their neighbours among floating-point numbers, others
+    /// between them, and angles too large for the shortcut.
     #[test]
     fn a_ring_is_what_the_sine_makes_of_it() {
         let (mut all, mut none) = (0, 0);
@@ -322,8 +323,7 @@ mod tests {
         );
     }
 
-    /// The weight of the first material at a point given in texture space, for a map that is not the
-    /// identity.
+    /// Returns the weight of the first material at a point given in texture space, for a map that is not the identity.
     fn weight(pattern: Pattern, texture_point: DVec3) -> f64 {
         let world_to_texture = DAffine3::from_translation(DVec3::new(1.0, -2.0, 4.0));
         let t = Texture { world_to_texture: world_to_texture.into(), ..texture(pattern, [0, 1]) };
@@ -365,7 +365,7 @@ mod tests {
         assert!((wood(2, 0.75, p) - expected).abs() < 1e-14);
     }
 
-    /// The weight of a checkerboard's first material at `roundings` times 2^-53 below a boundary.
+    /// Returns the weight of a checkerboard's first material at `roundings` times 2^-53 below a boundary.
     fn below_a_boundary(world_to_texture: DAffine3, boundary: DVec3, roundings: f64) -> f64 {
         let t =
             Texture { world_to_texture: world_to_texture.into(), ..texture(Pattern::Checkerboard, [0, 1]) };
@@ -383,7 +383,7 @@ mod tests {
         for (roundings, first) in [(48.0, 0.0), (56.0, 1.0)] {
             assert_eq!(below_a_boundary(moved, DVec3::new(0.5, -5.0, 0.5), roundings), first);
         }
-        // Where several coordinates contribute, the bound is 16 roundings of their sum.
+        // If several coordinates contribute, the bound is 16 roundings of their sum.
         let mut sheared = DAffine3::IDENTITY;
         sheared.matrix3.x_axis.y = 1.0;
         for (roundings, first) in [(44.0, 1.0), (52.0, 0.0)] {

@@ -1,4 +1,4 @@
-//! What may be known of rays before they are cast.
+//! Hints: results of rays that are known before the rays are cast.
 
 use crate::math::ray::{Ray, Visible};
 use crate::world::World;
@@ -11,22 +11,22 @@ pub enum FirstHit {
     Nothing,
     /// The ray hits this primitive first.
     Primitive(Visible),
-    /// The ray has to be cast.
+    /// The ray must be cast.
     Unknown,
 }
 
 /// The primitives other than planes that a ray from a point to a light may hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blocker {
-    /// None.
+    /// No primitive.
     Nothing,
-    /// This triangle or none.
+    /// This triangle or no primitive.
     Only(u32),
-    /// Any.
+    /// Any primitive.
     Any,
 }
 
-/// Knows results of rays, which are those of casting them. By default it knows none.
+/// Knows the results of some rays. They are the same as if the rays were cast. By default no result is known.
 pub trait Hints: Sync {
     /// Returns the first hit of a camera ray through the pixel in this column and row.
     #[inline(always)]
@@ -34,7 +34,7 @@ pub trait Hints: Sync {
         FirstHit::Unknown
     }
 
-    /// Returns what may be between a point and the light with this index.
+    /// Returns the primitives that may be between a point and the light with this index.
     #[inline(always)]
     fn blocker(&self, _light: usize, _point: DVec3) -> Blocker {
         Blocker::Any

@@ -1,4 +1,4 @@
-//! The steps of the tracer, for those who count or record them.
+//! The steps of the tracer, to count or record them.
 
 use crate::math::ray::{Hit, Ray};
 use crate::picture::Color;
@@ -9,18 +9,18 @@ use crate::world::SurfacePoint;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Watches the tracer. By default it does not, which costs nothing. If it counts ([`Probe::COUNTS`]), the tracer takes all
-/// steps of the course's program; otherwise it skips work that cannot change the picture.
+/// Observes the tracer. The default methods do nothing and cost nothing. If the observer counts ([`Probe::COUNTS`]),
+/// the tracer takes all steps of the course's program. Otherwise it skips work that cannot change the picture.
 pub trait Observer: Probe {
-    /// A camera ray, or a reflected or refracted one.
+    /// Notes a camera ray, or a reflected or refracted one.
     #[inline(always)]
     fn non_shadow_ray(&mut self) {}
 
-    /// A ray towards a light.
+    /// Notes a ray towards a light.
     #[inline(always)]
     fn shadow_ray(&mut self) {}
 
-    /// Is told what happens. The event is made only if it is asked for.
+    /// Notes an event. Observers that do not need the event never call `event`.
     #[inline(always)]
     fn observe<'e>(&mut self, _event: impl FnOnce() -> Event<'e>) {}
 }
@@ -39,7 +39,7 @@ impl Observer for Counts {
     }
 }
 
-/// Counts rays of any kind, and nothing else, so that work may be skipped.
+/// Counts rays of any kind and nothing else. So the tracer may skip work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RayCount(pub u64);
 
@@ -57,69 +57,69 @@ impl Observer for RayCount {
     }
 }
 
-/// The way in which a ray leaves a surface to be followed further.
+/// The kind of a secondary ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Secondary {
-    /// Mirrored.
+    /// The reflected ray.
     Reflected,
-    /// Through the surface.
+    /// The refracted ray.
     Refracted,
 }
 
-/// Why no secondary ray is followed.
+/// The reason why a secondary ray is not traced.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "reason", rename_all = "snake_case")]
 pub enum PathEnd {
-    /// The material lets nothing go this way.
+    /// The colour that would multiply the ray is black.
     NoColor,
-    /// The ray has been reflected or refracted as often as is allowed.
+    /// The path has the maximum number of bounces.
     Bounces,
-    /// It would weigh no more than what is worth following.
+    /// The weight of the ray is not above the minimum.
     Weight {
-        /// What it would weigh.
+        /// The weight.
         weight: f64,
     },
     /// All light is reflected at this angle.
     TotalReflection,
 }
 
-/// A step of the tracer. The events of one ray follow each other, from its surface to its colour; then the next of the
-/// secondary rays that wait is taken, which is the one that was pushed last.
+/// A step of the tracer. The events of one ray follow each other, from its surface to its colour. Then the next
+/// secondary ray is popped from the stack: the ray that was pushed last.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'e> {
-    /// The ray meets this surface, made of this material.
+    /// The ray hits this surface, made of this material.
     Surface {
-        /// Where it meets it.
+        /// The point of the hit.
         point: &'e SurfacePoint,
         /// The material there, with its textures evaluated.
         material: &'e Phong,
     },
-    /// A secondary ray is to be followed.
+    /// A secondary ray is pushed to the stack.
     Pushed {
-        /// How it leaves the surface.
+        /// Reflected or refracted.
         kind: Secondary,
         /// The ray.
         ray: Ray,
-        /// The triangle that it starts at.
+        /// The triangle that it starts on.
         exclude: Option<u32>,
-        /// What its colour is multiplied by on the way to the picture.
+        /// The factor by which its colour contributes to the picture.
         filter: Color,
-        /// What it weighs.
+        /// Its weight, by which the tracer decides whether to trace it.
         weight: f64,
     },
-    /// No secondary ray is followed.
+    /// A secondary ray is not traced.
     NotFollowed {
-        /// How it would have left the surface.
+        /// Reflected or refracted.
         kind: Secondary,
-        /// Why it does not.
+        /// The reason.
         end: PathEnd,
     },
     /// The ray is refracted or totally reflected.
     Refracting {
-        /// Where it comes from, as a unit vector.
+        /// The direction of the ray before the surface, a unit vector.
         direction: DVec3,
-        /// The unit normal, against the direction.
+        /// The unit normal, which points against the direction.
         normal: DVec3,
         /// The indices of refraction in front of the surface and behind it.
         indices: [f64; 2],
@@ -128,30 +128,30 @@ pub enum Event<'e> {
     Ambient(Color),
     /// A ray is cast towards a light.
     ShadowRay(Ray),
-    /// The way to the light meets a surface.
+    /// The shadow ray hits a surface.
     Crossed {
-        /// Where, on the way from the last surface.
+        /// The hit, with the distance from the last surface.
         hit: Hit,
-        /// The transparent colour there; black where the way ends.
+        /// The transparent colour there; black if the ray ends there.
         tint: Color,
-        /// Whether the light leaves the object, and is tinted for its way inside.
+        /// True if the ray leaves the object. Then the light is tinted for the distance inside.
         leaves: bool,
     },
-    /// What a light contributes; the lights follow in the order of the scene.
+    /// The contribution of a light. The lights follow in the order of the scene.
     Light {
-        /// What arrives where nothing is in the way.
+        /// The light that arrives if nothing blocks it.
         incident: Incident,
-        /// Between the normal and the direction to the light.
+        /// The cosine of the angle between the normal and the direction to the light.
         cosine: f64,
-        /// How much of it passes what is in the way.
+        /// The fraction of the light, per channel, that passes the objects in between.
         passed: Color,
-        /// The diffuse and the specular part of what an unobstructed light shows.
+        /// The diffuse and the specular part of the reflected light, as if nothing blocked the light.
         parts: [Color; 2],
     },
-    /// The colour of the surface by itself, or the background's.
+    /// The colour of the surface without secondary rays, or the background.
     Shaded(Color),
-    /// The next secondary ray is taken.
+    /// The next secondary ray is popped from the stack.
     Popped,
-    /// The ray has been cast.
+    /// The ray has been cast, with this nearest hit.
     Met(Option<Hit>),
 }

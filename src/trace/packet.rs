@@ -1,6 +1,6 @@
-//! The camera rays of neighbouring samples, which pass through the stages together: rays, first hits, surfaces, colours.
-//! The stages of one sample depend on each other. Those of different samples overlap, which hides the latency of divisions
-//! and of memory.
+//! Packets of camera rays. The rays of neighbouring samples pass through the stages together: rays, first hits,
+//! surfaces, colours. The stages of one sample depend on each other. The processor overlaps the stages of different
+//! samples, which hides the latency of divisions and of memory.
 
 use super::surfaces::find_surfaces;
 use super::{FirstHit, Hints, Memory, Observer, Tracer};
@@ -11,8 +11,8 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 impl<H: Hints> Tracer<'_, H> {
-    /// Traces the samples of a packet, which lie in row `j`, and enters their colours if they are wanted. The camera rays are
-    /// not counted.
+    /// Traces the samples of a packet in row `j`, and stores their colours if they are wanted. Does not count the
+    /// camera rays.
     #[simd]
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
@@ -55,7 +55,7 @@ impl<H: Hints> Tracer<'_, H> {
     }
 }
 
-/// Computes the rays of the samples, which lie in row `j`.
+/// Computes the rays of the samples in row `j`.
 #[inline(always)]
 fn aim<S: Simd>(simd: S, packet: &mut SamplePacket, camera: &Camera, j: usize) {
     let count = packet.samples().len();
@@ -134,7 +134,7 @@ mod tests {
         assert!(kinds.iter().all(|&count| count > 100), "{kinds:?}");
     }
 
-    /// Whether something is seen in a column, so that some samples of a packet see nothing.
+    /// Returns true if samples in this column may hit something. Thus some samples of a packet hit nothing.
     fn column_is_open(column: usize) -> bool {
         !column.is_multiple_of(7)
     }

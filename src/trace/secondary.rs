@@ -16,7 +16,7 @@ use glam::DVec3;
 pub(super) struct Path {
     /// The factor by which its colour contributes to the picture.
     pub filter: Color,
-    /// The product of the lengths of the colours along the path, which is the weight in the course's program.
+    /// The product of the lengths of the colours along the path: the weight in the course's program.
     weight: f64,
     pub bounces: u32,
     /// The index of refraction of the medium around the ray.
@@ -27,11 +27,11 @@ impl Path {
     pub const CAMERA: Self = Self { filter: Color::ONE, weight: 1.0, bounces: 0, index: 1.0 };
 }
 
-/// A secondary ray that waits.
+/// A secondary ray that waits to be traced.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecondaryRay {
     pub ray: Ray,
-    /// The primitive that the ray leaves.
+    /// The primitive on which the ray starts.
     pub leaves: Option<u32>,
     pub path: Path,
 }
@@ -41,13 +41,13 @@ impl Arrival<'_> {
         self.ray.direction.dot(self.surface.normal) < 0.0
     }
 
-    /// The indices of refraction in front of the surface and behind it.
+    /// Returns the indices of refraction in front of the surface and behind it.
     fn indices(&self) -> [f64; 2] {
         let behind = if self.is_entering() { self.material.phong.index_of_refraction } else { 1.0 };
         [self.path.index, behind]
     }
 
-    /// The part of the light that is mirrored; all at a surface that is opaque.
+    /// Returns the part of the light that is reflected. At an opaque surface it is 1.
     fn mirrored_part(&self) -> f64 {
         if self.material.phong.transparent == Color::ZERO {
             return 1.0;
@@ -57,7 +57,7 @@ impl Arrival<'_> {
 }
 
 impl<H: Hints> Tracer<'_, H> {
-    /// Pushes the reflected ray, if one is followed.
+    /// Pushes the reflected ray if it is to be traced.
     #[inline(always)]
     pub(super) fn reflect<O: Observer>(
         &self,
@@ -75,7 +75,7 @@ impl<H: Hints> Tracer<'_, H> {
         pending.push(self.secondary_ray(kind, arrival, direction, path, observer));
     }
 
-    /// Pushes the refracted ray, if one is followed.
+    /// Pushes the refracted ray if it is to be traced.
     #[inline(always)]
     pub(super) fn refract<O: Observer>(
         &self,
@@ -92,8 +92,8 @@ impl<H: Hints> Tracer<'_, H> {
         let (direction, normal, indices) = (arrival.ray.direction, arrival.surface.normal, arrival.indices());
         let against = if arrival.is_entering() { normal } else { -normal };
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
-        // The closure has copies: were the ray or its path referred to, they would lie in memory, written part by part and
-        // read as vectors, for which the processor stalls.
+        // The closure takes copies. References to the ray or its path would force them into memory, written part by
+        // part and read as vectors, which stalls the processor.
         let (line, surface) = ((arrival.ray.origin, direction), arrival.surface);
         match refracted_between(direction, against, indices, move || self.precise_sine(line, surface)) {
             Some(direction) => {
@@ -104,7 +104,7 @@ impl<H: Hints> Tracer<'_, H> {
         }
     }
 
-    /// Returns the path of a secondary ray that is multiplied by this colour; none if it is not followed.
+    /// Returns the path of a secondary ray whose colour is multiplied by `color`, or `None` if it is not to be traced.
     #[inline(always)]
     fn next_path<O: Observer>(
         &self,
@@ -145,11 +145,11 @@ impl<H: Hints> Tracer<'_, H> {
         SecondaryRay { ray, leaves: self.origin_primitive(arrival.surface), path }
     }
 
-    /// The sine of the angle between the ray and the surface's normal, with less rounding than that of the unit normal where
-    /// that is known.
+    /// Returns the sine of the angle between the ray and the surface's normal. It has less rounding than the unit
+    /// normal if the exact normal is known.
     #[inline(always)]
     fn precise_sine(&self, line: (DVec3, DVec3), surface: &SurfacePoint) -> SquaredSine {
-        // A smooth normal is not the triangle's.
+        // A smooth normal is not the exact normal of the triangle.
         let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
         let primitive = surface.primitive.filter(|_| !is_smooth);
         self.world().precise_sine(line, primitive, surface.normal)

@@ -1,4 +1,4 @@
-//! How much of a light reaches a surface.
+//! Shadows: the fraction of a light that reaches a surface.
 
 use super::hints::{Blocker, Hints};
 use super::observer::{Event, Observer};
@@ -14,7 +14,7 @@ use crate::shading::texture::{material_at, material_of_surface};
 use crate::world::SurfacePoint;
 
 impl<H: Hints> Tracer<'_, H> {
-    /// Returns how much of the light with this index passes what is between it and a surface, per channel.
+    /// Returns the fraction of the light with this index, per channel, that reaches a surface.
     #[inline(always)]
     pub(super) fn light_passed<O: Observer>(
         &self,
@@ -38,7 +38,7 @@ impl<H: Hints> Tracer<'_, H> {
         }
     }
 
-    /// The ray from a surface to a light. The distance to a point light is measured from the surface.
+    /// Returns the ray from a surface to a light. The distance to a point light is measured from the surface.
     #[inline(always)]
     fn shadow_ray<O: Observer>(&self, surface: &SurfacePoint, light: &Incident, observer: &mut O) -> Ray {
         let ray = Ray { t_max: light.distance, ..self.departing(surface, light.direction) };
@@ -46,7 +46,7 @@ impl<H: Hints> Tracer<'_, H> {
         ray
     }
 
-    /// Whether anything is between a surface and the light with this index.
+    /// Returns true if anything blocks the light with this index from a surface.
     #[inline(always)]
     fn is_blocked<O: Observer>(
         &self,
@@ -56,9 +56,10 @@ impl<H: Hints> Tracer<'_, H> {
         observer: &mut O,
     ) -> bool {
         observer.shadow_ray();
-        // A ray to a light that lies on a surface ends there, so that roundings would decide whether it is blocked.
+        // A ray to a light that lies on a surface ends there. Roundings would decide whether it is blocked, so it
+        // always is.
         let is_at_rest = !self.world().primitives_at_light(index).is_empty();
-        // Hints tell nothing of a ray from a sphere.
+        // Hints do not hold for a ray from a sphere.
         let is_round = surface.primitive.is_some_and(|primitive| self.caster.is_round(primitive));
         let blocker = if is_round { Blocker::Any } else { self.hints.blocker(index, surface.position) };
         let leaves = self.origin_primitive(surface);
@@ -67,7 +68,7 @@ impl<H: Hints> Tracer<'_, H> {
         }
         let ray = self.shadow_ray(surface, light, observer);
         let is_hit = match blocker {
-            // The course's program looks for the nearest hit, even where any hit would do.
+            // The course's program searches the nearest hit, even if any hit would do.
             _ if O::COUNTS => self.caster.nearest(&ray, leaves, observer).is_some(),
             Blocker::Any => self.caster.any_from(&ray, leaves, observer),
             Blocker::Only(triangle) => {
@@ -78,12 +79,12 @@ impl<H: Hints> Tracer<'_, H> {
         is_hit || is_at_rest
     }
 
-    /// Returns the fraction of light that transparent objects transmit along a shadow ray. Where the ray leaves an object,
-    /// this is the object's colour to the power of the distance since the last surface (Beer's law). The ray comes with the
-    /// primitive that it leaves, and `is_within` is true if it starts inside of an object.
+    /// Returns the fraction of light that transparent objects transmit along a shadow ray. At each exit from an
+    /// object, this is the object's colour to the power of the distance since the last surface (Beer's law). The ray comes
+    /// with the primitive that it leaves, and `is_within` is true if it starts inside an object.
     ///
-    /// The surfaces that the light lies on are left behind at the light if the ray was within an object before. So it
-    /// does not matter which of them the ray meets by its roundings. One that is opaque lets nothing through.
+    /// If the light lies on surfaces, they are crossed at the light itself, and only if the ray was inside an object
+    /// before. So it does not matter which of them the ray hits by rounding. An opaque one blocks the light.
     fn filtered<O: Observer>(
         &self,
         (mut ray, mut leaves): (Ray, Option<u32>),
@@ -93,7 +94,7 @@ impl<H: Hints> Tracer<'_, H> {
     ) -> Color {
         let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
         let at_light = self.world().primitives_at_light(index);
-        // The way since the last surface, up to where the ray starts now.
+        // The distance from the last surface to the current origin of the ray.
         let mut way = 0.0;
         let through = |passed: Color, tint: Color, way: f64| {
             (passed * transmittance(tint, way)).min(Color::splat(LARGEST))
@@ -127,7 +128,7 @@ impl<H: Hints> Tracer<'_, H> {
         }
     }
 
-    /// The transparent colour of a primitive where the light with this index lies on it.
+    /// Returns the transparent colour of a primitive at the position of the light with this index.
     fn tint_at_light(&self, primitive: u32, index: usize) -> Color {
         let world = self.world();
         let Some(&Light::Point { position, .. }) = world.lights.get(index) else { return Color::ZERO };

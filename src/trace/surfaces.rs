@@ -1,4 +1,4 @@
-//! The surfaces that several rays hit first: those of triangles four at a time.
+//! Computes the surfaces that several rays hit first, for triangles four at a time.
 
 use crate::math::instructions::prefetch;
 use crate::math::ray::{Ray, Visible};
@@ -38,7 +38,7 @@ impl<S: Simd> Group<S> {
     }
 }
 
-/// Computes the surface that each ray of a packet hits first, as [`World::visible_surface`] does.
+/// Computes the surface that each ray of a packet hits first, with the same result as [`World::visible_surface`].
 #[inline(always)]
 pub fn find_surfaces<S: Simd>(simd: S, world: &World, packet: &mut SamplePacket) {
     let rays = packet.samples_mut();
@@ -111,7 +111,7 @@ fn surface_alone(world: &World, ray: &Ray, visible: Visible) -> SurfacePoint {
     world.visible_surface(ray, visible)
 }
 
-/// The materials of four triangles, most of which are neighbours.
+/// Returns the materials of four triangles. Most of the triangles are neighbours.
 #[inline(always)]
 fn materials_of(world: &World, triangles: [u32; LANES]) -> [MaterialId; LANES] {
     let (run, material) = world.material_run(triangles[0]);

@@ -36,7 +36,7 @@ impl Setting {
         Tracer::new(&caster, self.effects).color(ray, &mut Memory::default(), observer)
     }
 
-    /// The colour seen from a point in a direction, which is the same whether it is counted or not.
+    /// Returns the colour along a ray from a point, and checks that counting does not change it.
     fn seen(&self, origin: [f64; 3], direction: [f64; 3]) -> Color {
         let ray = Ray::new(origin.into(), DVec3::from(direction).normalize());
         let color = self.seen_by(&ray, &mut Quiet);
@@ -44,7 +44,7 @@ impl Setting {
         color
     }
 
-    /// The colour of a surface with this normal for a ray along the negative z axis.
+    /// Returns the colour of a surface with this normal for a ray along the negative z axis.
     fn color_of_surface(&self, normal: DVec3) -> Color {
         let caster = Caster::new(&self.world, None).unwrap();
         let surface = SurfacePoint {
@@ -218,7 +218,7 @@ fn light_parallel_to_a_surface_continues_straight_on() {
     assert_near(Setting::new("", scene, bounces(1)).color_of_surface(DVec3::X), FLOOR_COLOR);
 }
 
-/// Near the critical angle the normal component is small compared with the terms it is computed from.
+/// Near the critical angle, the normal component is small compared with the terms that it is computed from.
 #[test]
 fn the_normal_component_is_accurate_near_the_critical_angle() {
     for (ratio, rest) in [(1.0_f64 + 3e-7, 1e-7_f64), (1.0 + 5e-6, 3e-7), (1.1, 1e-7), (2.0, 1e-7)] {
@@ -233,7 +233,7 @@ fn the_normal_component_is_accurate_near_the_critical_angle() {
     }
 }
 
-/// No coordinate of the point where these rays leave a surface has a rounding that they could be moved by.
+/// These rays start on a surface at the origin. The coordinates there are zero, so their roundings move no ray.
 #[test]
 fn rays_leave_a_surface_at_the_origin() {
     let light = |position: &str| format!("PointLight {{ position {position} color 1 1 1 }}");
@@ -241,7 +241,7 @@ fn rays_leave_a_surface_at_the_origin() {
     let (floor, lit) = ("normal 0 1 0 offset 0", Color::splat(1.125));
     let shadows = |shadows| Effects { shadows, ..Effects::default() };
     let bounces = |bounces| Effects { bounces, shade_back: true, ..shadows(Shadows::Opaque) };
-    // Two planes in one place have the same numbers.
+    // Two planes in one place, with the same numbers.
     let twice = |material: &str| [plane(material, floor), plane(material, floor)].concat();
     for (objects, effects, expected) in [
         (twice("diffuseColor 1 1 1"), shadows(Shadows::Opaque), lit),
@@ -258,7 +258,7 @@ fn rays_leave_a_surface_at_the_origin() {
     assert_eq!(setting.seen([0.5, 0.0, 0.0], [1.0, 0.0, 0.0]), lit);
 }
 
-/// The light lies on a ball of glass, whose far side the ray may have met before.
+/// The light lies on a ball of glass. The ray may hit the far side of the ball before.
 #[test]
 fn tinted_shadows_of_a_light_on_a_ball_follow_the_length_of_the_way_within() {
     for (transform, stretch) in [("", 1.0), ("Scale 1 1 .5", 0.5)] {
@@ -279,7 +279,7 @@ fn tinted_shadows_of_a_light_on_a_ball_follow_the_length_of_the_way_within() {
             let effects = Effects { shadows: Shadows::Transparent, ..Effects::default() };
             let setting = Setting::new(&lights, &objects, effects);
             let color = setting.seen((target + 0.5 * DVec3::Z).to_array(), [0.0, 0.0, -1.0]);
-            // In the space of the unit sphere: the part of the way from the other crossing to the light.
+            // In the space of the unit sphere: the part of the ray from the other crossing to the light.
             let to_sphere = DVec3::new(1.0, 1.0, 1.0 / stretch);
             let (way, on) = ((light - target) * to_sphere, light * to_sphere);
             let part = (2.0 * on.dot(way) / way.length_squared()).max(0.0);
@@ -292,8 +292,8 @@ fn tinted_shadows_of_a_light_on_a_ball_follow_the_length_of_the_way_within() {
     }
 }
 
-/// The light lies on a face, an edge or a corner of a glass box. Its way to the floor is tinted by its length within the
-/// box, whichever faces the ray meets by its roundings.
+/// The light lies on a face, an edge or a corner of a glass box. The tint of its light on the floor depends on the
+/// length of the ray within the box, and not on the faces that the ray hits by rounding.
 #[test]
 fn tinted_shadows_of_a_light_on_glass_follow_the_length_of_the_way_within() {
     for light in [[1.0, 0.3, 1.0], [0.2, 0.3, 1.0], [1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [0.0, -1.0, -1.0]] {
@@ -314,7 +314,7 @@ fn tinted_shadows_of_a_light_on_glass_follow_the_length_of_the_way_within() {
             let target = DVec3::new(3.7 * (0.71 * turn).sin(), 3.3 * (1.3 * turn).cos(), -3.0);
             let ray = Ray::new(target + 0.5 * DVec3::Z, -DVec3::Z);
             let color = tracer.color(&ray, &mut Memory::default(), &mut Quiet);
-            // The part of the way from 0 at the floor to 1 at the light that lies between the box's sides.
+            // The part of the ray between the box's sides, from 0 at the floor to 1 at the light.
             let way = light - target;
             let [a, b] = [-1.0, 1.0].map(|side| (DVec3::splat(side) - target) / way);
             let (enters, leaves) = (a.min(b).max_element(), a.max(b).min_element().min(1.0));
@@ -327,7 +327,7 @@ fn tinted_shadows_of_a_light_on_glass_follow_the_length_of_the_way_within() {
     }
 }
 
-/// Glass with a mirror's coating, that of boxes and that of a ball, a mirror that is a floor, and something dull.
+/// Two boxes and a ball of glass with a reflective coating, a reflective floor, and an opaque box.
 const GLASS_AND_MIRRORS: &str = "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 angle 30 }
      Background { color .25 .5 1 ambientLight .125 .125 .125 }
      Lights { numLights 2 DirectionalLight { direction -1 -2 -1 color .5 .5 .5 }
@@ -343,7 +343,7 @@ const GLASS_AND_MIRRORS: &str = "PerspectiveCamera { center 0 0 0 direction 0 0 
      MaterialIndex 2 Box { min -3 -1 -3 max -2 2 -2 }
      MaterialIndex 1 Plane { normal 0 1 0 offset -1 } }";
 
-/// Camera rays from around the objects, some of which miss them. Neighbours are often close to each other.
+/// Returns a camera ray from around the objects. Some rays miss them. Neighbours are often close to each other.
 fn camera_ray(k: usize) -> Ray {
     let [turn, height, aim] = [k / 8, k % 5, k].map(|k| k as f64);
     let origin = DVec3::new(4.0 * turn.cos(), 0.2 + 0.5 * height, 4.0 * turn.sin());

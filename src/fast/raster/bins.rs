@@ -1,4 +1,4 @@
-//! The triangles of each tile, and the drawing of all tiles.
+//! Sorts the triangles into tiles, and draws all tiles.
 
 use super::edge_functions::EdgeFunctions;
 use super::tile::Tile;
@@ -17,7 +17,8 @@ pub struct Bins {
 /// The triangles in one tile.
 #[derive(Clone, Default)]
 struct TileBin {
-    /// Front faces are drawn first: they hide most back faces, which then need not be drawn.
+    /// The bounds of front and back faces. Front faces are drawn first: they hide most back faces, which then need not
+    /// be drawn.
     sides: [Vec<TriangleBounds>; 2],
     /// The number of pixels in the bounds of the triangles whose first row is in this tile.
     pixels: usize,
@@ -27,8 +28,8 @@ const FRONTS: usize = 0;
 const BACKS: usize = 1;
 
 impl Bins {
-    /// The triangles whose ids are below `count`, in these rows. `bounds_of` has the bounds of each, and whether it
-    /// seems to be front-facing.
+    /// Sorts the triangles whose ids are below `count` into the tiles of these rows. `bounds_of` returns the bounds of
+    /// a triangle, and true if it seems to be front-facing.
     pub fn new(
         rows: &Range<usize>,
         count: usize,
@@ -55,18 +56,18 @@ impl Bins {
         Self { rows: rows.clone(), parts: parts.collect() }
     }
 
-    /// The rows that the tiles fill.
+    /// Returns the rows that the tiles fill.
     pub fn rows(&self) -> Range<usize> {
         self.rows.clone()
     }
 
-    /// The number of pixels in the bounds of all triangles.
+    /// Returns the number of pixels in the bounds of all triangles.
     pub fn pixels(&self) -> usize {
         self.parts.iter().flatten().fold(0usize, |pixels, bin| pixels.saturating_add(bin.pixels))
     }
 
-    /// Draws the triangles and then, by `finish`, what else is in each tile. Returns what each pixel shows; a row has
-    /// [`Screen::stride`] of them.
+    /// Draws the triangles of each tile, then calls `finish` to draw the other primitives. Returns the id that each
+    /// pixel shows. A row has [`Screen::stride`] ids.
     pub fn draw(
         &self,
         screen: Screen,

@@ -1,11 +1,11 @@
 //! The edge functions and the inverse depth of a triangle, as affine functions of the pixel.
 //!
-//! The rasterizer computes them once per triangle and tile (Olano and Greer, "Triangle Scan Conversion using
-//! 2D Homogeneous Coordinates", Graphics Hardware 1997). Let a, b and c be a triangle's corners relative to
-//! the eye. The line through the eye along D passes within the triangle where the edge functions (b x c).D,
-//! (c x a).D and (a x b).D have the same sign, and the triangle lies in front of the eye where that is also
-//! the sign of V = a.(b x c), six times the signed volume of the tetrahedron that it spans with the eye. The
-//! *inverse depth*, 1 / t with t in units of the length of D, is the sum of the edge functions over V.
+//! The rasterizer computes them once per triangle and tile (Olano and Greer, "Triangle Scan Conversion using 2D
+//! Homogeneous Coordinates", Graphics Hardware 1997). Let a, b and c be a triangle's corners relative to the eye. The
+//! line through the eye along D passes through the triangle if the edge functions (b x c).D, (c x a).D and (a x b).D
+//! have the same sign. The hit is in front of the eye if V = a.(b x c) has this sign, too. V is six times the signed
+//! volume of the tetrahedron of the triangle and the eye. The *inverse depth*, 1 / t with t in units of the length of
+//! D, is the sum of the edge functions over V.
 //!
 //! *Error bounds*, proved by `proofs/raster_edges.g` and `proofs/raster_depths.g`. Let u = 2^-53 be the unit
 //! roundoff, R the length of the longest of a, b and c, and L the viewport's `max_direction_length`.
@@ -17,14 +17,13 @@
 //! | (b x c).D | R^2 L | 4.47 u R^2 L from b x c, 3 for the coefficients, 3 for their sum, 6 for D |
 //! | V | R^3 | 8.47 u R^3: 4.47 from b x c, 1 for a, 3 for the product |
 //!
-//! The 6 roundings of D are one of the pixel's steps `right` and `up` here, and five in the ray that is cast,
-//! whose length does not matter. Hence the error of an edge function is less than 16.5 u R^2 L. The inverse
-//! depth n takes two additions, a division and a product more, but its three normals add up to one of at most
-//! 2.6 R^2, to which most of the roundings apply; where V is clearly not zero, its error is less than
-//! (47.5 u R^2 L + n 8.5 u R^3) / V.
+//! The 6 roundings of D are one in the pixel's steps `right` and `up` here, and five in the ray that is cast, whose
+//! length does not matter. Hence the error of an edge function is less than 16.5 u R^2 L. The inverse depth n takes
+//! two more additions, a division and a product, but the sum of its three normals is at most 2.6 R^2, to which most of
+//! the roundings apply. If V is clearly not zero, the error of n is less than (47.5 u R^2 L + n 8.5 u R^3) / V.
 //!
-//! The relative error of the t that casting the ray gives is less than `T_ROUNDINGS` u R / t, as
-//! `proofs/triangle_t.g` proves, where V is clearly not zero. n is 1 / t.
+//! If V is clearly not zero, the relative error of the t of the ray's own test is less than `T_ROUNDINGS` u R / t, as
+//! `proofs/triangle_t.g` proves. n is 1 / t.
 
 use super::{Affine, Viewport};
 use crate::math::extremes::max3;
@@ -40,21 +39,21 @@ pub struct InvDepthPlane {
     pub error_bound: ErrorBound,
 }
 
-/// The error bound of a function of the pixel, without the errors of single precision: the coefficients of a
-/// polynomial in the function's own magnitude, from the constant term on.
+/// The error bound of a function of the pixel, without the errors of single precision. It is a polynomial in the
+/// magnitude of the function, given by its coefficients from the constant term on.
 #[derive(Clone, Copy)]
 pub struct ErrorBound(pub [f64; 3]);
 
 impl ErrorBound {
     pub const NONE: Self = Self([0.0; 3]);
 
-    /// The error bound for values whose magnitude is at most `max_abs`.
+    /// Returns the error bound for values whose magnitude is at most `max_abs`.
     pub fn at(self, max_abs: f64) -> f64 {
         let [constant, linear, square] = self.0;
         constant + (linear + square * max_abs) * max_abs
     }
 
-    /// The bound of the sum of two errors.
+    /// Returns the bound of the sum of two errors.
     pub fn plus(self, other: Self) -> Self {
         let ([a, b, c], [d, e, f]) = (self.0, other.0);
         Self([a + d, b + e, c + f])
@@ -67,13 +66,13 @@ pub const EDGE_ROUNDINGS: f64 = 16.5;
 const INV_DEPTH_ROUNDINGS: f64 = 47.5;
 /// The error bound of V, in units of u R^3.
 const VOLUME_ROUNDINGS: f64 = 8.5;
-/// How many times its error bound V has to be, so that its sign is known and a division by it is accurate.
+/// The least ratio of V to its error bound for which the sign of V is known and a division by V is accurate.
 const VOLUME_CLEARANCE: f64 = 1024.0;
 /// The error bound of a plane's inverse depth, in units of u L over the plane's distance from the eye.
 const PLANE_ROUNDINGS: f64 = 19.0;
 
 impl InvDepthPlane {
-    /// The inverse depth of a plane: normal.D over the distance from the eye to the plane along the normal.
+    /// Returns the inverse depth of a plane: normal.D over the distance from the eye to the plane along the normal.
     pub fn of_plane(viewport: &Viewport, plane: &Plane) -> Self {
         // The ray's test computes the same distance from the same numbers, so both share its error.
         let ahead = viewport.scale * plane.ahead_of(viewport.eye.center);
@@ -88,13 +87,13 @@ impl InvDepthPlane {
     }
 }
 
-/// The normals of the planes through the eye and each edge, and V, for corners relative to the eye.
+/// Returns the normals of the planes through the eye and each edge, and V, for corners relative to the eye.
 pub fn normals_and_volume([a, b, c]: [DVec3; 3]) -> ([DVec3; 3], f64) {
     let normals = [b.cross(c), c.cross(a), a.cross(b)];
     (normals, a.dot(normals[0]))
 }
 
-/// The error bound of V for corners whose distance from the eye is at most `longest`.
+/// Returns the error bound of V for corners whose distance from the eye is at most `longest`.
 pub fn volume_error_bound(longest: f64) -> f64 {
     VOLUME_ROUNDINGS * U * longest * longest * longest
 }
@@ -108,8 +107,8 @@ pub struct EdgeFunctions {
 }
 
 impl EdgeFunctions {
-    /// None where the eye may lie in the triangle's plane, because the sign of V, and with it every other
-    /// sign, is then unknown. Otherwise all numbers of the result are finite.
+    /// Returns `None` if the eye may lie in the triangle's plane. The sign of V, and with it every other sign, is then
+    /// unknown. Otherwise all numbers of the result are finite.
     pub fn new(viewport: &Viewport, corners: [DVec3; 3]) -> Option<Self> {
         /// Distances whose cubes neither underflow nor overflow.
         const USABLE_DISTANCES: Range<f64> = 1e-9..2.0;

@@ -1,29 +1,29 @@
-//! Triangles in a picture in which they lie flat: all of their vertices are projected to it, and clipped nowhere.
+//! Triangles in a picture without clipping: all of their vertices are projected to it.
 //!
-//! *Error bounds.* Let a vertex be off by at most e pixels along each axis, and so a ray. For vertices a and b and a
-//! point q, the edge function (a - q) x (b - q) is then off by at most 2.83 e (|a - q| + |b - q|) + 8 e^2. The
-//! interpolated nearness of a point within the triangle is off by at most the changes that moving the vertices and
-//! the ray make: e for each axis times the slope. The roundings of both are far smaller if the triangle's area
-//! exceeds the error of an edge function, and e is at least a billionth of the vertices' distances from the middle of
-//! the picture.
+//! *Error bounds.* Let the error of a vertex, and of a ray, be at most e pixels along each axis. For vertices a and b
+//! and a point q, the error of the edge function (a - q) x (b - q) is then at most 2.83 e (|a - q| + |b - q|) + 8 e^2.
+//! The error of the interpolated nearness at a point within the triangle is at most the change that moving the
+//! vertices and the ray makes: e for each axis times the slope. The roundings of both are far smaller if the
+//! triangle's area exceeds the error of an edge function, and e is at least a billionth of the vertices' distances
+//! from the middle of the picture.
 
 use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::ScreenVertex;
 use super::{Affine, Screen};
 use glam::DVec2;
 
-/// Where a point is in a picture.
+/// The position of a point in a picture.
 #[derive(Clone, Copy)]
 pub struct Projected {
-    /// In pixels, relative to the middle of the picture.
+    /// The position in pixels, relative to the middle of the picture.
     pub at: DVec2,
-    /// An affine function of `at` on each plane, from 0 to 3 on the finite primitives, that is larger for what is seen
-    /// first.
+    /// An affine function of `at` on each plane. It is larger for nearer points, and from 0 to 3 on the finite
+    /// primitives.
     pub nearness: f64,
 }
 
 impl Projected {
-    /// The point as a vertex on the screen.
+    /// Returns the point as a vertex on the screen.
     pub fn on(self, screen: &Screen) -> ScreenVertex {
         ScreenVertex::at(self.at + screen.middle, self.nearness)
     }
@@ -32,8 +32,8 @@ impl Projected {
 /// The error bound of a nearness: far more than the roundings of a number of at most 3.
 pub const NEARNESS_ERROR: f64 = 3e-6;
 
-/// The edge functions of a triangle, and its nearness in place of the inverse depth; none where it may be seen edge on.
-/// The corners are off by at most `screen_error` pixels along each axis.
+/// Returns the edge functions of a triangle, with its nearness in place of the inverse depth, or `None` if it may be
+/// seen edge on. The error of the corners is at most `screen_error` pixels along each axis.
 pub fn edge_functions(corners: [Projected; 3], screen_error: f64) -> Option<EdgeFunctions> {
     let [a, b, c] = corners.map(|corner| corner.at);
     let area = (b - a).perp_dot(c - a);

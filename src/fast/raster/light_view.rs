@@ -1,7 +1,7 @@
-//! The picture that a light sees of the finite primitives: where each point of the world is in it.
+//! The picture of the finite primitives from a light: projects the points of the world into it.
 //!
-//! All of these primitives are within the picture, and well ahead of a point light, so that nothing is clipped. The
-//! coordinates of points are accurate to a small fraction of a pixel, or there is no such picture.
+//! All of these primitives are inside the picture and well ahead of a point light, so nothing is clipped. The
+//! coordinates of points are accurate to a small fraction of a pixel. Otherwise there is no such picture.
 
 use super::Screen;
 use super::edge_functions::ErrorBound;
@@ -13,12 +13,12 @@ use crate::math::simd::ROUND_TO_INTEGER;
 use crate::scene::Light;
 use glam::{DVec2, DVec3};
 
-/// Upper bound on the error of the pixel coordinates of a point, and on how far the points of a ray from there to the
-/// light are beside it, in pixels.
+/// Upper bound, in pixels, on the error of the pixel coordinates of a point, and on the distance in the picture
+/// between the point and the ray from it to the light.
 pub const SCREEN_ERROR: f64 = 1.0 / 1024.0;
 
-/// How far the rays of a pixel are from its centre: half a pixel, and the error of both coordinates and rays with
-/// something to spare.
+/// The largest distance between the rays of a pixel and its centre: half a pixel, the error of both coordinates and
+/// rays, and a margin.
 const REACH: f64 = 0.5 + 1.0 / 64.0;
 
 /// The margin in pixels between the primitives and the border of the picture.
@@ -27,37 +27,38 @@ const MARGIN: f64 = 2.0;
 /// The largest ratio of a coordinate across the view of a point light to the depth.
 const MAX_STEEPNESS: f64 = 4.0;
 
-/// The error of a pixel coordinate is less than this many roundings of the coordinates involved, in pixels at the least
-/// depth. A difference has one, its product with an axis four, the depth and the division as many times
-/// [`MAX_STEEPNESS`], and the axes are orthogonal to within eight. The direction of a shadow ray has five, and its
-/// origin is moved by at most 32.
+/// The error of a pixel coordinate is less than this many roundings of the coordinates involved, in pixels at the
+/// least depth. A difference has one rounding, its product with an axis four, the depth and the division the same
+/// number times [`MAX_STEEPNESS`], and the axes are orthogonal to within eight. The direction of a shadow ray has
+/// five, and its origin is moved by at most 32.
 const ROUNDINGS: f64 = 256.0;
 
-/// The picture that a light sees.
+/// The picture from a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightView {
     /// The light, or a point among the primitives if the light is infinitely far away.
     origin: DVec3,
     /// The unit vector from the light.
     toward: DVec3,
-    /// The vectors across, in pixels per unit of length, or per unit of the tangent for a point light.
+    /// The vectors to the right and up in the picture, in pixels per unit of length, or per unit of the tangent for a
+    /// point light.
     axes: [DVec3; 2],
-    /// The least depth of the primitives of a point light; none for a directional one.
+    /// The least depth of the primitives from a point light. `None` for a directional light.
     min_depth: Option<f64>,
     /// Upper bound on the distance of the primitives from `origin`.
     max_distance: f64,
-    /// The largest coordinate of a point whose place in the picture is known.
+    /// The largest coordinate of a point whose position in the picture is known.
     max_abs_position: f64,
     /// The number of pixels along each side.
     size: usize,
-    /// Both coordinates of the middle of the picture, kept because to compute it from `size` for each point takes
-    /// longer. The centres of pixels are at whole numbers.
+    /// Both coordinates of the middle of the picture. It is stored because to compute it from `size` for each point
+    /// takes longer. The centres of pixels are at whole numbers.
     middle: f64,
 }
 
 impl LightView {
-    /// The picture of what is in this box; none if a point light is too close to it, or if numbers are too large or too
-    /// small.
+    /// Returns the picture of this box. Returns `None` if a point light is too close to the box, or if numbers are too
+    /// large or too small.
     pub fn new(light: &Light, bounds: &Aabb, size: usize) -> Option<Self> {
         let center = 0.5 * (bounds.min + bounds.max);
         let (origin, toward, is_point) = match *light {
@@ -84,16 +85,16 @@ impl LightView {
         (largest <= view.max_abs_position).then_some(view)
     }
 
-    /// The largest coordinate for which the errors are below [`SCREEN_ERROR`].
+    /// Returns the largest coordinate for which the errors are below [`SCREEN_ERROR`].
     fn usable_position(&self) -> Option<f64> {
         let per_unit = self.axes[0].length().max(self.axes[1].length()) / self.min_depth.unwrap_or(1.0);
         let largest = SCREEN_ERROR / (ROUNDINGS * UNIT_ROUNDOFF * per_unit);
         (1e-100..1e100).contains(&largest).then_some(largest)
     }
 
-    /// The pixels of the picture.
+    /// Returns the pixels of the picture.
     pub fn screen(&self) -> Screen {
-        // It does not matter which of several primitives in one place blocks the light.
+        // If several primitives are in one place, it does not matter which one blocks the light.
         Screen {
             middle: DVec2::splat(self.middle),
             width: self.size,
@@ -103,7 +104,7 @@ impl LightView {
         }
     }
 
-    /// Where a point is in the picture.
+    /// Projects a point into the picture.
     #[inline(always)]
     pub fn project(&self, point: DVec3) -> Projected {
         let from_origin = point - self.origin;
@@ -115,8 +116,8 @@ impl LightView {
         }
     }
 
-    /// The pixel through which a ray from a point to the light passes on its way past the primitives. One that starts
-    /// between them and a point light, or behind it, hits none of them, whichever pixel it is taken for.
+    /// Returns the pixel through which a ray from a point to the light passes the primitives. If the ray starts
+    /// between the primitives and a point light, or behind the light, it hits none of them, so any pixel is correct.
     #[inline(always)]
     pub fn pixel(&self, point: DVec3) -> MapPlace {
         // Also false for a NaN.
@@ -132,27 +133,27 @@ impl LightView {
     }
 }
 
-/// The index of the pixel with the nearest centre to a coordinate that is within the picture or before it. A negative
-/// one or NaN becomes 0, where the margin is.
+/// Returns the index of the pixel whose centre is nearest to a coordinate inside the picture or below it. A negative
+/// coordinate or NaN becomes 0, which is in the margin.
 #[inline(always)]
 fn nearest_pixel(coordinate: f64) -> usize {
     // This is faster than to truncate with `as`, which must also handle NaN and numbers out of range.
     (max(coordinate, 0.0) + ROUND_TO_INTEGER).to_bits() as u32 as usize
 }
 
-/// Where a ray to the light is in the picture.
+/// The position of a ray to the light in the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapPlace {
     /// In this column and row.
     Pixel([usize; 2]),
-    /// Beside all primitives.
+    /// Outside the picture, beside all primitives.
     Outside,
     /// Rounding errors may be too large.
     Unknown,
 }
 
-/// Two unit vectors at right angles to `toward` and to each other. The first is about along the longest side of a box
-/// that is not along `toward`, so that an oblong box fills the picture.
+/// Returns two unit vectors at right angles to `toward` and to each other. The first one is approximately along the
+/// longest side of the box as seen along `toward`, so that an oblong box fills the picture.
 fn across(toward: DVec3, sides: DVec3) -> [DVec3; 2] {
     let beside = DVec3::AXES.map(|axis| axis - axis.dot(toward) * toward);
     let seen = |k: usize| sides[k] * beside[k].length();

@@ -1,15 +1,14 @@
-//! Primary visibility by rasterization: the triangles and planes are projected onto the pixels. Spheres and ellipsoids
+//! Primary visibility by rasterization. The triangles and planes are projected onto the pixels. Spheres and ellipsoids
 //! are not drawn: the rays through the pixels of their boxes are cast, unless something is certainly nearer.
 //!
 //! If all camera rays start at one eye or are parallel, and one of them goes through each pixel's centre, it is much
 //! cheaper to find the pixels of each triangle than the triangle of each pixel. The result for a pixel is the same as
-//! that of casting its ray, unless rounding errors make it uncertain; then the ray has to be cast. The error bounds of
-//! an eye's rays are proved in `proofs/raster_*.g`; those of parallel rays are said in `parallel_view` and
-//! `flat_triangle`.
+//! if its ray were cast. If rounding errors make it uncertain, the ray must be cast. `proofs/raster_*.g` prove the
+//! error bounds for the rays of an eye. `parallel_view` and `flat_triangle` derive the error bounds for parallel rays.
 //!
-//! If rays go through other points of the pixels, the functions of a pixel's centre get the amount by which they
-//! vary within the pixel as a further error. So a pixel is certain if all rays through it hit the same primitive first,
-//! as most do that are away from edges.
+//! If rays go through other points of the pixels, the variation of a function within the pixel is added to its error
+//! bound. So a pixel is certain if all rays through it hit the same primitive first. Most pixels away from edges are
+//! certain.
 
 mod bins;
 mod edge_functions;
@@ -44,18 +43,18 @@ use triangle_bounds::{ScreenVertex, TriangleBounds};
 
 pub use shadow_map::ShadowMaps;
 
-/// Which rays through a pixel a buffer stands for.
+/// The rays through a pixel for which a buffer holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Footprint {
-    /// The one through its centre.
+    /// The ray through its centre.
     Center,
-    /// Those through any of its points.
+    /// The rays through any of its points.
     Pixel,
 }
 
 impl Footprint {
-    /// How far its rays are from the pixel's centre along an axis, in pixels. Half a pixel has something to spare for
-    /// the rounding of a sample's position.
+    /// Returns the largest distance between its rays and the pixel's centre along an axis, in pixels. Half a pixel
+    /// gets a margin for the rounding of a sample's position.
     fn reach(self) -> f64 {
         match self {
             Self::Center => 0.0,
@@ -70,25 +69,25 @@ pub struct VisibilityBuffer {
     /// The number of elements from one row to the next.
     stride: usize,
     first_row: usize,
-    /// For each pixel the id of the visible primitive, or [`NOTHING`] or [`UNSURE`].
+    /// The id of the visible primitive in each pixel, or [`NOTHING`] or [`UNSURE`].
     visible_ids: Vec<u32>,
 }
 
 /// The id of a pixel in which nothing is visible.
 const NOTHING: u32 = u32::MAX;
-/// The id of a pixel whose ray has to be cast.
+/// The id of a pixel whose ray must be cast.
 const UNSURE: u32 = u32::MAX - 1;
 
-/// The number of rows of pixels in a tile, which one thread draws. They are so few that they fit into its
-/// cache.
+/// The number of rows of pixels in a tile, which one thread draws. A tile fits into the thread's cache.
 const TILE_ROWS: usize = 32;
 
 /// Upper bound on the average number of pixel tests for each ray that need not be cast.
 const PIXELS_PER_RAY: usize = 16;
 
 impl VisibilityBuffer {
-    /// The first hits of the rays of this footprint in these rows, as far as triangles and planes determine them. None if
-    /// casting the rays is cheaper, or where there is no memory for them.
+    /// Returns the first hits of the rays of this footprint in these rows, as far as triangles and planes determine
+    /// them. Returns `None` if casting the rays is cheaper, if the view is not suitable, or if there is too little
+    /// memory.
     pub fn new(
         camera: &Camera,
         caster: &Caster,
@@ -98,8 +97,8 @@ impl VisibilityBuffer {
     ) -> Option<Self> {
         let (world, width) = (caster.world, size[0]);
         let pixels = width * rows.len();
-        // According to measurements casting a ray costs as much as rasterizing 3/4 of a triangle if there is
-        // a grid, and otherwise as much as rasterizing 1/64 of all triangles.
+        // According to measurements, casting a ray costs as much as rasterizing 3/4 of a triangle if there is a grid,
+        // and otherwise as much as rasterizing 1/64 of all triangles.
         let count = world.triangles.len();
         let max_triangles =
             if caster.is_selective() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
@@ -120,8 +119,8 @@ impl VisibilityBuffer {
         Some(Self { stride: width + tile::LANES, first_row: rows.start, visible_ids })
     }
 
-    /// Whether the camera's rays are such as can be found by rasterization, and the world is not one of spheres and
-    /// ellipsoids alone.
+    /// Returns true if rasterization suits the camera and the world. The finite primitives must not be only spheres
+    /// and ellipsoids.
     pub fn suits(camera: &Camera, world: &World, [width, height]: [usize; 2]) -> bool {
         let is_large = width.max(height) > triangle_bounds::MAX_PIXELS;
         let is_accurate = match camera.projection() {
@@ -135,14 +134,14 @@ impl VisibilityBuffer {
         Shortcut::FirstHits.is_taken() && is_drawn && !is_large && is_accurate
     }
 
-    /// The number of rays to be cast for these columns of all rows, one for each pixel.
+    /// Returns the number of unsure pixels in these columns of all rows, whose rays must be cast.
     #[cfg(test)]
     pub fn unsure(&self, columns: Range<usize>) -> usize {
         let rows = self.visible_ids.chunks_exact(self.stride);
         rows.map(|row| row[columns.clone()].iter().filter(|&&id| id == UNSURE).count()).sum()
     }
 
-    /// The first hit of `ray`, which goes through the pixel in column `i` of row `j`.
+    /// Returns the first hit of `ray`, which goes through the pixel in column `i` of row `j`.
     #[inline(always)]
     pub fn first_hit(&self, world: &World, ray: &Ray, [i, j]: [usize; 2]) -> FirstHit {
         let primitive = self.visible_ids[(j - self.first_row) * self.stride + i];
@@ -160,7 +159,7 @@ impl VisibilityBuffer {
     }
 }
 
-/// What the pixels show to rays from an eye, or none as in [`VisibilityBuffer::new`].
+/// Returns the ids that the pixels show to rays from an eye, or `None` as in [`VisibilityBuffer::new`].
 fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
     memory::ask(bytes_for::<ScreenVertex>(world, viewport.rows.len() * viewport.screen.stride())).ok()?;
     let vertices: Vec<_> = world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect();
@@ -174,7 +173,7 @@ fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
     drawn(&bins, viewport.screen, &others, world, edge_functions)
 }
 
-/// The same for parallel rays.
+/// Returns the ids that the pixels show to parallel rays, or `None` as in [`VisibilityBuffer::new`].
 fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) -> Option<Vec<u32>> {
     memory::ask(bytes_for::<Projected>(world, rows.len() * view.screen.stride())).ok()?;
     let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect();
@@ -194,19 +193,20 @@ fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) ->
     drawn(&bins, view.screen, &others, world, edge_functions)
 }
 
-/// What there is beside triangles.
+/// The primitives other than triangles.
 struct Others {
     planes: Vec<InvDepthPlane>,
-    /// The boxes of spheres and ellipsoids that are seen.
+    /// The boxes of the visible spheres and ellipsoids.
     boxes: Vec<TriangleBounds>,
 }
 
-/// The bounds of spheres and ellipsoids on the screen.
+/// Returns the bounds of spheres and ellipsoids on the screen.
 fn boxes(world: &World, of_box: impl Fn(&Aabb) -> Option<TriangleBounds>) -> Vec<TriangleBounds> {
     world.boxes().filter_map(|bounds| of_box(&widened(bounds))).collect()
 }
 
-/// The memory in bytes of the world's vertices on the screen, of the bounds of its triangles, and of so many pixels.
+/// Returns the memory in bytes of the world's vertices on the screen, of the bounds of its triangles, and of this
+/// number of pixels.
 fn bytes_for<Vertex>(world: &World, pixels: usize) -> u64 {
     let bytes = world.vertices.len() * size_of::<Vertex>()
         + world.triangles.len() * size_of::<TriangleBounds>()
@@ -214,7 +214,7 @@ fn bytes_for<Vertex>(world: &World, pixels: usize) -> u64 {
     bytes as u64
 }
 
-/// What the pixels show of these triangles and of the others.
+/// Returns the ids that the pixels show after all primitives are drawn, or `None` if that takes too many pixel tests.
 fn drawn(
     bins: &Bins,
     screen: Screen,
@@ -234,10 +234,10 @@ fn drawn(
     }))
 }
 
-/// How many times as large the `max_direction_length` of a turned eye is taken, to which all error bounds are at
-/// least in proportion. For an edge function this adds what the further roundings of a direction do. It is more than
-/// that for the depths of triangles, which have 47.5 roundings and to which those of a direction apply 2.6 times, and
-/// for those of planes, which have 19.
+/// The factor of the `max_direction_length` of a turned eye. All error bounds are at least proportional to this
+/// length. For an edge function, the factor adds exactly the further roundings of a direction. It adds more than these
+/// for the depths of triangles, which have 47.5 roundings and to which the roundings of a direction apply 2.6 times,
+/// and for the depths of planes, which have 19 roundings.
 const TURNED: f64 = 1.0 + TURN_ROUNDINGS / EDGE_ROUNDINGS;
 
 /// The projection onto the rows that are drawn.
@@ -247,11 +247,11 @@ struct Viewport {
     eye: Eye,
     /// A power of two that scales all finite primitives to within a distance of 1 from the eye.
     scale: f64,
-    /// The vectors whose dot products with a point at depth 1 are its x and y.
+    /// The vectors whose dot products with a point at depth 1 are the point's x and y.
     axes: [DVec3; 2],
     /// Upper bound on the distance of the outermost pixel centres from the eye's `middle` along each axis, in pixels.
     far: DVec2,
-    /// Upper bound on |d| + |x h| + |y v|; [`TURNED`] times that if the eye is turned.
+    /// Upper bound on |d| + |x h| + |y v|, times [`TURNED`] if the eye is turned.
     max_direction_length: f64,
     screen: Screen,
     rows: Range<usize>,
@@ -263,24 +263,24 @@ struct Screen {
     /// The middle in pixels, relative to the centre of the lower left pixel.
     middle: DVec2,
     width: usize,
-    /// How far rays are from the centres of their pixels along an axis, in pixels.
+    /// The largest distance between rays and the centres of their pixels along an axis, in pixels.
     reach: f64,
-    /// The inverse depth at which nothing is seen: not more than that of anything that is.
+    /// The inverse depth of a pixel that shows nothing. No visible primitive has a smaller one.
     nothing: f32,
-    /// How far the inverse depths of two hits may be apart that lie in one place, so that it is decided by the primitives
-    /// which of them is seen, and not by the depths.
+    /// The largest difference between the inverse depths of two hits that count as one place. There the primitives,
+    /// not the depths, decide which one is visible.
     same_place: ErrorBound,
 }
 
 impl Screen {
-    /// The number of elements from one row of a buffer to the next.
+    /// Returns the number of elements from one row of a buffer to the next.
     fn stride(&self) -> usize {
         self.width + tile::LANES
     }
 }
 
 impl Viewport {
-    /// None if numbers are too large or too small for the error bounds, or if the view is so narrow or so
+    /// Returns `None` if numbers are too large or too small for the error bounds, or if the view is so narrow or so
     /// skewed that the error of a projected vertex may exceed a small fraction of a pixel. The last parameter is
     /// [`World::coincidence_reach_by_t`].
     fn new(
@@ -297,7 +297,7 @@ impl Viewport {
         let axes = [eye.right, eye.up].map(|axis| axis / axis.length_squared());
         let [width, height] = size;
         let last = DVec2::new(width as f64, height as f64) - 1.0;
-        // That of a turned eye is not exact.
+        // The `middle` of a turned eye is not exact.
         let clearance = if eye.is_turned { 1.0 } else { 0.0 };
         let far = eye.middle.abs().max((last - eye.middle).abs()) + clearance;
         let (across, along) = ((far.x + 0.5) * eye.right.length(), (far.y + 0.5) * eye.up.length());
@@ -307,18 +307,19 @@ impl Viewport {
         let is_usual = (1e-60..1e60).contains(&scale)
             && max_direction_length < 1e12
             && screen_error < triangle_bounds::MAX_SCREEN_ERROR;
-        // With n = 1 / t, a distance of e in t is one of less than e n^2 in n. The directions of rays are no shorter than 1.
+        // With n = 1 / t, a difference of e in t is a difference of less than e n^2 in n. The directions of rays are
+        // no shorter than 1.
         let same_place = ErrorBound([0.0, per_t, margin * scale]);
         let screen = Screen { middle: eye.middle, width, reach: footprint.reach(), nothing: 0.0, same_place };
         is_usual.then_some(Self { eye, scale, axes, far, max_direction_length, screen, rows })
     }
 
-    /// A point relative to the eye, scaled.
+    /// Returns a point relative to the eye, scaled.
     fn eye_space(&self, point: DVec3) -> DVec3 {
         (point - self.eye.center) * self.scale
     }
 
-    /// The dot product of `normal` and a pixel's ray direction, as a function of the pixel.
+    /// Returns the dot product of `normal` and a pixel's ray direction, as a function of the pixel.
     fn affine(&self, normal: DVec3) -> Affine {
         let Eye { direction, right, up, .. } = self.eye;
         Affine { constant: normal.dot(direction), per_x: normal.dot(right), per_y: normal.dot(up) }
@@ -338,7 +339,7 @@ impl Affine {
         self.constant + self.per_x * x + self.per_y * y
     }
 
-    /// How much it differs at most from its value at a point where both coordinates are within `reach`.
+    /// Returns the largest change of the value if both coordinates change by up to `reach`.
     fn variation(self, reach: f64) -> f64 {
         reach * (self.per_x.abs() + self.per_y.abs())
     }

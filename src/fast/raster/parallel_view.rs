@@ -1,9 +1,10 @@
-//! The picture of an orthographic camera. Nothing is clipped, since such a camera also sees what is behind it.
+//! The picture of an orthographic camera. Nothing is clipped, since such a camera also sees objects behind it.
 //!
-//! *Error bounds.* A point's coordinates are off because of the roundings of the point, the axes and the ray that is
-//! cast, a few of the largest coordinate, and because the camera's axes are not quite orthogonal. The distances along
-//! rays are off by the roundings of the ray's test, up to [`T_ROUNDINGS`] of them. There is no view where the sum of
-//! all of them may exceed a small fraction of a pixel, or of the depth of the finite primitives.
+//! *Error bounds.* The error of a point's coordinates comes from the roundings of the point, the axes and the ray that
+//! is cast, a few times the rounding of the largest coordinate, and from the camera's axes, which are not quite
+//! orthogonal. The error of the distances along rays comes from the roundings of the ray's test, up to
+//! [`T_ROUNDINGS`]. If the sum of all errors may exceed a small fraction of a pixel, or of the depth of the finite
+//! primitives, there is no view.
 
 use super::edge_functions::{ErrorBound, InvDepthPlane};
 use super::flat_triangle::{NEARNESS_ERROR, Projected};
@@ -24,14 +25,14 @@ const MAX_DEPTH_ERROR: f64 = 0.5 * NEARNESS_ERROR;
 /// The error of a coordinate or a depth is less than this many roundings of the largest number involved.
 const ROUNDINGS: f64 = 2.0 * T_ROUNDINGS;
 
-/// What an orthographic camera sees.
+/// The view of an orthographic camera.
 pub struct ParallelView {
     eye: Eye,
-    /// The vectors across, in pixels per unit of length.
+    /// The vectors to the right and up in the picture, in pixels per unit of length.
     axes: [DVec3; 2],
     /// The middle of the primitives' bounds.
     middle: DVec3,
-    /// Upper bound on the distance of the primitives from there.
+    /// Upper bound on the distance of the primitives from `middle`.
     radius: f64,
     /// The largest coordinate and distance involved.
     extent: f64,
@@ -41,7 +42,8 @@ pub struct ParallelView {
 }
 
 impl ParallelView {
-    /// None if errors may be too large. The last parameter is [`coincidence_reach_by_t`](crate::world::World::coincidence_reach_by_t).
+    /// Returns `None` if errors may be too large. The last parameter is
+    /// [`coincidence_reach_by_t`](crate::world::World::coincidence_reach_by_t).
     pub fn new(
         eye: Eye,
         bounds: &Aabb,
@@ -73,7 +75,7 @@ impl ParallelView {
         is_usual.then_some(Self { eye, axes, middle, radius, extent, screen_error, screen })
     }
 
-    /// Where a point is in the picture.
+    /// Projects a point into the picture.
     pub fn project(&self, point: DVec3) -> Projected {
         let across = point - self.eye.center;
         Projected {
@@ -82,7 +84,7 @@ impl ParallelView {
         }
     }
 
-    /// The nearness of a plane, which has no limits.
+    /// Returns the nearness of a plane, as a function of the pixel. It has no limits.
     pub fn plane(&self, plane: &Plane) -> InvDepthPlane {
         let Eye { center, direction, right, up, .. } = self.eye;
         // The ray's test computes the same rate from the same numbers, so both share its error.
@@ -104,10 +106,10 @@ impl ParallelView {
     }
 }
 
-/// The error of coordinates that is assumed for triangles up to so many pixels from the middle, because of the
-/// roundings of interpolated numbers: a billionth for those of [`flat_triangle`](super::flat_triangle). With the
-/// other part a triangle that is not seen edge on has more than the area, relative to the squared distance, with
-/// which the error of the ray's t is [`T_ROUNDINGS`].
+/// Returns the error of coordinates that is assumed for triangles up to this number of pixels from the middle, because
+/// of the roundings of interpolated numbers. The linear part, a billionth, covers the roundings of
+/// [`flat_triangle`](super::flat_triangle). With the quadratic part, the area of a triangle that is not seen edge on,
+/// relative to the squared distance, is large enough for the error bound [`T_ROUNDINGS`] of the ray's t.
 fn interpolation_error(pixels: f64) -> f64 {
     1e-9 * pixels + 1e-13 * pixels * pixels
 }
@@ -118,7 +120,7 @@ mod tests {
     use num_rational::BigRational;
     use num_traits::ToPrimitive;
 
-    /// A vector of exact numbers.
+    /// Returns a vector of exact numbers.
     fn exact(v: DVec3) -> [BigRational; 3] {
         v.to_array().map(|x| BigRational::from_float(x).unwrap())
     }
@@ -131,12 +133,12 @@ mod tests {
         a * d + b * e + c * f
     }
 
-    /// The sum of a vector and so many times another one.
+    /// Returns the sum of a vector and `factor` times another one.
     fn moved(a: &[BigRational; 3], factor: &BigRational, b: &[BigRational; 3]) -> [BigRational; 3] {
         [0, 1, 2].map(|i| &a[i] + factor * &b[i])
     }
 
-    /// A view of a box of this size, as far from the origin.
+    /// Returns a view of a box of this size, at this distance from the origin.
     fn view(size: f64, far: f64) -> ParallelView {
         let middle = far * DVec3::new(1.0 / 3.0, -0.7, 0.3);
         let bounds = Aabb { min: middle - size, max: middle + size };
@@ -146,12 +148,12 @@ mod tests {
         ParallelView::new(eye, &bounds, 64, Footprint::Center, [0.0; 2]).unwrap()
     }
 
-    /// The difference of a plane's nearness from the exact one at a pixel, and its error bound.
+    /// Returns the error of a plane's nearness at a pixel, and its error bound.
     fn error_and_bound(view: &ParallelView, plane: &Plane, x: f64, y: f64) -> [f64; 2] {
         let Eye { center, direction, right, up, .. } = view.eye;
         let (normal, d) = (exact(plane.normal), exact(direction));
         let origin = moved(&moved(&exact(center), &number(x), &exact(right)), &number(y), &exact(up));
-        // The rate is that of the ray's test.
+        // Use the same rate as the ray's test.
         let rate = number(plane.normal.dot(direction));
         let t = (number(plane.offset) - dot(&normal, &origin)) / rate;
         let from_middle = moved(&moved(&origin, &t, &d), &number(-1.0), &exact(view.middle));
@@ -178,7 +180,7 @@ mod tests {
                 }
             }
         }
-        // More than where planes are across the rays, so that the bound has to grow with the slope.
+        // The error is larger than for planes at right angles to the rays, so the bound must grow with the slope.
         assert!(largest > 10.0 * NEARNESS_ERROR, "{largest}");
     }
 

@@ -1,11 +1,11 @@
-//! Shadow maps (Williams, "Casting Curved Shadows on Curved Surfaces", SIGGRAPH 1978): what stands between a light and
-//! any point of the world, as far as rasterization tells.
+//! Shadow maps (Williams, "Casting Curved Shadows on Curved Surfaces", SIGGRAPH 1978): finds the primitives between a
+//! light and any point of the world, as far as rasterization determines them.
 //!
-//! The triangles are drawn as the light sees them, as on whole pixels of a picture: a pixel is certain if nothing is in
-//! it, or if one triangle covers it and is the nearest of all of them. A ray to the light from a point in the pixel
-//! then hits nothing, or that triangle or nothing. All other rays have to be cast, among them those near spheres. So
-//! shadows are as exact as without maps. How exact the pictures are is said in [`light_view`](super::light_view) and
-//! [`flat_triangle`](super::flat_triangle).
+//! The triangles are drawn as seen from the light, for whole pixels of a picture. A pixel is certain if nothing is in
+//! it, or if one triangle covers all of it and is the nearest. In the first case a ray to the light from a point in
+//! the pixel hits nothing. In the second case it hits this triangle or nothing. All other rays must be cast, including
+//! rays near spheres. So shadows are as exact as without maps. [`light_view`](super::light_view) and
+//! [`flat_triangle`](super::flat_triangle) state the error bounds of the pictures.
 
 use super::bins::Bins;
 use super::flat_triangle::{Projected, edge_functions};
@@ -26,7 +26,7 @@ use rayon::prelude::*;
 #[derive(Debug)]
 struct ShadowMap {
     view: LightView,
-    /// For each pixel the id of the triangle that is the nearest to the light, or [`NOTHING`] or [`UNSURE`].
+    /// The id of the triangle nearest to the light in each pixel, or [`NOTHING`] or [`UNSURE`].
     nearest_ids: Vec<u32>,
 }
 
@@ -34,21 +34,21 @@ struct ShadowMap {
 #[derive(Debug, Default)]
 pub struct ShadowMaps(Vec<Option<ShadowMap>>);
 
-/// The number of pixels along a side: so few that a map stays in the cache.
+/// The number of pixels along a side. It is small enough that a map stays in the cache.
 const SIZE: usize = 256;
 
-/// There are at least so many rays to a light for each triangle, and one for each pixel, or there are no maps.
-/// According to measurements they take more time than they save otherwise.
+/// Maps are built only for at least this number of rays to a light per triangle, and at least one per pixel. According
+/// to measurements, they take more time than they save otherwise.
 const RAYS_PER_TRIANGLE: usize = 48;
 
-/// Upper bound on the pixel tests of all maps together: a fraction of a second, which nothing can interrupt.
+/// Upper bound on the pixel tests of all maps together: a fraction of a second, which cannot be interrupted.
 const MAX_PIXELS: usize = 1 << 28;
 
 impl ShadowMaps {
-    /// Maps for so many rays to each light. There is none for a light that is too close to the primitives, or where
-    /// there is no memory for it, or where casting the rays is less work.
+    /// Builds the maps for this number of rays to each light. A light has no map if it is too close to the primitives,
+    /// if there is too little memory, or if casting the rays is less work.
     pub fn new(world: &World, rays: usize) -> Self {
-        // The light side of spheres is unsure.
+        // The pixels of spheres are unsure.
         let has_flat_surfaces = !world.triangles.is_empty() || !world.planes.is_empty();
         let pays = rays >= SIZE * SIZE && rays / RAYS_PER_TRIANGLE >= world.triangles.len();
         if !Shortcut::ShadowMaps.is_taken() || world.finite_count() == 0 || !has_flat_surfaces || !pays {
@@ -62,7 +62,7 @@ impl ShadowMaps {
         Self(world.lights.par_iter().map(|light| ShadowMap::new(world, light, most_pixels)).collect())
     }
 
-    /// What a ray from a point to the light with this index may hit.
+    /// Returns the primitives that a ray from a point to the light with this index may hit.
     #[inline(always)]
     pub fn blocker(&self, light: usize, point: DVec3) -> Blocker {
         match self.0.get(light) {
@@ -94,8 +94,8 @@ impl ShadowMap {
     }
 }
 
-/// Draws the triangles, and marks the pixels that may show something in these boxes; none where triangles lie in more
-/// pixels altogether.
+/// Draws the triangles, and marks the pixels of these boxes as unsure. Returns `None` if the bounds of the triangles
+/// have more than `most_pixels` pixels in total.
 fn draw(view: &LightView, world: &World, boxes: &[Aabb], most_pixels: usize) -> Option<Vec<u32>> {
     let (screen, rows) = (view.screen(), 0..SIZE);
     let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect();
@@ -112,7 +112,7 @@ fn draw(view: &LightView, world: &World, boxes: &[Aabb], most_pixels: usize) -> 
         TriangleBounds::of_box_ahead(&screen, &rows, corners)
     };
     let boxes: Vec<_> = boxes.iter().map(on_screen).collect();
-    // Nothing is known of the depth of what casts a shadow.
+    // The depth of the objects in the boxes counts as unknown.
     let mark = |tile: &mut Tile| {
         for TriangleBounds { columns, rows, .. } in boxes.iter().flatten() {
             tile.mark_unsure(columns.range(), rows.range(), f32::INFINITY);

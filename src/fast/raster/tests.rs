@@ -1,4 +1,4 @@
-//! The visibility buffer against the rays that it stands for.
+//! Compares the visibility buffer with the rays that it replaces.
 
 use super::*;
 use crate::scene;
@@ -10,10 +10,10 @@ use glam::DVec2;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 angle 40 }";
 
-/// Within the primitives, because it also sees what is behind it.
+/// A camera among the primitives, because it also sees objects behind it.
 const ORTHOGRAPHIC: &str = "OrthographicCamera { center 0.1 0 0.2 direction 0.2 -0.1 -1 up 0 1 0 size 2.9 }";
 
-/// The camera of a scene and its world of these triangles and objects.
+/// Returns the camera of a scene, and its world of these triangles and objects.
 fn scene(camera: &str, triangles: &[[DVec3; 3]], objects: &[&str], size: [usize; 2]) -> (Camera, World) {
     let text = format!(
         "{camera} Group {{ numObjects {} Material {{ }} TriangleMesh {{ obj_file a.obj }} {} }}",
@@ -28,7 +28,7 @@ fn scene(camera: &str, triangles: &[[DVec3; 3]], objects: &[&str], size: [usize;
     (Camera::new(&scene.camera, size), World::new(&scene, &[mesh]).unwrap())
 }
 
-/// Triangles of this size, spread over a cube by golden ratios, and each the other way round than the last.
+/// Returns triangles of this size, spread over a cube by golden ratios, with alternating orientation.
 fn spread(count: u32, size: f64) -> Vec<[DVec3; 3]> {
     let corner = |k: f64| 2.0 * (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * k).fract() - 1.0;
     let triangle = |i: u32| {
@@ -40,7 +40,7 @@ fn spread(count: u32, size: f64) -> Vec<[DVec3; 3]> {
     (0..count).map(triangle).collect()
 }
 
-/// Offsets from a pixel's centre of rays that a buffer stands for, among them the farthest.
+/// Returns the offsets from a pixel's centre of some rays that a buffer replaces, including the farthest.
 fn offsets(footprint: Footprint) -> Vec<DVec2> {
     let across = [-0.5, -0.3, 0.0, 0.2, 0.5];
     match footprint {
@@ -49,7 +49,8 @@ fn offsets(footprint: Footprint) -> Vec<DVec2> {
     }
 }
 
-/// How many pixels of these rows show nothing, a primitive, or are unsure; each is checked against its rays.
+/// Checks each pixel of these rows against its rays. Returns the number of pixels that show nothing, that show a
+/// primitive, and that are unsure.
 fn counts(
     camera: &Camera,
     world: &World,
@@ -97,22 +98,23 @@ fn what_is_seen_is_what_rays_hit_and_little_is_unsure() {
     .into_iter()
     .flat_map(|case| [(CAMERA, case.clone()), (ORTHOGRAPHIC, case)])
     {
-        // Every parallel ray hits a plane, which the camera sees behind itself as well.
+        // Every parallel ray hits a plane, since the camera also sees it behind itself.
         let fills = objects.len() > 1 || camera == ORTHOGRAPHIC && !objects.is_empty();
-        // From the eye the nearer triangles are larger.
+        // In perspective, nearer triangles are larger.
         let least_seen = if camera == CAMERA { 700 } else { 150 };
         let (camera, world) = scene(camera, &triangles, objects, size);
         let [nothing, seen, unsure] = counts(&camera, &world, size, rows.clone(), Footprint::Center);
         assert!(25 * unsure < seen, "{nothing} {seen} {unsure}");
         assert!(seen > 1000 && (fills || nothing > 200), "{nothing} {seen} {unsure}");
-        // Of whole pixels those at the edges of triangles are unsure.
+        // With whole pixels, the pixels at the edges of triangles are unsure.
         let [nothing, seen, unsure] = counts(&camera, &world, size, rows, Footprint::Pixel);
         assert!(triangles.len() > 40 || unsure < seen + nothing, "{nothing} {seen} {unsure}");
         assert!(seen > least_seen && (fills || nothing > 200), "{nothing} {seen} {unsure}");
     }
 }
 
-/// In a view whose sides span different angles per pixel, and one whose way up leans ahead or back, among the triangles.
+/// Covers a view whose sides span different angles per pixel, and views whose up vector leans ahead or back, among the
+/// triangles.
 #[test]
 fn stretched_and_skew_views_are_rasterized() {
     let triangles = spread(300, 0.4);
@@ -138,7 +140,7 @@ fn stretched_and_skew_views_are_rasterized() {
     }
 }
 
-/// Two triangles that share an edge through the centres of a column, where nothing is certain.
+/// Two triangles share an edge through the centres of a column, so nothing is certain there.
 #[test]
 fn pixels_on_an_edge_are_unsure() {
     assert_ne!(UNSURE, NOTHING);
@@ -189,10 +191,10 @@ fn rays_are_cast_where_that_is_less_work_or_the_world_has_other_things() {
     let sphere = "Sphere { center 0 0 0 radius 0.1 }";
     assert!(is_drawn(CAMERA, &few, &[sphere], None) && !is_drawn(CAMERA, &[], &[sphere], None));
     assert!(is_drawn(ORTHOGRAPHIC, &few, &[], None));
-    // From so far away the errors of single rays exceed the triangles.
+    // From this distance the errors of single rays exceed the triangles.
     let far = "OrthographicCamera { center 1e14 0 4 direction 0 0 -1 up 0 1 0 size 2 }";
     assert!(!is_drawn(far, &few, &[], None));
-    // With a grid up to three triangles for four pixels, without one many more.
+    // With a grid, rasterization pays for up to three triangles per four pixels, without a grid for many more.
     for (count, with_grid) in [(900, true), (901, false)] {
         let tiny = spread(count, 1e-3);
         assert!(is_drawn(CAMERA, &tiny, &[], None));

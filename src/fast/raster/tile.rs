@@ -1,11 +1,10 @@
-//! A tile of the visibility buffer: some rows of pixels, which one thread rasterizes with a depth test.
+//! A tile of the visibility buffer: some rows of pixels that one thread rasterizes with a depth test.
 //!
-//! Eight adjacent pixels are processed at a time, in single precision relative to the first of them, and
-//! without branches, because triangles often cover so few pixels that a mispredicted branch would cost more
-//! than the pixels it skips. For each pixel the tile keeps an interval that contains the inverse depth of the
-//! nearest primitive. Where the intervals of two primitives overlap, or an edge function is within its error
-//! bound of zero, the pixel is marked as unsure, and its ray is cast. `proofs/raster_single.g` proves the
-//! error bound of single precision.
+//! Eight adjacent pixels are processed at a time, in single precision relative to the first pixel, and without
+//! branches. Triangles often cover so few pixels that a mispredicted branch would cost more than the pixels it skips.
+//! For each pixel the tile keeps an interval that contains the inverse depth of the nearest primitive. If the
+//! intervals of two primitives overlap, or an edge function is within its error bound of zero, the pixel is marked as
+//! unsure, and its ray is cast. `proofs/raster_single.g` proves the error bound of single precision.
 
 use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::TriangleBounds;
@@ -13,7 +12,7 @@ use super::{Affine, Screen, TILE_ROWS, UNSURE};
 use crate::math::extremes::min3;
 use std::ops::Range;
 
-/// How many adjacent pixels are processed at a time.
+/// The number of adjacent pixels that are processed at a time.
 pub const LANES: usize = 8;
 
 type Lanes = [f32; LANES];
@@ -24,10 +23,10 @@ pub struct Tile<'c> {
     rows: Range<usize>,
     /// The distance in the lists from one row to the next, which leaves room for `LANES` pixels after a row.
     stride: usize,
-    /// A lower bound on the inverse depth of the nearest primitive in each pixel, or the screen's `nothing` where
-    /// there is none.
+    /// A lower bound on the inverse depth of the nearest primitive in each pixel, or the screen's `nothing` if the
+    /// pixel shows no primitive.
     min_inv_depths: Vec<f32>,
-    /// An upper bound on it.
+    /// An upper bound on the inverse depth of the nearest primitive in each pixel.
     max_inv_depths: Vec<f32>,
     /// The id of the nearest primitive in each pixel.
     visible_ids: &'c mut [u32],
@@ -42,8 +41,8 @@ struct AffineRow {
 }
 
 impl AffineRow {
-    /// For the pixels from `corner` on, as many as `extent` says, and for rays so far from their centres.
-    /// `error_bound` is that of the function in double precision.
+    /// Returns the function for `extent` columns and rows of pixels from `corner` on, and for rays up to `reach` from
+    /// the pixels' centres. `error_bound` is the function's bound in double precision.
     fn new(
         function: Affine,
         corner: [f64; 2],
@@ -51,8 +50,8 @@ impl AffineRow {
         reach: f64,
         error_bound: ErrorBound,
     ) -> Self {
-        /// The error bound of single precision, in roundings of the largest value: 3 roundings of the value
-        /// and one of its sum with the error bound, with something to spare (`proofs/raster_single.g`).
+        /// The error bound of single precision, in roundings of the largest value: 3 roundings of the value, one of
+        /// its sum with the error bound, and a margin (`proofs/raster_single.g`).
         const SINGLE_ROUNDINGS: f64 = 5.0;
         const SINGLE_UNIT_ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
         let [x, y] = corner;
@@ -65,18 +64,18 @@ impl AffineRow {
         Self { function, slope: function.per_x as f32, error_bound: error_bound as f32 }
     }
 
-    /// The values at `LANES` pixels of a row, from the pixel at `x` and `y` on.
+    /// Returns the values at `LANES` pixels of a row, from the pixel at `x` and `y` on.
     fn from(&self, x: f64, y: f64) -> Lanes {
         let first = self.function.at(x, y) as f32;
         std::array::from_fn(|k| first + self.slope * k as f32)
     }
 }
 
-/// How a triangle covers some pixels: bounds on the least of the three edge functions.
+/// The coverage of some pixels by a triangle: bounds on the least of the three edge functions.
 struct Coverage {
-    /// A lower bound. The triangle certainly covers the pixels where it is positive.
+    /// A lower bound. The triangle certainly covers a pixel if this is positive.
     least: Lanes,
-    /// An upper bound. The triangle certainly misses the pixels where it is negative.
+    /// An upper bound. The triangle certainly misses a pixel if this is negative.
     most: Lanes,
 }
 
@@ -84,7 +83,7 @@ impl Coverage {
     const FULL: Self = Self { least: [1.0; LANES], most: [1.0; LANES] };
     const UNKNOWN: Self = Self { least: [-1.0; LANES], most: [1.0; LANES] };
 
-    /// By these edges, from the pixel at `x` and `y` on.
+    /// Returns the coverage by these edges, from the pixel at `x` and `y` on.
     #[inline(always)]
     fn new(edges: &[AffineRow; 3], x: f64, y: f64) -> Self {
         let [p, q, r] = edges.each_ref().map(|edge| edge.from(x, y));
@@ -103,8 +102,8 @@ impl<'c> Tile<'c> {
         Self { screen, rows, stride, min_inv_depths: far.clone(), max_inv_depths: far, visible_ids }
     }
 
-    /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded. Where it
-    /// has no edge functions, the pixels become unsure.
+    /// Draws a triangle into the pixels of the tile that its bounds cover, unless all of them are occluded. If it has
+    /// no edge functions, the pixels become unsure.
     pub fn draw(
         &mut self,
         triangle_bounds: &TriangleBounds,
@@ -121,7 +120,7 @@ impl<'c> Tile<'c> {
         }
     }
 
-    /// Whether every pixel in these columns of row j certainly shows something nearer than `max_inv_depth`.
+    /// Returns true if every pixel in these columns of row j certainly shows something nearer than `max_inv_depth`.
     fn occludes(&self, columns: Range<usize>, j: usize, max_inv_depth: f32) -> bool {
         let row = (j - self.rows.start) * self.stride;
         self.min_inv_depths[row + columns.start..row + columns.end].iter().all(|&min| min > max_inv_depth)
@@ -171,8 +170,8 @@ impl<'c> Tile<'c> {
         }
     }
 
-    /// Marks pixels that a primitive may cover whose inverse depth is at most this, unless something is certainly nearer,
-    /// so that their rays are cast.
+    /// Marks pixels as unsure, so that their rays are cast: a primitive with at most this inverse depth may cover
+    /// them. Does not mark pixels that show something certainly nearer.
     pub fn mark_unsure(&mut self, columns: Range<usize>, rows: Range<usize>, max_inv_depth: f32) {
         let rows = rows.start.max(self.rows.start)..rows.end.min(self.rows.end);
         for j in rows {
@@ -182,11 +181,11 @@ impl<'c> Tile<'c> {
         }
     }
 
-    /// The depth test of primitive `id` at the pixels from column i of row j on, which it covers in this way.
+    /// Does the depth test of primitive `id` at the pixels from column i of row j on, with this coverage.
     ///
-    /// A pixel shows the primitive where it is certainly covered and certainly the nearest so far. It stays
-    /// as it is where the primitive is certainly missed or certainly farther, and becomes unsure otherwise.
-    /// The comparisons are written so that a NaN makes the pixel unsure for good.
+    /// A pixel shows the primitive if the primitive certainly covers it and is certainly the nearest so far. The pixel
+    /// is unchanged if the primitive certainly misses it or is certainly farther. Otherwise it becomes unsure. The
+    /// comparisons are written so that a NaN makes the pixel unsure for good.
     #[inline(always)]
     fn update(
         &mut self,
@@ -207,7 +206,7 @@ impl<'c> Tile<'c> {
         else {
             return;
         };
-        // Every step runs over all lanes before the next, so that it compiles to a few vector instructions.
+        // Run every step over all lanes before the next, so that it compiles to a few vector instructions.
         let min = inv_depth.map(|n| n - inv_depth_error_bound);
         let max = inv_depth.map(|n| n + inv_depth_error_bound);
         let is_nearest = lanes(|k| mask(coverage.least[k] > 0.0) & mask(min[k] > max_inv_depths[k]));
@@ -228,7 +227,7 @@ fn lanes<T>(lane: impl FnMut(usize) -> T) -> [T; LANES] {
     std::array::from_fn(lane)
 }
 
-/// All bits set for true, no bit for false.
+/// Returns all bits set for true, no bit set for false.
 #[inline(always)]
 fn mask(condition: bool) -> u32 {
     u32::from(condition).wrapping_neg()

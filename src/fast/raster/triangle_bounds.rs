@@ -1,10 +1,10 @@
-//! The screen-space bounds of triangles, and of boxes around other primitives: conservatively, the pixels whose rays may
-//! hit each.
+//! Conservative screen-space bounds of triangles, and of boxes around other primitives: the pixels whose rays may hit
+//! them.
 //!
-//! This is the first step of rasterization. All vertices are projected onto the picture, then the bounds of
-//! each triangle are taken from those of its vertices. A triangle that has a vertex beside or behind the eye
-//! is either certainly outside the view frustum or gets the whole picture as its bounds.
-//! `proofs/raster_bounds.g` proves that the bounds leave out no pixel.
+//! This is the first step of rasterization. First all vertices are projected onto the picture. Then the bounds of each
+//! triangle are computed from its projected vertices. A triangle that has a vertex beside or behind the eye is either
+//! certainly outside the view frustum, or its bounds are the whole picture. `proofs/raster_bounds.g` proves that the
+//! bounds leave out no pixel.
 
 use super::{Eye, Screen, UNSURE, Viewport};
 use crate::math::aabb::Aabb;
@@ -19,7 +19,7 @@ use std::ops::Range;
 pub struct ScreenVertex {
     /// The pixel coordinates in units of 1 / [`SUBPIXELS`], truncated.
     at: [i32; 2],
-    /// One over its depth in front of the eye, or one of the constants [`ASIDE`] and [`BEHIND`].
+    /// The inverse of its depth in front of the eye, or one of the constants [`ASIDE`] and [`BEHIND`].
     inv_depth: f32,
 }
 
@@ -42,18 +42,18 @@ pub const SCREEN_ROUNDINGS: f64 = 2.5;
 /// [`screen_error_bound`], in units of u times the square of `max_direction_length` and the length of an axis.
 const EYE_ROUNDINGS: f64 = 31.0;
 
-/// How much of the error that is allowed [`screen_error_bound`] may be, since it leaves out terms of second order.
+/// The part of the allowed error that [`screen_error_bound`] may use, since it omits terms of second order.
 const SCREEN_CLEARANCE: f64 = 0.9;
 
-/// The largest error bound of screen coordinates, in pixels, with which a view is rasterized: the error is then
-/// less than half of what [`Span::around`] allows. The other half covers the truncation to fixed point.
+/// The largest error bound of screen coordinates, in pixels, with which a view is rasterized. The error is then less
+/// than half of the padding of [`Span::around`]. The other half covers the truncation to fixed point.
 pub const MAX_SCREEN_ERROR: f64 = SCREEN_CLEARANCE / SUBPIXELS as f64;
 
 /// The error bound of a point's depth, in units of u times the point's distance.
 pub const BEHIND_ROUNDINGS: f64 = 2.75;
 
-/// The error bound of screen coordinates in this view, in pixels. Errors come from rounding, and from the
-/// eye's vectors being not quite orthogonal, which matters when it looks almost along the upward direction.
+/// Returns the error bound of screen coordinates in this view, in pixels. Errors come from rounding, and from the
+/// eye's vectors, which are not quite orthogonal. This matters if the eye looks almost along the upward direction.
 ///
 /// A coordinate along one axis is at most `max_direction_length` - 1 times the axis's length, or outside the
 /// picture, and along the other axis at most [`MAX_STEEPNESS`] times. A cosine between two vectors changes
@@ -67,7 +67,7 @@ pub fn screen_error_bound(eye: &Eye, axes: [DVec3; 2], max_direction_length: f64
 }
 
 impl ScreenVertex {
-    /// At these pixel coordinates.
+    /// Returns a vertex at these pixel coordinates.
     pub fn at(pixel: DVec2, inv_depth: f64) -> Self {
         // A coordinate far outside the picture may be clamped, since only comparisons with pixels matter.
         let at = (pixel * f64::from(SUBPIXELS)).to_array().map(|x| x.clamp(-1e9, 1e9) as i32);
@@ -88,7 +88,7 @@ impl ScreenVertex {
     }
 }
 
-/// Where a point relative to the eye is on the screen, in pixels.
+/// Returns the screen coordinates of a point relative to the eye, in pixels.
 #[inline(always)]
 pub fn pixel_coordinates(point: DVec3, inv_depth: f64, viewport: &Viewport) -> DVec2 {
     let [right, up] = viewport.axes;
@@ -106,8 +106,8 @@ pub struct TriangleBounds {
 }
 
 impl TriangleBounds {
-    /// The bounds of triangle `id`, and whether it seems to be front-facing; none where it covers no pixel.
-    /// `vertices` are the world's vertices on the screen.
+    /// Returns the bounds of triangle `id`, and true if it seems to be front-facing. Returns `None` if it covers no
+    /// pixel. `vertices` are the world's vertices on the screen.
     #[inline]
     pub fn new(
         viewport: &Viewport,
@@ -126,7 +126,7 @@ impl TriangleBounds {
         }
     }
 
-    /// The bounds of a box, whose pixels are unsure; none where it covers no pixel.
+    /// Returns the bounds of a box, whose pixels are unsure, or `None` if it covers no pixel.
     pub fn of_box(viewport: &Viewport, bounds: &Aabb) -> Option<Self> {
         let corners = bounds.corners();
         let on_screen = corners.map(|corner| ScreenVertex::of(corner, viewport));
@@ -141,19 +141,20 @@ impl TriangleBounds {
         }
     }
 
-    /// The same for a box whose corners are all well ahead of the eye.
+    /// Returns the bounds of a box whose corners are all well ahead of the eye, or `None` if it covers no pixel.
     pub fn of_box_ahead(screen: &Screen, rows: &Range<usize>, corners: [ScreenVertex; 8]) -> Option<Self> {
         let max_inv_depth = corners.iter().fold(f32::NEG_INFINITY, |most, corner| most.max(corner.inv_depth));
         Self::around(screen, rows, corners, UNSURE, max_inv_depth)
     }
 
-    /// The whole picture, at any depth.
+    /// Returns the whole picture, at any depth.
     fn whole(screen: &Screen, rows: &Range<usize>, id: u32) -> Self {
         let (columns, rows) = (Span::new(&(0..screen.width)), Span::new(rows));
         Self { id, columns, rows, max_inv_depth: f32::INFINITY }
     }
 
-    /// The bounds of some corners, of which this is the largest inverse depth; none where they cover no pixel.
+    /// Returns the bounds of some corners, or `None` if they cover no pixel. `max_inv_depth` is the corners' largest
+    /// inverse depth.
     #[inline(always)]
     fn around<const N: usize>(
         screen: &Screen,
@@ -170,7 +171,7 @@ impl TriangleBounds {
         is_seen.then_some(Self { id, columns, rows, max_inv_depth })
     }
 
-    /// The same for a triangle whose vertices are all well ahead of the eye.
+    /// Returns the result of [`TriangleBounds::new`] for a triangle whose vertices are all well ahead of the eye.
     #[inline]
     pub fn ahead(
         screen: &Screen,
@@ -183,7 +184,7 @@ impl TriangleBounds {
         Some((bounds, is_front([a, b, c])))
     }
 
-    /// The number of pixels within the bounds.
+    /// Returns the number of pixels within the bounds.
     pub fn pixels(&self) -> usize {
         self.columns.range().len() * self.rows.range().len()
     }
@@ -193,7 +194,7 @@ impl TriangleBounds {
 /// point's distance from the eye, times the plane's coefficients.
 pub const SIDE_ROUNDINGS: f64 = 4.3;
 
-/// Whether all of some points certainly lie beyond one of the four side planes of the view frustum.
+/// Returns true if all points certainly lie beyond one of the four side planes of the view frustum.
 fn is_outside_frustum<const N: usize>(viewport: &Viewport, corners: [DVec3; N]) -> bool {
     let points = corners.map(|corner| viewport.eye_space(corner));
     (0..2).any(|k| {
@@ -224,8 +225,8 @@ impl Span {
         Self { first: pixels.start as u16, end: pixels.end as u16 }
     }
 
-    /// Those of `pixels` whose centres lie between the vertices along an axis, up to the error of both, or not farther
-    /// beside them than `reach`.
+    /// Returns the range of `pixels` whose centres lie between the vertices along an axis, or at most `reach` beside
+    /// them, up to the error of both.
     #[inline(always)]
     pub fn around<const N: usize>(
         vertices: [ScreenVertex; N],
@@ -254,7 +255,7 @@ impl Span {
     }
 }
 
-/// Whether a triangle's vertices run counter-clockwise on the screen, up to rounding. This only decides the
+/// Returns true if a triangle's vertices run counter-clockwise on the screen, up to rounding. This only affects the
 /// order of drawing.
 fn is_front(corners: [ScreenVertex; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| corner.at.map(i64::from));
@@ -266,7 +267,7 @@ mod tests {
     use super::*;
     use crate::fast::raster::edge_functions::ErrorBound;
 
-    /// Eight rows of eight pixels, each an eighth wide at distance 1, seen along -z.
+    /// Returns a viewport along -z of eight rows of eight pixels. Each pixel is an eighth wide at distance 1.
     fn viewport() -> Viewport {
         let (right, up) = (DVec3::X / 8.0, DVec3::Y / 8.0);
         let eye = Eye {
@@ -294,7 +295,7 @@ mod tests {
         }
     }
 
-    /// Seen in front of the eye, so many pixels aside of the picture's middle.
+    /// Returns a point at this depth, this number of pixels beside the picture's middle.
     fn beside(x: f64, y: f64, depth: f64) -> DVec3 {
         depth * DVec3::new(x / 8.0, y / 8.0, -1.0)
     }
@@ -364,13 +365,13 @@ mod tests {
         assert!((1e-8..1.1e-8).contains(&ratio), "{ratio}");
     }
 
-    /// In a view so wide that an axis is short, the error is mostly that of the border.
+    /// In a view so wide that an axis is short, most of the error comes from the border.
     #[test]
     fn the_distance_from_a_side_plane_has_the_error_of_axis_and_border() {
         let eye = Eye { right: DVec3::X * 100.0, up: DVec3::Y * 100.0, ..viewport().eye };
         let wide = Viewport { eye, axes: [DVec3::X / 100.0, DVec3::Y / 100.0], ..viewport() };
         let outside = |part: f64| {
-            // On the plane x / 100 = 5, and so many error bounds beside it.
+            // On the plane x / 100 = 5, and this number of error bounds beside it.
             let on_plane = DVec3::new(500.0, 0.0, -1.0);
             let bound = SIDE_ROUNDINGS * UNIT_ROUNDOFF * (0.01 + 5.0) * on_plane.length();
             is_outside_frustum(&wide, [on_plane + DVec3::X * 100.0 * part * bound; 3])

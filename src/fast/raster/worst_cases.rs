@@ -1,5 +1,5 @@
-//! Measures how tight the error bounds are: hill climbing searches for views and triangles whose errors come
-//! close to the bounds. The reference values are computed in double-double arithmetic.
+//! Measures the tightness of the error bounds. Hill climbing searches for views and triangles whose errors come close
+//! to the bounds. The reference values are computed in double-double arithmetic.
 
 mod worst_screens;
 
@@ -29,8 +29,8 @@ const NAMES: [&str; 4] =
 /// The index of the inverse depth.
 const INV_DEPTH: usize = 2;
 
-/// The camera at a centre with a direction and an up vector, and its viewport for a triangle; none where the view is
-/// not rasterized.
+/// Returns the camera at a centre with a direction and an up vector, and its viewport for a triangle. Returns `None`
+/// if the view is not rasterized.
 fn view(
     size: [usize; 2],
     axes: [DVec3; 3],
@@ -40,7 +40,7 @@ fn view(
     view_on(Screen::LongerSide, size, axes, log_angle, corners)
 }
 
-/// The same for a view that is spread over the pixels in this way.
+/// Returns the camera and the viewport like [`view`], for a screen that is spread over the pixels as `spread` says.
 fn view_on(
     spread: Screen,
     size: [usize; 2],
@@ -74,7 +74,7 @@ fn ratios(&[center, direction, up, a, b, c, frame]: &TriangleInView) -> Option<R
     Some(measured(&viewport, &edge_functions, &ray, pixel, [a, b, c]))
 }
 
-/// The same for a turned eye.
+/// Measures the ratios for a turned eye.
 fn turned_ratios(&[center, direction, up, a, b, c, frame]: &TriangleInView) -> Option<Ratios> {
     let pixel = (frame.truncate().round() + DVec2::new(4.0, 3.0)).clamp(DVec2::ZERO, DVec2::new(8.0, 6.0));
     let spread = Screen::BothSides { up_as_written: true };
@@ -96,7 +96,7 @@ fn measured(
 ) -> Ratios {
     let Eye { center, direction, right, up, .. } = viewport.eye;
     let to_pixel = direction + pixel.x * right + pixel.y * up;
-    // The ray's length does not matter; with this one the rest of its error is across it.
+    // The ray's length does not matter. With this length, the rest of its error is at right angles to it.
     let length = to_pixel.dot(ray.direction) / ray.direction.length_squared();
     let [a, b, c] = corners.map(|corner| difference(corner, center));
     let d = ray.direction.to_array().map(Dd::from);
@@ -116,7 +116,7 @@ fn measured(
 
     let InvDepthPlane { inv_depth, error_bound } = &edge_functions.inv_depth_plane;
     let [constant, ..] = error_bound.0;
-    // Multiplied by the computed V, whose own error is measured separately.
+    // Multiply by the computed V, whose own error is measured separately.
     let sum =
         (along[0] + along[1] + along[2]) * sign - (inv_depth.at(pixel.x, pixel.y) * rounded.abs()).into();
     let inv_depth_ratio = sum.value().abs() / (constant * rounded.abs());
@@ -124,7 +124,7 @@ fn measured(
     [edge, volume_ratio, inv_depth_ratio, of_plane(viewport, ray, pixel, length, corners)]
 }
 
-/// The ratio for a plane's inverse depth, whose reference is the t of the ray's own test.
+/// Returns the ratio for a plane's inverse depth, whose reference is the t of the ray's own test.
 fn of_plane(viewport: &Viewport, ray: &Ray, pixel: DVec2, length: f64, corners: [DVec3; 3]) -> f64 {
     let normal = normal(corners);
     let plane = Plane { normal, offset: normal.dot(corners[0]) };
@@ -133,7 +133,7 @@ fn of_plane(viewport: &Viewport, ray: &Ray, pixel: DVec2, length: f64, corners: 
     (inv_depth.at(pixel.x, pixel.y) - length / (t * viewport.scale)).abs() / error_bound.at(0.0)
 }
 
-/// The errors of single precision are not part of this: they have a bound of their own.
+/// Does not cover the errors of single precision, which have a separate bound.
 #[test]
 fn error_bounds_hold_and_are_needed() {
     let found: Vec<f64> = (0..NAMES.len())
@@ -143,12 +143,12 @@ fn error_bounds_hold_and_are_needed() {
         println!("{name}: {found:.3} of the error bound");
     }
     assert!(found.iter().all(|&found| found < 1.0), "{found:?}");
-    // Inverse depths have a search of their own.
+    // Inverse depths have a separate search.
     let needed = [0, 1, 3].map(|kind| found[kind]);
     assert!(needed.iter().all(|&found| found > 0.5), "{found:?}");
 }
 
-/// They leave room for what is added by turning the eye.
+/// The bounds cover the roundings that turning the eye adds.
 #[test]
 fn error_bounds_hold_for_turned_eyes() {
     for (kind, name) in NAMES.iter().enumerate() {
@@ -158,12 +158,13 @@ fn error_bounds_hold_for_turned_eyes() {
     }
 }
 
-/// In a picture of one row, whose rays' directions are close to the eye's steps in a wide view.
+/// The size of a picture of one row. In a wide view, the directions of its rays are close to the eye's steps.
 const WIDE: [usize; 2] = [255, 1];
 
-/// The error of the inverse depth of a triangle whose corners are one vector with its coordinates in turn, seen along
-/// about the direction (1, 1, 1). So the same roundings occur in all three edges and along all three axes, and the
-/// search can have them all. The vector, and the centre, the pixel and the logarithm of the angle.
+/// Returns the error of the inverse depth of a triangle whose corners are the cyclic permutations of one vector, seen
+/// approximately along (1, 1, 1). So the same roundings occur in all three edges and along all three axes, and the
+/// search can maximize them together. The input is the vector, and a vector of the centre, the pixel and the logarithm
+/// of the angle.
 fn in_turn(&[v, frame]: &Input<2>) -> Option<f64> {
     let center = DVec3::splat(frame.x);
     let corners = [v, DVec3::new(v.z, v.x, v.y), DVec3::new(v.y, v.z, v.x)].map(|corner| center + corner);
@@ -175,8 +176,8 @@ fn in_turn(&[v, frame]: &Input<2>) -> Option<f64> {
     Some(measured(&viewport, &edge_functions, &ray, pixel, corners)[INV_DEPTH])
 }
 
-/// A vector most of whose products are about powers of two, where roundings are largest, and a pixel close to the side
-/// of a picture of about 175 degrees.
+/// Returns a vector whose products are mostly near powers of two, where roundings are largest, and a pixel close to
+/// the side of a picture of about 175 degrees.
 fn random_in_turn(rng: &mut Rng) -> Input<2> {
     let v = DVec3::new(0.5, 0.5, -1.0) + 1e-3 * rng.vector();
     let center = 1e-3 * rng.signed();

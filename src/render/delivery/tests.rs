@@ -1,4 +1,4 @@
-//! The order and the number of rows on their way, and how a delivery ends.
+//! The order and the number of undelivered rows, and the end of a delivery.
 
 use super::*;
 use std::ops::ControlFlow;
@@ -8,7 +8,7 @@ use std::time::Duration;
 
 const ROWS: usize = 1000;
 
-/// Delivers rows on this number of threads, and returns those that are handed out and the result.
+/// Delivers rows on this number of threads, and returns the rows that are handed out and the result.
 fn delivered(
     threads: usize,
     goes_on: impl Fn(usize) -> bool + Sync,

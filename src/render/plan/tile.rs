@@ -1,4 +1,4 @@
-//! A tile of a picture: what rays through the corners of its pixels, probes and tests tell of it.
+//! Plans the samples of a tile of a picture, by rays through the corners of its pixels, probes and tests.
 
 use super::{Band, Planner};
 use crate::picture::Color;
@@ -13,7 +13,7 @@ use glam::{DVec2, Vec3A};
 use rand::RngExt;
 use std::ops::Range;
 
-/// A tile whose corners have been looked at.
+/// A tile whose corners have been traced.
 pub struct Tile<'t, 'a> {
     planner: &'t Planner<'a>,
     tracer: &'t PictureTracer<'t>,
@@ -23,27 +23,27 @@ pub struct Tile<'t, 'a> {
     corners: Vec<Corners>,
 }
 
-/// Places in a row: columns, and offsets from their pixels' centres.
+/// Points in a row: columns, and offsets from their pixels' centres.
 type Places = Vec<(usize, DVec2)>;
 
-/// The seed of the probes and tests, which are the same for all seeds of the samples.
+/// The seed of the probes and tests. It does not depend on the seed of the samples.
 const PROBES: Drand48 = Drand48::seeded(0x50B0_0B5E);
 
-/// The random numbers of a pixel's probes in each round, more than are drawn.
+/// The number of random numbers that are reserved for a pixel's probes in each round: more than are drawn.
 const DRAWS: u64 = 251;
 
-/// Plans are uncertain where more than this part of the squared error is doubt. More probes are cast while they are fewer
-/// than this part of the samples.
+/// A plan is uncertain if more than `DOUBT` of the squared error is doubt. Then more probes are cast, up to
+/// `OF_SAMPLES` of the number of samples.
 const DOUBT: f64 = 0.2;
 const OF_SAMPLES: f64 = 0.125;
 
-/// Errors that are less than this part of what is expected save no more samples than it does.
+/// The lower bound on the ratio of measured to expected errors. Smaller errors save no more samples.
 const LEAST_GAIN: f64 = 1.0 / 16.0;
 
-/// Plans are tested where that may save this part of the samples.
+/// Plans are tested if the tests may save this part of the samples.
 const WORTH_TESTING: f64 = 0.25;
 
-/// The results for all rows; none if the watch cancels the render.
+/// Returns the results of `work` for all rows, or `None` if the watch cancels the render.
 fn of_rows<T: Send>(
     rows: &Range<usize>,
     tally: &Tally,
@@ -54,7 +54,8 @@ fn of_rows<T: Send>(
 }
 
 impl<'t, 'a> Tile<'t, 'a> {
-    /// Casts the rays through the corners of the pixels in these columns of a band; none if the watch cancels the render.
+    /// Casts the rays through the corners of the pixels in these columns of a band. Returns `None` if the watch
+    /// cancels the render.
     pub fn new(
         planner: &'t Planner<'a>,
         tracer: &'t PictureTracer<'t>,
@@ -62,7 +63,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         band: &'t mut Band,
         tally: &'t Tally<'t>,
     ) -> Option<Self> {
-        // The last corners are in the last pixels.
+        // The last corners belong to the last pixels.
         let of_corner = |k: usize, pixels: &Range<usize>| k.min(pixels.end - 1);
         let (setting, rows) = (&planner.setting, band.rows.clone());
         let all = rows.start..rows.end + 1;
@@ -84,7 +85,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         Some(Self { planner, tracer, columns: columns.clone(), band, tally, corners })
     }
 
-    /// How many samples the pixels get, row by row; none if the watch cancels the render.
+    /// Returns the number of samples of each pixel, row by row, or `None` if the watch cancels the render.
     pub fn allot(mut self) -> Option<Vec<u16>> {
         let (settings, contents) = (self.planner.settings, self.contents()?);
         let has_floats = self.planner.setting.request.has_floats;
@@ -100,7 +101,7 @@ impl<'t, 'a> Tile<'t, 'a> {
                 known.contrast = if has_floats { known.contrast.max(find.square.sqrt()) } else { contrast };
                 known.finds.push(find);
             }
-            // More probes are worth while if there are bright things, or if few have found much.
+            // More probes are worthwhile if there are bright things, or if a few probes have found much.
             let (allotment, pixels) = (known.allot(settings), known.contents.len());
             let total = allotment.total();
             let is_open = allotment.doubt > DOUBT && total < pixels as u64 * u64::from(settings.most);
@@ -114,8 +115,8 @@ impl<'t, 'a> Tile<'t, 'a> {
         None
     }
 
-    /// How many samples pixels need by what is known, with tests of what errors they leave. With the least errors they are
-    /// this number.
+    /// Returns the number of samples that each pixel needs, after tests of the errors that remain. `least` is the
+    /// total number with the least errors.
     fn tested(&mut self, mut known: Known, least: u64) -> Option<Vec<u16>> {
         let settings = self.planner.settings;
         let optimistic = std::mem::replace(&mut known.gains, [1.0; 2]);
@@ -124,7 +125,8 @@ impl<'t, 'a> Tile<'t, 'a> {
             return Some(allotment.samples);
         }
         known.gains = optimistic;
-        // Errors over those that are expected are the less the more samples there are, so that those of fewer will do.
+        // The ratio of measured to expected errors falls with the number of samples. So the ratio for fewer samples is
+        // an upper bound.
         let samples = known.allot(settings).samples;
         let gains = self.test(&known.to_test(&samples), &samples, 0)?;
         if (0..2).all(|k| gains[k] <= LEAST_GAIN) {
@@ -137,7 +139,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         Some(known.allot(settings).samples)
     }
 
-    /// Casts rays at the places of each row, and returns their pixels and colours.
+    /// Casts rays through the points of each row, and returns their pixels and colours.
     fn cast(&mut self, places: impl Fn(usize) -> Places + Sync) -> Option<Vec<(usize, Color)>> {
         let (setting, tracer, rows) = (&self.planner.setting, self.tracer, self.band.rows.clone());
         let look = |j| {
@@ -154,7 +156,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         Some(seen)
     }
 
-    /// Returns how far a colour is beyond the colours of its pixel's corners.
+    /// Returns the squared distance of a colour from the range of the colours at its pixel's corners.
     fn find(&self, (pixel, color): (usize, Color)) -> Find {
         let [x, y] = [pixel % self.columns.len(), pixel / self.columns.len()];
         let [below, above] = [y, y + 1].map(|y| &self.corners[y].colors[x..]);
@@ -162,7 +164,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         Find { pixel, square: beyond(finite(color), corners, self.planner.setting.request.has_floats) }
     }
 
-    /// What corners, and rays to small things, tell of the pixels.
+    /// Estimates the contents of the pixels, by the corners and by rays to small things.
     fn contents(&mut self) -> Option<Vec<Contents>> {
         let (rows, width) = (self.band.rows.clone(), self.columns.len());
         let by_corners = of_rows(&(0..rows.len()), self.tally, |row| Some(contents(&self.corners, row)))?;
@@ -176,7 +178,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         })?;
         let has_floats = self.planner.setting.request.has_floats;
         let most = if has_floats { f32::MAX } else { BRIGHTEST * BRIGHTEST };
-        // The place in a small thing may have missed it, but hardly all around.
+        // The point in a small thing may have missed it, but rarely do the points in all pixels around it.
         let mut squares = vec![0.0f32; specks.len()];
         for Find { pixel, square } in seen.into_iter().map(|seen| self.find(seen)) {
             let [x, y] = [pixel % width, pixel / width];
@@ -193,7 +195,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         Some(contents)
     }
 
-    /// Casts this number of probes in each pixel on average, and returns what they find.
+    /// Casts this number of probes in each pixel on average, and returns their finds.
     fn probe(&mut self, round: u64, count: f64) -> Option<Vec<Find>> {
         let (columns, height) = (self.columns.clone(), self.planner.setting.request.size[1]);
         let jump = Jump::of(height as u64 * DRAWS);
@@ -210,7 +212,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         Some(seen.into_iter().map(|seen| self.find(seen)).filter(|find| find.square > 0.0).collect())
     }
 
-    /// Takes the samples of some pixels twice, and returns what they leave of the errors that are expected.
+    /// Takes the samples of some pixels twice, and returns the ratios of their measured to their expected errors.
     fn test(&mut self, tested: &[Vec<Tested>; 2], samples: &[u16], round: u64) -> Option<[f64; 2]> {
         let mut pixels: Vec<usize> = tested.iter().flatten().map(|tested| tested.pixel).collect();
         pixels.sort_unstable();
@@ -256,7 +258,7 @@ fn most_of(most: f32, color: &Vec3A) -> f32 {
 /// The colours at a row of corners of pixels.
 struct Corners {
     colors: Vec<Vec3A>,
-    /// For each corner that has a next one, the line around the side between them.
+    /// The line around the side between each corner and the next one.
     sides: Vec<Line>,
 }
 
@@ -270,7 +272,7 @@ impl Corners {
     }
 }
 
-/// What corners tell of the pixels of a row.
+/// Estimates the contents of the pixels of a row by the corners.
 fn contents(corners: &[Corners], row: usize) -> Vec<Contents> {
     let [before, below, above, after] =
         [row.checked_sub(1), Some(row), Some(row + 1), Some(row + 2)].map(|k| corners.get(k?));

@@ -1,4 +1,4 @@
-//! Layers that are measured at the centres of pixels: depths, distances and normals.
+//! Layers of measurements at the centres of pixels: depths, distances and normals.
 
 use super::{Painter, RenderSetting};
 use crate::picture::Color;
@@ -8,7 +8,7 @@ use crate::scene::model::Model;
 use glam::DVec3;
 
 impl Painter<'_> {
-    /// Adds what is measured at the centres of pixels, which are next to each other, to the layers.
+    /// Adds the measurements at the centres of adjacent pixels to the layers.
     pub(super) fn measure(&mut self, centers: &[Sample]) {
         let first = centers.first().map_or(0, |center| center.source.column);
         let place = |column: usize| column.saturating_sub(first).min(centers.len());

@@ -1,4 +1,4 @@
-//! The adaptive samples of a row of pixels: as many as are planned.
+//! Takes the planned adaptive samples of a row of pixels.
 
 use super::{Colors, Painter, RenderSetting};
 use crate::picture::Color;
@@ -11,18 +11,18 @@ use crate::stats::Counts;
 use glam::DVec2;
 use std::ops::Range;
 
-/// What rays that do not count in the picture have seen.
+/// The results of rays that do not contribute to the picture.
 pub struct Looked {
     pub colors: Vec<Color>,
-    /// What all of them cost.
+    /// The cost of all rays together.
     pub counts: Counts,
-    /// What each costs, if costs are a layer.
+    /// The cost of each ray, if costs are a layer.
     pub costs: Vec<Counts>,
 }
 
 impl RenderSetting<'_> {
-    /// Casts rays through these columns of row `j`, at these offsets from their pixels' centres; none if the render is
-    /// cancelled meanwhile.
+    /// Casts rays through these columns of row `j`, at these offsets from their pixels' centres. Returns `None` if the
+    /// render is cancelled meanwhile.
     pub fn look(
         &self,
         tracer: &PictureTracer,
@@ -52,7 +52,7 @@ impl RenderSetting<'_> {
         }
     }
 
-    /// The offsets of the planned samples of a pixel.
+    /// Returns the offsets of the planned samples of a pixel.
     pub fn offsets(&self, plan: &Plan, [column, j]: [usize; 2]) -> MultiJittered {
         let index = (column * self.request.size[1] + j) as u64;
         let rng = self.request.sampler.rng().jumped(index * MultiJittered::draws(plan.most));
@@ -61,7 +61,7 @@ impl RenderSetting<'_> {
 }
 
 impl Painter<'_> {
-    /// Takes the samples of the pixels in these columns as planned, packet by packet.
+    /// Traces the planned samples of the pixels in these columns, packet by packet.
     pub fn take_planned(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
         let Some(plan) = self.plan else { return };
         let [_, height] = self.setting.request.size;

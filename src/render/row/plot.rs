@@ -1,4 +1,4 @@
-//! Layers of samples: where the samples of a row lie, in its enlarged pixels.
+//! Layers of samples: plots the samples of a row in its enlarged pixels.
 
 use super::Painter;
 use crate::picture::Color;
@@ -7,7 +7,7 @@ use crate::render::request::Request;
 use glam::DVec2;
 use std::ops::Range;
 
-/// The indices of the layers of samples, each with its zoom.
+/// Returns the indices of the layers of samples, each with its zoom.
 pub(super) fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
     let layers = request.layers.iter().enumerate().filter(|_| is_shown);
     let plot = |(k, layer): (usize, &Layer)| match *layer {

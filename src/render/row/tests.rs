@@ -31,7 +31,7 @@ fn with_painter(check: impl FnOnce(&mut Painter)) {
     });
 }
 
-/// A sample whose place is rounded to the next pixel, or which lies on the border, is plotted in its own pixel.
+/// A sample whose position is rounded to the next pixel, or lies on the border, is plotted in its own pixel.
 #[test]
 fn a_sample_is_plotted_within_its_pixel() {
     with_painter(|painter| {

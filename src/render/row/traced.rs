@@ -1,4 +1,4 @@
-//! What has been traced of a row of pixels.
+//! The results of tracing a row of pixels.
 
 use crate::picture::Color;
 use crate::sampling::spread::Spread;
@@ -8,17 +8,17 @@ use crate::stats::Counts;
 pub struct Row {
     /// The index of the row, counted from the bottom.
     pub j: usize,
-    /// What was counted.
+    /// The counts of the row's rays.
     pub counts: Counts,
     pub colors: Colors,
-    /// The colours of each layer of the request: one for each pixel, or for a layer of samples the rows of
-    /// the enlarged picture from the bottom. The list of a colour layer is empty, because `colors` has its
-    /// colours.
+    /// The colours of each layer of the request: one for each pixel, or for a layer of samples the rows of the
+    /// enlarged picture from the bottom. The list of a colour layer is empty, because its colours are in `colors`.
     pub layers: Vec<Vec<Color>>,
 }
 
 impl Row {
-    /// Row `j` in the memory of this one, whose counts have been taken; none if it has sums, which are not used again.
+    /// Returns an empty row `j` in the memory of this row, whose counts have been taken. Returns `None` if this row
+    /// has sums, whose memory is not reused.
     pub(super) fn emptied(mut self, j: usize) -> Option<Self> {
         match &mut self.colors {
             Colors::Unwanted => {}
@@ -30,18 +30,18 @@ impl Row {
     }
 }
 
-/// What the samples of a row contribute to the layer of colours.
+/// The contribution of a row's samples to the layer of colours.
 pub enum Colors {
     /// Nothing, because the request has no such layer.
     Unwanted,
     /// The colours of the row itself, if every sample contributes to its own pixel only.
     Finished(Vec<Color>),
-    /// Sums for this row and those around it.
+    /// Sums for this row and the rows around it.
     Spread(Spread),
 }
 
 impl Colors {
-    /// The colours of the row itself, if they are known.
+    /// Returns the colours of the row itself, or an empty list if they are not known.
     pub fn finished(&self) -> &[Color] {
         match self {
             Self::Finished(colors) => colors,

@@ -1,4 +1,4 @@
-//! How many rows a strip has, and what it keeps.
+//! The number of rows of a strip, and the memory that it takes.
 
 use super::*;
 use crate::caster::Caster;
@@ -33,7 +33,7 @@ fn a_strip_has_as_many_rows_as_the_memory_holds() {
     assert_eq!(rows(&[Layer::Samples { zoom: 2 }], one, 4096, 0), 4088..4096);
     assert_eq!(rows(&[Layer::Samples { zoom: 9 }], one, 4096, 0), 4095..4096);
     assert_eq!(rows(&[Layer::Filter { zoom: 2 }], one, 4096, 0), 0..4096);
-    // Seven rows beside a strip are traced for it, so that it has at least eight times as many.
+    // Seven rows beside a strip are traced for it, so it has at least eight times as many rows.
     assert_eq!(rows(&[Layer::Color], wide, 4096, 0), 4040..4096);
     assert_eq!(rows(&[Layer::Normals], wide, 4096, 0), 4064..4096);
 }
@@ -46,6 +46,6 @@ fn so_many_rows_are_in_flight_as_the_memory_holds_or_as_keep_the_threads_busy() 
     };
     let widths = [1 << 10, 1 << 16, 1 << 30];
     assert_eq!(widths.map(|width| rows(Filter::PIXEL, width)), [32, 16, 1]);
-    // Each of the three rows of sums takes as many bytes for a pixel as the row itself.
+    // Each of the three rows of sums takes as many bytes per pixel as the row itself.
     assert_eq!(rows(Filter::Box { radius: 1.5 }, 1 << 16), 4);
 }

@@ -1,15 +1,15 @@
-//! What is known without casting a ray, by rasterization from the camera and from the lights: pictures are the same as
-//! those of the tracer, which casts every ray.
+//! Hints by rasterization from the camera and from the lights: pictures with hints are the same as pictures of the
+//! tracer without hints, which casts every ray.
 
 use super::*;
 use crate::trace::{Effects, Shadows};
 
-/// A wall between the lights and all that the camera sees.
+/// A wall between the lights and all objects that the camera sees.
 const WALL: &str = "Plane { normal 1 0.1 0.3 offset 1.5 }";
 
 const EGG: &str = "Transform { Translate 0.8 0.2 0.6 Scale 1 1 0.5 Sphere { center 0 0 0 radius 0.4 } }";
 
-/// The pictures of a request, and those of the tracer.
+/// Returns the pictures of a request, with hints and by the tracer alone.
 fn both(text: &str, request: &Request) -> [Vec<FloatPicture>; 2] {
     let scene = parse(text).unwrap();
     let world = World::new(&scene, &[]).unwrap();

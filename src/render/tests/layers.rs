@@ -1,4 +1,4 @@
-//! What the layers of small pictures show.
+//! The contents of the layers of small pictures.
 
 use super::*;
 use crate::stats::Quiet;
@@ -99,7 +99,7 @@ fn a_pixel_is_the_weighted_mean_of_its_own_samples() {
     }
 }
 
-/// A view of cells casts no ray into the scene, unless a layer measures what the scene's rays see.
+/// A view of cells casts no ray into the scene, unless a layer measures the scene's hits.
 #[test]
 fn a_view_of_cells_tests_no_primitive() {
     let text = parse(

@@ -23,7 +23,7 @@ impl Spread {
     }
 }
 
-/// Triangles of this size in a box around a point, and these objects, under these lights.
+/// Returns a world of triangles of this size in a box around a point, and these objects, under these lights.
 fn world(count: usize, size: f64, at: DVec3, objects: &[&str], lights: &[&str]) -> World {
     let text = format!(
         "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
@@ -44,7 +44,7 @@ fn world(count: usize, size: f64, at: DVec3, objects: &[&str], lights: &[&str]) 
     World::new(&parse(&text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
 }
 
-/// Checks what is known of rays to all lights, from points that leave these primitives. Returns how many of them hit
+/// Checks the blockers of rays to all lights from points on these primitives. Returns the numbers of rays that hit
 /// nothing, one triangle at most, or anything.
 fn check(world: &World, maps: &ShadowMaps, points: &[(DVec3, Option<u32>)]) -> [usize; 3] {
     let caster = Caster::new(world, Some([9; 3])).unwrap();
@@ -80,14 +80,14 @@ const LIGHTS: [&str; 6] = [
     "PointLight { position 300 900 500 color 1 1 1 }",
 ];
 
-/// Points among the primitives and around them, up to this distance, and points of the triangles.
+/// Returns points among the primitives and around them, up to this distance, and points of the triangles.
 fn points(world: &World, distance: f64) -> Vec<(DVec3, Option<u32>)> {
     let mut spread = Spread(1e4);
     let center = 0.5 * (world.bounds.min + world.bounds.max);
     let around = |scale: f64, spread: &mut Spread| (center + scale * spread.vector(), None);
     let mut points: Vec<_> = (0..12_000).map(|_| around(2.0, &mut spread)).collect();
     points.extend((0..12_000).map(|_| around(distance, &mut spread)));
-    // Around each point light, where there is nothing between.
+    // Points around each point light, with nothing between.
     for light in &world.lights {
         if let Light::Point { position, .. } = *light {
             points.extend((0..2000).map(|_| (position + 2.0 * spread.vector(), None)));
@@ -122,7 +122,7 @@ fn what_a_map_knows_is_what_rays_hit() {
     }
 }
 
-/// Each pixel of a map of two walls, of which one hides the other, is asked for in front of both, between and behind.
+/// Looks up each pixel of a map of two walls, one hiding the other, in front of both, between them and behind them.
 #[test]
 fn of_two_walls_the_one_that_is_nearer_to_the_light_is_tested() {
     let wall = |z: f64, side: f64| [[-side, -side, z], [side, -side, z], [0.0, side, z]].map(DVec3::from);
@@ -176,7 +176,7 @@ fn there_are_maps_only_where_they_pay_and_numbers_are_usual() {
     }
 }
 
-/// The edge functions and the nearness of a triangle whose vertices are somewhat beside their true places.
+/// Tests the edge functions and the nearness of a triangle whose vertices are moved a little.
 #[test]
 fn the_error_bounds_cover_what_vertices_are_off() {
     let mut spread = Spread(7.0);
@@ -187,7 +187,7 @@ fn the_error_bounds_cover_what_vertices_are_off() {
             nearness: 1.5 + spread.number(),
         };
         let corners = [(); 3].map(|()| vertex(&mut spread));
-        // Off by as much as is allowed along both axes.
+        // Move the vertices by the allowed error along both axes.
         let off = |corner: Projected| {
             let signs = spread.vector().truncate().signum();
             Projected { at: corner.at + SCREEN_ERROR * signs, ..corner }

@@ -12,8 +12,7 @@ const SCREEN: Screen = Screen {
     same_place: ErrorBound::NONE,
 };
 
-/// An inverse depth that is `value` at a pixel, and 0 on a line through another one, which may lie beside the
-/// picture.
+/// Returns an inverse depth with this value at a pixel and these slopes. It may be 0 outside the picture.
 fn inv_depth(value: f64, [x, y]: [f64; 2], per_pixel: [f64; 2]) -> InvDepthPlane {
     let [per_x, per_y] = per_pixel;
     let inv_depth = Affine { constant: value - per_x * x - per_y * y, per_x, per_y };
@@ -32,15 +31,15 @@ fn check_intervals(tile: &Tile, plane: &InvDepthPlane, columns: Range<usize>, ro
     }
 }
 
-/// The error bound of single precision counts the values where the triangle is, however far that is from the
-/// middle of the picture.
+/// The error bound of single precision depends on the values inside the triangle, at any distance from the middle of
+/// the picture.
 #[test]
 fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
     for (k, per_pixel) in (1..400).zip([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].into_iter().cycle())
     {
         let (i, j) = (37 * k % (WIDTH - 2), 32 + 7 * k % 31);
         let [x, y] = [i as f64 - 99.5, j as f64 - 40.5];
-        // Zero where a sign is lost: at (-x, y), at (x, -y), and as far on the other side of the middle.
+        // Zero at points that a wrong sign would use: (-x, y), (x, -y), and the point opposite the middle.
         let per_pixel = per_pixel.map(|p: f64| p * (0.37 + 0.01 * k as f64));
         let quotients = [0.5 * (x - i as f64 / 99.5).abs(), 0.5 * (y - j as f64 / 40.5).abs()];
         for value in [[99.5, 40.5], [199.0, 81.0], [x.abs(), y.abs()], quotients].map(|[across, up]| {
@@ -59,14 +58,14 @@ fn the_inverse_depth_of_a_triangle_is_within_its_interval_wherever_it_is() {
     }
 }
 
-/// The pictures are so high that a row is far from the middle.
+/// The pictures are so high that the rows are far from the middle.
 #[test]
 fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
     let middle = 4000.0;
     let screen = Screen { middle: DVec2::new(99.5, middle), ..SCREEN };
     for (k, first_row) in (1..40).zip([0, 1600, 3200, 4800, 7968].into_iter().cycle()) {
         let y = first_row as f64 - middle;
-        // Zero on one of the rows where a bound would be taken from if a sign or an operator were another.
+        // Zero on a row that a bound would be taken from if a sign or an operator were wrong.
         for zero in [y + 2.0 * middle, -y, first_row as f64 / middle, 0.0] {
             let per_y = (0.37 + 0.01 * f64::from(k)) * (y - zero).signum();
             let plane = inv_depth(per_y * (y - zero), [0.0, y], [1e-3, per_y]);
@@ -81,8 +80,8 @@ fn the_inverse_depth_of_a_plane_is_within_its_interval_in_every_row() {
     }
 }
 
-/// Updates the first pixel of a tile with primitives, each by its interval of inverse depths, and tells what it
-/// shows at last: primitive k is the one with index k.
+/// Updates the first pixel of a tile with primitives, each with its interval of inverse depths, and returns the index
+/// of the primitive that it shows at the end.
 fn shown(intervals: &[[f32; 2]]) -> u32 {
     let mut visible_ids = vec![u32::MAX; 32 * STRIDE];
     let mut tile = Tile::new(SCREEN, 0, STRIDE, &mut visible_ids);
@@ -101,7 +100,7 @@ fn a_pixel_is_unsure_until_something_is_nearer_than_all_that_it_may_show() {
     for other in overlapping {
         let highest = f32::max(other[1], first[1]);
         assert_eq!(shown(&[first, other]), UNSURE, "{other:?}");
-        // Above one of the two, and not above the other.
+        // Above one of the two, but not above the other.
         let between = [highest - 0.0625, highest + 1.0];
         assert_eq!(shown(&[first, other, between]), UNSURE, "{other:?}");
         assert_eq!(shown(&[first, other, [highest + 0.25, highest + 0.5]]), 2, "{other:?}");

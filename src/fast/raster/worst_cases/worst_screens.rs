@@ -1,4 +1,4 @@
-//! How tight the error bounds of [`triangle_bounds`](crate::fast::raster::triangle_bounds) are.
+//! Measures the tightness of the error bounds of [`triangle_bounds`](crate::fast::raster::triangle_bounds).
 
 use super::{SIZE, view};
 use crate::fast::raster::Viewport;
@@ -18,13 +18,13 @@ type PointInView = Input<5>;
 const STARTS: u64 = 16;
 const STEPS: usize = 100_000;
 
-/// About this view from close to the origin, and a point about there.
+/// Returns a view close to this one, from close to the origin, and a point close to this one.
 fn near(rng: &mut Rng, direction: DVec3, up: DVec3, angle: f64, point: DVec3) -> PointInView {
     let mut about = |v: DVec3| v + 1e-3 * rng.vector();
     [about(DVec3::ZERO), about(direction), about(up), DVec3::X * libm::log10(angle), about(point)]
 }
 
-/// The viewport, and the point relative to the eye, scaled: as the program computes it and exactly.
+/// Returns the viewport, and the scaled point relative to the eye, as the program computes it and exactly.
 fn placed(&[center, direction, up, frame, point]: &PointInView) -> Option<(Viewport, DVec3, [Dd; 3])> {
     let (_, viewport) = view(SIZE, [center, direction, up], frame.x, [point; 3])?;
     let scale = Dd::from(viewport.scale);
@@ -37,8 +37,8 @@ fn exact_dot(point: [Dd; 3], vector: DVec3) -> Dd {
     dot(point, vector.to_array().map(Dd::from))
 }
 
-/// The error over its bound of a number whose sign decides, where it is so close to zero that the error may turn its
-/// sign; farther from zero a negative value, so that the search comes closer.
+/// Returns the ratio of an error to its bound, for a number whose sign matters, if the number is so close to zero that
+/// the error may change its sign. Farther from zero, returns a negative value, so that the search comes closer.
 fn near_zero(computed: f64, exact: Dd, error_bound: f64) -> f64 {
     if computed.abs() > 2.0 * error_bound {
         -computed.abs() / error_bound
@@ -47,7 +47,7 @@ fn near_zero(computed: f64, exact: Dd, error_bound: f64) -> f64 {
     }
 }
 
-/// The error of the depth of a point beside the eye.
+/// Returns the ratio for the depth of a point beside the eye.
 fn behind(input: &PointInView) -> Option<f64> {
     let (viewport, point, exact) = placed(input)?;
     let direction = viewport.eye.direction;
@@ -55,7 +55,7 @@ fn behind(input: &PointInView) -> Option<f64> {
     Some(near_zero(point.dot(direction), exact_dot(exact, direction), error_bound))
 }
 
-/// The error of the signed distance of a point from a side plane close to it.
+/// Returns the ratio for the signed distance of a point from a side plane close to it.
 fn beyond_side(input: &PointInView) -> Option<f64> {
     let (viewport, point, exact) = placed(input)?;
     let (axis, direction) = (viewport.axes[0], viewport.eye.direction);
@@ -65,7 +65,7 @@ fn beyond_side(input: &PointInView) -> Option<f64> {
     Some(near_zero(point.dot(axis) - border * point.dot(direction), exact, error_bound))
 }
 
-/// The error of a screen coordinate that is in the picture, over its error bound.
+/// Returns the ratio of the error of a screen coordinate in the picture to its bound.
 fn screen(input: &PointInView) -> Option<f64> {
     let (viewport, point, exact) = placed(input)?;
     let (axis, direction) = (viewport.axes[0], viewport.eye.direction);
@@ -79,16 +79,16 @@ fn screen(input: &PointInView) -> Option<f64> {
     is_projected.then(|| error / (SCREEN_ROUNDINGS * MAX_STEEPNESS * U * length))
 }
 
-/// In these directions, which are at right angles, all terms of the dot products with the point are large, and most of
-/// them just above a power of two, where roundings are largest.
+/// Directions at right angles. All terms of their dot products with the point are large, and most are just above a
+/// power of two, where roundings are largest.
 const ALONG: DVec3 = DVec3::new(0.5, 0.5, FRAC_1_SQRT_2);
 const ACROSS: DVec3 = DVec3::new(0.5, 0.5, -FRAC_1_SQRT_2);
 const ASIDE: DVec3 = DVec3::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0);
 
 #[test]
 fn error_bounds_hold_and_are_needed() {
-    // The last two points are a thousandth of their distance ahead, which is about the steepest that is projected, and
-    // on a side plane, which is 5.5 pixels beside the middle of 9.
+    // The depth of one point is a thousandth of its distance, which is about the steepest that is projected. The other
+    // point is on a side plane, which is 5.5 pixels beside the middle of 9.
     let border = libm::tan(f64::to_radians(0.5)) * 5.5 / 4.5;
     let found = [
         search(STARTS, STEPS, |rng| near(rng, ALONG, ASIDE, 60.0, ACROSS), behind).0,
