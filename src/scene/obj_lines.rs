@@ -1,8 +1,8 @@
 //! Splits an OBJ text into statements and their words.
 //!
 //! Lines end with a line feed, a carriage return, or both. A comment begins with `#`. A backslash at the end of a line,
-//! also before blanks, continues the statement on the next line, unless that starts with a keyword of its own: the
-//! backslash behind `usemtl wood\` belongs to the name.
+//! also before trailing blanks, continues the statement on the next line. The exception is a next line that starts with
+//! a keyword: the backslash in `usemtl wood\` belongs to the name.
 
 use super::Position;
 

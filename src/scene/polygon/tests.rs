@@ -420,7 +420,7 @@ fn a_convex_polygon_is_a_fan() {
     for order in all_orders(&hexagon) {
         assert_eq!(triangulate(&order).triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
     }
-    // The first corner is on an edge, opposite to the last and second corners.
+    // The first corner lies on an edge, so the last corner is in the direction opposite to the second.
     let flat_corner = flat(&[[0.0, 0.0], [-1.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 0.0]]);
     assert_eq!(triangulate(&flat_corner).triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
     // The second corner projects onto the first, so its direction is undefined.
