@@ -321,7 +321,7 @@ mod tests {
         ] {
             assert!((0.4..1.0).contains(&error), "{error}");
         }
-        // One pixel in a hundred, anywhere.
+        // One pixel in a hundred, scattered.
         let scattered = |pixel: usize| if pixel * 7919 % 100 == 3 { 0.4 } else { 0.0 };
         let error = left(scattered, &probed(scattered, 4).allot(SETTINGS).samples);
         assert!((0.1..1.1).contains(&error), "{error}");

@@ -15,7 +15,7 @@ pub struct MultiJittered {
     rng: Drand48,
     /// The numbers of columns and rows of strata.
     strata: [usize; 2],
-    /// The permutation of subcolumns for each column of strata, and of subrows for each row.
+    /// The subcolumn of the samples in each row of strata, and the subrow of the samples in each column.
     places: [[u8; MOST_COLUMNS]; 2],
     next: usize,
 }

@@ -21,7 +21,7 @@ pub struct SamplePlace {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Sample {
-    /// The ray through the place.
+    /// The ray through the sample.
     pub ray: Ray,
     /// The surface at the first hit, once computed.
     pub surface: Option<SurfacePoint>,

@@ -23,7 +23,7 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// The flag that asks for it in an edition of the course, without the dash.
+    /// Returns the flag for the pattern in an edition of the course, without the dash.
     pub fn flag(self, edition: Edition) -> &'static str {
         match (self, edition) {
             (Self::Uniform, Edition::Aalto) => "regular_samples",
