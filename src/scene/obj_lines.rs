@@ -11,7 +11,7 @@ const KEYWORDS: &str = "v vt vn f fo g s o usemtl mtllib p l surf bsp bzp cdc cd
                         parm trim hole scrv sp end con mg bevel c_interp d_interp lod usemap maplib shadow_obj \
                         trace_obj ctech stech res t vw";
 
-/// Common keywords, suggested when another word is found.
+/// Common keywords, suggested when an unknown word is found.
 pub const COMMON: [&str; 10] = ["v", "f", "vt", "vn", "g", "o", "s", "usemtl", "mtllib", "l"];
 
 pub fn is_keyword(word: &[u8]) -> bool {

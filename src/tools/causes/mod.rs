@@ -34,7 +34,7 @@ use mistakes::{Make, Setting};
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-/// This program's picture, and what it was rendered from.
+/// This program's picture, with its renderer and request.
 pub struct Original<'a> {
     prepared: Prepared<'a>,
     watch: Watch<'a>,
@@ -98,7 +98,7 @@ impl<'a> Original<'a> {
         }
     }
 
-    /// The picture of another scene with the same meshes.
+    /// Returns the picture of another scene with the same meshes.
     fn picture_of(&self, scene: Scene, request: &Request) -> Option<Picture> {
         let renderer = self.renderer().with_scene(scene).ok()?;
         let prepared = renderer.prepare_for(self.structure, request, Tracing::Fast).ok()?;
