@@ -82,8 +82,8 @@ impl Adaptive {
     /// contrast.
     ///
     /// A detail of contrast c that covers a fraction p of the pixels leaves a squared error of p c^2 / n with n samples
-    /// in each. m probes in each of k pixels hit it m k p times. If they hit it once, the error is c^2 / (k m n), so m
-    /// = n is the cheapest way to make it small.
+    /// in each. m probes in each of k pixels hit it m k p times. If they hit it once, the error is c^2 / (k m n), so
+    /// m = n is the cheapest way to make it small.
     pub fn probes(self, pixels: usize, contrast: f32) -> f64 {
         let product = self.missed(contrast) / pixels as f64;
         // If all pixels get the maximum, probes have nothing to decide.

@@ -69,7 +69,7 @@ impl LoadedScene {
     }
 }
 
-/// What the caller knows about a scene apart from its text.
+/// Information about a scene that is not in its text.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
     /// The edition, if the user chose one.

@@ -85,9 +85,10 @@ pub enum Pattern {
 /// The source of a painted material's diffuse colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {
-    /// A picture, by its index in [`Scene::images`](super::Scene::images), where the mesh has texture coordinates. Ambient
-    /// light is reflected by the picture's colour if `tints_ambient`, or else by the material's own diffuse colour.
+    /// A picture, given by its index in [`Scene::images`](super::Scene::images). It applies where the mesh has texture
+    /// coordinates. Ambient light is multiplied by the picture's colour if `tints_ambient`, otherwise by the material's
+    /// own diffuse colour.
     Image { image: usize, tints_ambient: bool },
-    /// Two colours in a pattern of world space. Ambient light is reflected by the material's own diffuse colour.
+    /// Two colours in a pattern of world space. Ambient light is multiplied by the material's own diffuse colour.
     Pattern(Pattern, [Color; 2]),
 }

@@ -178,12 +178,12 @@ pub struct MeshFile {
     pub texture_coordinates: Arc<Vec<Option<Corners>>>,
 }
 
-/// A camera. Its directions need not be unit vectors. The part of `up` that is perpendicular to `direction` points up in
+/// A camera. Its directions need not be unit vectors. The component of `up` perpendicular to `direction` points up in
 /// the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Camera {
-    /// A camera with parallel rays. `center` is in the middle of the picture, and `size` is the length of its longer side.
+    /// A camera with parallel rays. `center` is in the middle of the picture. `size` is the length of its longer side.
     Orthographic { center: DVec3, direction: DVec3, up: DVec3, size: f64 },
     /// A camera with rays from `center`. `angle` is the full viewing angle over the longer side, in degrees.
     Perspective { center: DVec3, direction: DVec3, up: DVec3, angle: f64 },

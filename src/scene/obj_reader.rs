@@ -176,7 +176,8 @@ impl<'a> Normal<'a> {
     /// number, the offset of the faulty word, and 1 if the fault is a weight of 0.
     fn vertex(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         let (count, rule) = (words.len() - 1, "a vertex needs three numbers");
-        // If there are four numbers, the fourth is a weight. Other numbers after the third are a colour and are ignored.
+        // If there are four numbers, the fourth is a weight. Other numbers after the third are a colour and are
+        // ignored.
         let wanted = count.min(if count == 4 { 4 } else { 3 });
         let mut numbers = [0.0, 0.0, 0.0, 1.0];
         for (number, word) in numbers.iter_mut().zip(&words[1..=wanted]) {

@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(near("scene_2.txt"), Some(folder.path().join("scene_20.txt")));
         assert_eq!(near("scene_3.txt"), Some(folder.path().join("scene_1.txt")));
         assert_eq!(near("scen_20.txt"), Some(folder.path().join("scene_20.txt")));
-        // The name exists, but is not a readable scene.
+        // Never suggests the file itself, even if it exists.
         assert_eq!(near("scene_1.txt"), Some(folder.path().join("scene_20.txt")));
         assert_eq!(near("teapot.txt"), None);
         // Suggests neither the name itself, even if it is not a file, nor a folder.

@@ -154,8 +154,8 @@ fn in_order(one: impl Iterator<Item = [f64; 3]>, other: impl Iterator<Item = [f6
     one.partial_cmp(other).unwrap_or(Ordering::Equal)
 }
 
-/// Returns the fan of triangles around the first corner, by indices, without those of zero area. `None` if the polygon
-/// spans more than half a turn seen from this corner; a convex one does not.
+/// Returns the triangles around the first corner as indices, except triangles without area. `None` if the polygon spans
+/// more than half a turn seen from this corner; a convex one does not.
 fn fan(corners: &[DVec3], projection: DroppedAxis) -> Option<Vec<[usize; 3]>> {
     let &[first, second, ..] = corners else { return None };
     let is_first = |corner: DVec3| projection.of(corner) == projection.of(first);

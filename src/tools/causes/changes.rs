@@ -110,7 +110,7 @@ pub fn has(scene: &Scene, color: fn(&Phong) -> Color) -> bool {
     })
 }
 
-/// Replaces `value` by `other`.
+/// Sets `place` to `other` if it equals `value`.
 pub fn replace<T: PartialEq>(place: &mut T, value: T, other: T) {
     if *place == value {
         *place = other;

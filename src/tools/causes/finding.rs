@@ -50,7 +50,7 @@ const MIN_SHARE: f64 = 0.5;
 /// less than that.
 const MIN_SHARE_OF_LEVELS: f64 = 0.9;
 /// The smallest share of the differing pixels that a partial cause must make right. A change that only reduces the mean
-/// error makes no pixel right, such as brightening a random picture.
+/// error makes no pixel right, as when a brighter picture comes closer to a random one.
 const MIN_PIXELS: f64 = 0.1;
 /// The largest share of the pixels changed by a cause that may be right in the examined picture. A real mistake shows
 /// wherever it can.

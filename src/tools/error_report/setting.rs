@@ -46,7 +46,7 @@ impl SamplingKind {
     }
 }
 
-/// What a setting varies.
+/// The parameter that a setting varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// The samples.
@@ -74,7 +74,7 @@ impl Axis {
 /// A setting to measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// What the setting varies.
+    /// The parameter that the setting varies.
     pub axis: Axis,
     /// The placement of samples.
     pub samples: Samples,

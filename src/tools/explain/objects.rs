@@ -64,7 +64,7 @@ pub struct Mixing {
 /// Looks objects up.
 ///
 /// The numbering of primitives is internal to the world. So a second world is built from a copy of the scene in which
-/// every object's id is its material. Runs without lookups do not pay for it.
+/// the material of every object is the object's own id. Runs without lookups do not pay for it.
 #[derive(Debug)]
 pub struct Objects<'r> {
     scene: &'r Scene,
