@@ -2,8 +2,8 @@
 //!
 //! First, rays are cast through the corners of all pixels; adjacent pixels share them. They show the contents of a
 //! pixel: an edge that crosses it has corners on both sides. With n stratified samples the squared error of a pixel is
-//! about c^2 n^-3/2 / 8 if an edge of contrast c crosses it, g^2 n^-3 / 12 if its colours have a gradient of g, and v /
-//! n if it is full of details smaller than its strata, with a variance of v (Mitchell, "Consequences of stratified
+//! about c^2 n^-3/2 / 8 if an edge of contrast c crosses it, g^2 n^-3 / 12 if its colours have a gradient of g, and
+//! v / n if it is full of details smaller than its strata, with a variance of v (Mitchell, "Consequences of stratified
 //! sampling in graphics", SIGGRAPH 1996). Samples are spent where one more reduces the squared error most, until this
 //! reduction is equal in all pixels.
 //!
@@ -53,7 +53,7 @@ pub struct Contents {
 const EDGE: f64 = 160.0;
 
 /// Details no larger than a pixel have 1.4 times the target error if this is their standard deviation, in levels. If
-/// samples were spent as for edges, scenes full of such details would need many more.
+/// samples were spent as for edges, scenes full of such details would have a much larger error.
 const SMALL_THINGS: f64 = 36.0;
 
 /// Corners clamp brighter colours to this brightness in pictures of bytes.

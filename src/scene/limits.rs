@@ -37,7 +37,7 @@ fn is_in_range(number: f64) -> bool {
 pub fn check(scene: &Scene) -> Result<(), Diagnostic> {
     let (Camera::Orthographic { center, direction, up, size: screen }
     | Camera::Perspective { center, direction, up, angle: screen }) = scene.camera;
-    // The lengths of `direction` and `up` do not matter, because both are normalized.
+    // The lengths of `direction` and `up` do not matter, because both are normalised.
     let is_valid = are_in_range(center)
         && direction.is_finite()
         && up.is_finite()

@@ -28,7 +28,7 @@ pub enum Screen {
     LongerSide,
     /// The angle spans each side, from the centre of the first pixel to the centre of the last.
     ///
-    /// If `up_as_written`, the camera's `up` is neither normalized nor made perpendicular to the direction.
+    /// If `up_as_written`, the camera's `up` is neither normalised nor made perpendicular to the direction.
     BothSides { up_as_written: bool },
 }
 

@@ -1,6 +1,6 @@
 //! Reads any OBJ text with `tobj`.
 //!
-//! `tobj` gets normalized statements: only vertices, texture coordinates and faces, one per line, with indices that
+//! `tobj` gets normalised statements: only vertices, texture coordinates and faces, one per line, with indices that
 //! count from 1. This module handles the input that `tobj` would reject, drop or misread silently: continued lines,
 //! comments, colours, indices out of range, numbers that are not finite, and unknown keywords.
 
@@ -108,7 +108,7 @@ impl Doubt {
     }
 }
 
-/// The statements of a text, normalized for `tobj`.
+/// The statements of a text, normalised for `tobj`.
 #[derive(Default)]
 struct Normal<'a> {
     text: &'a [u8],

@@ -84,7 +84,7 @@ fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
 
 /// Returns the right-handed rotation around `axis` by `degrees`.
 ///
-/// Like the course's program, does not normalize the axis. An axis of another length than 1 distorts the object.
+/// Like the course's program, does not normalise the axis. An axis of another length than 1 distorts the object.
 fn rotation(axis: DVec3, degrees: f64) -> RoundedAffine {
     let (sine, cosine) = sine_and_cosine(degrees);
     let DVec3 { x, y, z } = axis;

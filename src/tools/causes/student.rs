@@ -106,7 +106,7 @@ pub struct Student<'a> {
     pub hits: &'a dyn Hits,
     pub effects: Effects,
     pub mistake: Option<Mistake>,
-    /// The transforms of the scene, for changed normals.
+    /// The transforms applied to the primitives, for mistakes with normals.
     pub spaces: &'a ObjectSpaces<'a>,
     /// The lights as written in the scene.
     pub lights: &'a [Light],
@@ -154,7 +154,7 @@ impl Student<'_> {
         Some((self.hits.distance(ray, visible), self.surface(ray, visible)))
     }
 
-    /// Returns the colour along a ray: the surface's own colour, plus the refracted and the mirrored ray's.
+    /// Returns the colour along a ray: the surface's own colour, plus the colours of the refracted and mirrored rays.
     fn trace(&self, way: &Way) -> Color {
         let color = match self.hits.nearest(&way.ray, way.leaves) {
             Some(visible) => {
@@ -290,7 +290,7 @@ impl Student<'_> {
         light.color * (normal.dot(to_light).max(0.0) * material.phong.diffuse + highlights)
     }
 
-    /// Returns the length of the vector to a light. It is not 1 if the mistake is a missing normalization.
+    /// Returns the length of the vector to a light. It is not 1 if the mistake is a missing normalisation.
     fn length_to(&self, light: &Incident, index: usize) -> f64 {
         match (self.mistake, self.lights.get(index)) {
             (Some(Mistake::DirectionsNotNormalised), Some(Light::Directional { direction, .. })) => {
