@@ -1,90 +1,92 @@
-//! Adaptive sampling: how many samples a pixel needs for what is in it.
+//! Adaptive sampling: estimates the number of samples that each pixel needs from its contents.
 //!
-//! Rays through the corners of all pixels are cast first, once for the four pixels at each. They say what is in a pixel: an
-//! edge that crosses it has corners on both sides. With n samples in strata the squared error of a pixel is about
-//! c^2 n^-3/2 / 8 if an edge of contrast c crosses it, g^2 n^-3 / 12 if its colours change steadily by g, and v / n if it is
-//! full of things that are smaller than its strata, with a variance of v (Mitchell, "Consequences of stratified sampling in
-//! graphics", SIGGRAPH 1996). Samples are spent where one more lessens the squared error by most, down to the same amount
-//! in all pixels.
+//! First, rays are cast through the corners of all pixels; adjacent pixels share them. They show the contents of a
+//! pixel: an edge that crosses it has corners on both sides. With n stratified samples the squared error of a pixel is
+//! about c^2 n^-3/2 / 8 if an edge of contrast c crosses it, g^2 n^-3 / 12 if its colours have a gradient of g, and
+//! v / n if it is full of details smaller than its strata, with a variance of v (Mitchell, "Consequences of stratified
+//! sampling in graphics", SIGGRAPH 1996). Samples are spent where one more reduces the squared error most, until this
+//! reduction is equal in all pixels.
 //!
-//! What lies between corners is found by probes, as [`allotment`](super::allotment) tells. Neither corners nor probes count
-//! in the picture, and they do not depend on its random numbers. So the picture has the expected value that it would have
-//! with any number of samples (Kirk and Arvo, "Unbiased sampling techniques for image synthesis", SIGGRAPH 1991).
+//! Probes find details between corners; see [`allotment`](super::allotment). Corners and probes do not contribute to
+//! the picture and do not depend on its random numbers. So the estimate is unbiased: the picture has the same expected
+//! value as with any fixed number of samples (Kirk and Arvo, "Unbiased sampling techniques for image synthesis",
+//! SIGGRAPH 1991).
 
 use crate::picture::Color;
 use glam::Vec3A;
 use serde::Serialize;
 
-/// How far adaptive sampling goes.
+/// The settings of adaptive sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Adaptive {
-    /// The largest number of samples of a pixel, from [`BASE`](Self::BASE) to [`LIMIT`](Self::LIMIT).
+    /// The largest number of samples per pixel, from [`BASE`](Self::BASE) to [`LIMIT`](Self::LIMIT).
     pub most: u32,
-    /// The error of the picture that is asked for, in levels.
+    /// The target error of the picture, in levels.
     pub error: f64,
 }
 
-/// The colours of four corners in a line.
+/// Squared colour differences along four corners in a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Line {
-    /// The square of the step from the second to the third that is not a part of a steady change.
+    /// The square of the part of the step from the second to the third that is not a gradient.
     edge: f32,
-    /// The square of the step that is.
+    /// The square of the part that is a gradient.
     steady: f32,
-    /// The square of how far the colours go back and forth.
+    /// The square of the colours' back-and-forth variation.
     back: f32,
 }
 
-/// What is known of a pixel before it is probed.
+/// The estimated contents of a pixel before it is probed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contents {
-    /// The squared contrast of edges in it.
+    /// The squared contrast of its edges.
     edge: f32,
-    /// The square of a steady change.
+    /// The square of its gradient.
     steady: f32,
-    /// The variance of things that are no larger than a pixel.
+    /// The variance of details no larger than a pixel.
     variance: f32,
-    /// The variance of those that are known to be in it.
+    /// The variance of details known to be in it.
     known: f32,
 }
 
-/// Edges of this contrast, in levels, have the error that is asked for.
+/// Edges of this contrast, in levels, have the target error.
 const EDGE: f64 = 160.0;
 
-/// Things that are no larger than a pixel have 1.4 times the error that is asked for if this is their standard
-/// deviation, in levels. Were samples spent as for edges, scenes that are full of them would have much more.
+/// Details no larger than a pixel have 1.4 times the target error if this is their standard deviation, in levels. If
+/// samples were spent as for edges, scenes full of such details would have a much larger error.
 const SMALL_THINGS: f64 = 36.0;
 
-/// All that is brighter has this brightness in pictures of bytes, where corners see it.
+/// Corners clamp brighter colours to this brightness in pictures of bytes.
 pub const BRIGHTEST: f32 = 2.0;
 
 /// The number of levels from black to white.
 const LEVELS: f64 = 255.0;
 
 impl Adaptive {
-    /// The number of samples that each pixel may have at least.
+    /// The smallest permitted value of `most`.
     pub const BASE: u32 = 4;
 
-    /// The number of samples above which no pixel gets any.
+    /// The largest permitted value of `most`.
     pub const LIMIT: u32 = 1024;
 
-    /// About the number of samples of a pixel on average, where edges cross some of them.
+    /// Returns the approximate average number of samples per pixel if edges cross some pixels.
     pub fn usual(self) -> u32 {
         (self.of_usual_edge() / 3.0).ceil().min(f64::from(self.most)) as u32
     }
 
-    /// The number of samples of a pixel with an edge of the usual contrast.
+    /// Returns the number of samples for a pixel with an edge of the usual contrast.
     fn of_usual_edge(self) -> f64 {
         let ce = EDGE / self.error;
         libm::pow(ce * ce / 8.0, 2.0 / 3.0)
     }
 
-    /// The squared error that is asked for, where white is 1.
+    /// Returns the target squared error, where white is 1.
     pub(super) fn square(self) -> f64 {
         (self.error / LEVELS) * (self.error / LEVELS)
     }
 
-    /// How many samples the edges, the steady change, and the small things, known ones and others, of pixels need.
+    /// Returns a function that maps contents to the numbers of samples needed for edges, the gradient, known details
+    /// and other details.
     pub(super) fn needs(self) -> impl Fn(Contents) -> [f32; 4] {
         // The squared error that one more sample saves.
         let least = 1.5 * self.square() / self.of_usual_edge();
@@ -92,20 +94,20 @@ impl Adaptive {
         let of_variance = (SMALL_THINGS / LEVELS / (2.0 * self.square())) as f32;
         move |Contents { edge, steady, variance, known }| {
             let root = |x: f32| x.sqrt().sqrt();
-            // About the power of 2/5.
+            // Approximates the power of 2/5.
             let of_edge = root(edge_unit * edge) * root(edge_unit * edge).sqrt();
             [of_edge, root(steady_unit * steady), known.sqrt() * of_variance, variance.sqrt() * of_variance]
         }
     }
 }
 
-/// A colour in single precision, which is enough to decide.
+/// Converts a colour to single precision, which is enough to decide.
 pub fn finite(color: Color) -> Vec3A {
     color.clamp(Color::ZERO, Color::splat(1e6)).as_vec3a()
 }
 
-/// The squared distance of a colour from those between the corners of its pixel. In bytes all that is brighter than white
-/// is white.
+/// Returns the squared distance of a colour from the range of its pixel's corners. In pictures of bytes, colours
+/// brighter than white count as white.
 pub fn beyond(color: Vec3A, [a, b, c, d]: [Vec3A; 4], has_floats: bool) -> f32 {
     let between = color.max(a.min(b).min(c).min(d)).min(a.max(b).max(c).max(d));
     let is_white = !has_floats && color.min(between).min_element() >= 1.0;
@@ -117,7 +119,8 @@ fn mean_square(v: Vec3A) -> f32 {
 }
 
 impl Line {
-    /// Of four corners, the first and the last of which may be outside, where colours are assumed to change steadily.
+    /// Computes the differences of four corners. The first and the last may be outside the picture, where the gradient
+    /// is assumed to continue.
     #[inline(always)]
     pub fn new(first: Option<Vec3A>, second: Vec3A, third: Vec3A, fourth: Option<Vec3A>) -> Self {
         let first = first.unwrap_or(2.0 * second - third);
@@ -130,8 +133,8 @@ impl Line {
 }
 
 impl Contents {
-    /// By the lines along the rows of corners around a pixel, from the one before it to the one after it, and those along the
-    /// columns.
+    /// Computes the contents from the lines along the rows of corners around a pixel, from the row before it to the row
+    /// after it, and from the lines along the columns.
     #[inline(always)]
     pub fn new(rows: [Line; 4], columns: [Line; 4]) -> Self {
         let sides = [rows[1], rows[2], columns[1], columns[2]];
@@ -140,23 +143,23 @@ impl Contents {
             // An edge that crosses the pixel crosses two of its sides.
             edge: 0.5 * sides.iter().map(|line| line.edge).sum::<f32>(),
             steady: 0.5 * sides.iter().map(|line| line.steady).sum::<f32>(),
-            // Where colours are one of two by chance, the mean square of each of eight is 8 variances.
+            // If colours are a random choice of two, the mean square of each of the eight lines is 8 variances.
             variance: back / 64.0,
             known: 0.0,
         }
     }
 
-    /// With small things that are known to be in it, of this variance.
+    /// Sets the variance of the details known to be in the pixel.
     pub fn with_known(self, known: f32) -> Self {
         Self { known, ..self }
     }
 
-    /// With at least this variance.
+    /// Raises the variance to at least this value.
     pub(super) fn with_variance(self, variance: f32) -> Self {
         Self { variance: self.variance.max(variance), ..self }
     }
 
-    /// The squared error that this number of samples is expected to leave.
+    /// Returns the expected squared error with this number of samples.
     pub(super) fn error(&self, count: f32) -> f32 {
         let part = count.recip();
         let Self { edge, steady, variance, known } = *self;
@@ -172,7 +175,7 @@ mod tests {
         finite(Color::splat(level / LEVELS))
     }
 
-    /// The contents of the middle pixel of three by three, whose colours in levels depend on the place.
+    /// Returns the contents of the middle pixel of three by three. `level` gives the colour at each corner, in levels.
     fn contents(level: impl Fn(usize, usize) -> f64) -> Contents {
         let line = |at: &dyn Fn(usize) -> f64| {
             let [a, b, c, d] = [0, 1, 2, 3].map(|k| corner(at(k)));
@@ -195,7 +198,7 @@ mod tests {
     fn an_edge_is_in_the_pixels_that_it_crosses() {
         let side = |is_beyond: bool| if is_beyond { 90.0 } else { 10.0 };
         assert_near(in_levels(contents(|x, _| side(x > 1))), [80.0, 0.0, 0.0]);
-        // It cuts a corner off.
+        // The edge cuts a corner off.
         assert_near(in_levels(contents(|x, y| side(x + y > 3))), [80.0, 0.0, 0.0]);
         assert_near(in_levels(contents(|x, _| side(x > 2))), [0.0; 3]);
         assert_near(in_levels(contents(|x, y| side(x + y > 4))), [0.0; 3]);
@@ -207,7 +210,7 @@ mod tests {
         assert_near(in_levels(slope), [0.0, 5.0, 0.0]);
         let with_edge = contents(|x, _| 50.0 + 3.0 * x as f64 + if x > 1 { 60.0 } else { 0.0 });
         assert_near(in_levels(with_edge), [60.0, 3.0, 0.0]);
-        // At the border of the picture it is assumed to go on.
+        // At the border of the picture the gradient is assumed to continue.
         let [a, b, c] = [1.0, 3.0, 5.0].map(corner);
         let line = Line::new(None, a, b, Some(c));
         assert!(line.edge < 1e-9 && (f64::from(line.steady).sqrt() * LEVELS - 2.0).abs() < 1e-4);

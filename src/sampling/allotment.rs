@@ -1,18 +1,19 @@
-//! Adaptive sampling: as many samples as are needed for the error that is asked for, by probes.
+//! Adaptive sampling: uses probes to allot the number of samples that reaches the target error.
 //!
-//! The corners of pixels miss what lies between them: dots, hairs, shadows, highlights, reflections. Probes at random places
-//! find it. How far the colours that they see are beyond those of their pixels' corners estimates the variance around them.
-//! A pixel's own probes do not count for it, so that they are a test of the plan: what error it leaves, without bias. All
-//! pixels get more samples, in proportion to what they need, until it is the one that is asked for. Of two plans, one by the
-//! probes around each pixel and one by their mean, the one with fewer samples is taken.
+//! Pixel corners miss details between them: dots, hairs, shadows, highlights, reflections. Probes at random positions
+//! find them. The distance of a probe's colour from the range of its pixel's corners estimates the variance around it.
+//! A pixel's own probes do not influence its number of samples, so they give an unbiased estimate of the plan's error.
+//! All pixels get more samples, in proportion to their needs, until the estimate reaches the target. There are two
+//! plans, one from the probes around each pixel and one from the mean of all probes. The plan with fewer samples is
+//! used.
 //!
-//! Samples in strata leave less than is expected where the things that they find are larger than strata. How much less is
-//! measured in some pixels, where it may save many samples.
+//! Stratified samples leave less error than expected where details are larger than strata. The ratio is measured in
+//! some pixels if it may save many samples.
 
 use super::adaptive::{Adaptive, Contents};
 use crate::picture::Color;
 
-/// A probe that has seen a colour beyond the colours of its pixel's corners.
+/// A probe that found a colour outside the range of its pixel's corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Find {
     /// The index of the pixel.
@@ -21,86 +22,88 @@ pub struct Find {
     pub square: f32,
 }
 
-/// What is known of some rows of pixels.
+/// The knowledge about some rows of pixels.
 #[derive(Clone, Debug)]
 pub struct Known {
     /// The number of pixels in a row.
     pub width: usize,
     /// The contents of each pixel, row by row.
     pub contents: Vec<Contents>,
-    /// The probes that have found something.
+    /// The probes that found something.
     pub finds: Vec<Find>,
-    /// The number of probes of a pixel on average.
+    /// The average number of probes per pixel.
     pub probes: f64,
-    /// The largest contrast that something may have which probes have missed.
+    /// The largest contrast assumed for details that the probes missed.
     pub contrast: f32,
-    /// Whether colours brighter than white count in full.
+    /// True if colours brighter than white count in full.
     pub has_floats: bool,
-    /// The squared errors, over those that are expected, where contents tell of them, and where finds do.
+    /// The ratios of measured to expected squared errors, for errors estimated from contents and from finds.
     pub gains: [f64; 2],
 }
 
-/// How many samples some pixels get.
+/// The numbers of samples of some pixels.
 #[derive(Clone, Debug)]
 pub struct Allotment {
-    /// For each pixel.
+    /// The number of samples of each pixel.
     pub samples: Vec<u16>,
-    /// The part of the squared error that is the uncertainty of what is known.
+    /// The fraction of the squared error due to the uncertainty of the estimate.
     pub doubt: f64,
 }
 
-/// A pixel in which a plan is tested.
+/// A pixel used to test a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tested {
-    /// Its index.
+    /// The index of the pixel.
     pub pixel: usize,
-    /// The expected squared error; none if random samples have it.
+    /// The expected squared error. `None` if it is the error of random samples.
     pub expected: Option<f64>,
 }
 
-/// The part of the squared error that is asked for which something may leave that all probes are likely to miss, and that
-/// which the rest may leave.
+/// The fraction of the target squared error permitted for details that all probes are likely to miss, and the fraction
+/// permitted for the rest.
 const MISSED: f64 = 0.5;
 const ALLOWED: f64 = 0.65;
 
-/// The number of probes around a pixel that tell of it, and how many of them count as much as all that are further away.
+/// The number of probes around a pixel that estimate its variance, and the number of them that has the weight of all
+/// others.
 const AROUND: f64 = 64.0;
 const OF_ALL: f64 = 16.0;
 
-/// The probes that a pixel has at most, beside those that are cast since few have found much.
+/// The largest average number of probes per pixel, apart from those added when few have found much.
 const MOST_PROBES: f64 = 16.0;
 
-/// The finest plan. Each is this many times as fine as the one before. The one with this index has what is usual.
+/// The index of the finest plan, the ratio of fineness between successive plans, and the index of the usual one.
 const FINEST: u32 = 64;
 const FINER: f32 = 1.5;
 const USUAL: u32 = 10;
 
 impl Adaptive {
-    /// The number of probes of a pixel, of so many, that are worth while where something may have this contrast.
+    /// Returns the number of probes per pixel that is worth casting in `pixels` pixels, if details may have this
+    /// contrast.
     ///
-    /// Something of contrast c that covers a part p of the pixels leaves a squared error of p c^2 / n with n samples in
-    /// each, and m probes in each of k pixels hit it m k p times. Where that is once, the error is c^2 / (k m n), so that
+    /// A detail of contrast c that covers a fraction p of the pixels leaves a squared error of p c^2 / n with n samples
+    /// in each. m probes in each of k pixels hit it m k p times. If they hit it once, the error is c^2 / (k m n), so
     /// m = n is the cheapest way to make it small.
     pub fn probes(self, pixels: usize, contrast: f32) -> f64 {
         let product = self.missed(contrast) / pixels as f64;
-        // There is nothing to be found out where all pixels get the most.
+        // If all pixels get the maximum, probes have nothing to decide.
         let is_open = product < MOST_PROBES * f64::from(self.most);
         if is_open { product.min(product.sqrt()).min(MOST_PROBES) } else { 0.0 }
     }
 
-    /// The number of samples of a pixel times that of all probes at which something of this contrast that one of them hits
-    /// leaves no more than it may.
+    /// Returns the number of samples per pixel times the number of all probes for which a detail of this contrast, hit
+    /// by one probe, leaves no more than the permitted error.
     fn missed(self, contrast: f32) -> f64 {
         f64::from(contrast * contrast) / (MISSED * self.square())
     }
 }
 
 impl Known {
-    /// How many samples pixels need for what is asked for.
+    /// Returns the number of samples that each pixel needs to reach the target error.
     pub fn allot(&self, settings: Adaptive) -> Allotment {
         let side = ((AROUND / self.probes).sqrt() / 3.0).ceil().clamp(1.0, self.contents.len() as f64);
         let local = self.allot_by(settings, &self.variances(side as usize));
-        // Nothing has been found that could be uneven.
+        // Nothing was found, so nothing can be uneven.
         if self.finds.is_empty() {
             return local;
         }
@@ -119,12 +122,12 @@ impl Known {
         let (floor, most) = (floor.clamp(1.0, settings.most.into()) as f32, settings.most as f32);
         let by_fineness = |step: u32| {
             let fineness = FINER.powi(step as i32 - USUAL as i32);
-            // What is known to be there is never coarser than usual.
+            // Known details never get fewer samples than usual.
             let root = fineness.max(1.0).sqrt().sqrt();
             let by = [root * root.sqrt(), root, root * root, fineness.sqrt()];
             let count = |need: &[f32; 4]| {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|k| need[k] * by[k]);
-                // NaN for what is not finite or 0 / 0, which more samples do not make better.
+                // `max` and `min` drop a NaN. It comes from infinity or 0 / 0, where more samples do not help.
                 let count = a.max(b).max(c).max(d).max(floor).min(most);
                 // Faster than `ceil`.
                 let whole = count as u16;
@@ -150,7 +153,7 @@ impl Known {
         best.unwrap_or_else(|| by_fineness(FINEST).1)
     }
 
-    /// The variance around each pixel that probes of others have found, by the nine cells of this side around it.
+    /// Returns the variance around each pixel found by other pixels' probes, in the nine cells of this side around it.
     fn variances(&self, side: usize) -> Vec<f32> {
         let Self { width, probes, .. } = *self;
         let height = self.contents.len() / width;
@@ -182,26 +185,26 @@ impl Known {
         own.iter().enumerate().map(of_pixel).collect()
     }
 
-    /// The number of all probes.
+    /// Returns the total number of probes.
     fn all_probes(&self) -> f64 {
         (self.probes * self.contents.len() as f64).max(1.0)
     }
 
-    /// The squared errors that are expected in pixels by their contents.
+    /// Returns the expected squared errors of pixels from their contents.
     fn by_contents(&self, samples: &[u16]) -> impl Iterator<Item = f64> {
         self.contents.iter().zip(samples).map(|(contents, &count)| contents.error(count.into()).into())
     }
 
-    /// The squared errors that are expected where there are finds.
+    /// Returns the expected squared errors at finds.
     fn by_finds(&self, samples: &[u16]) -> impl Iterator<Item = f64> {
         self.finds.iter().map(|find| {
             let count = f32::from(samples[find.pixel]);
-            // A pixel of bytes that one of its samples makes white is off by no more than from black to white.
+            // In pictures of bytes, a pixel that one sample makes white has an error of at most white minus black.
             f64::from((find.square / count).min(if self.has_floats { f32::MAX } else { count }))
         })
     }
 
-    /// The squared error that samples leave, and its uncertainty, which is a part of it.
+    /// Returns the squared error that these samples leave, and the part of it that is uncertainty.
     fn error(&self, samples: &[u16]) -> [f64; 2] {
         let [of_contents, of_finds] = self.gains;
         let by_contents = self.by_contents(samples).sum::<f64>() / self.contents.len() as f64;
@@ -211,11 +214,12 @@ impl Known {
         [of_contents * by_contents + found + doubt, doubt]
     }
 
-    /// Pixels to test a plan in, in proportion to the errors that are expected by contents, and by finds.
+    /// Chooses pixels to test a plan in, with frequencies proportional to the errors expected from contents, and from
+    /// finds.
     pub fn to_test(&self, samples: &[u16]) -> [Vec<Tested>; 2] {
         let count = (self.contents.len() / 128).clamp(16, 64);
         let by_contents: Vec<f64> = self.by_contents(samples).collect();
-        // White does not get any whiter.
+        // White cannot get brighter.
         let counts = |find: &Find| self.has_floats || find.square <= 1.0;
         let by_finds = self.finds.iter().zip(self.by_finds(samples));
         let by_finds: Vec<f64> =
@@ -230,13 +234,13 @@ impl Known {
 }
 
 impl Allotment {
-    /// The number of all samples.
+    /// Returns the total number of samples.
     pub fn total(&self) -> u64 {
         self.samples.iter().map(|&count| u64::from(count)).sum()
     }
 }
 
-/// The indices at even steps in the sum of some weights.
+/// Returns the indices at even steps in the cumulative sum of `weights`.
 fn evenly(weights: &[f64], count: usize) -> Vec<usize> {
     let step = weights.iter().sum::<f64>() / count as f64;
     let (mut sum, mut next, mut chosen) = (0.0, 0.5 * step, vec![]);
@@ -250,7 +254,8 @@ fn evenly(weights: &[f64], count: usize) -> Vec<usize> {
     chosen
 }
 
-/// The squared error of the mean of a pixel's samples, by two sets of them, and that of as many random samples.
+/// Returns the squared error of the mean of a pixel's samples, estimated from two sets of them, and the squared error
+/// of the same number of random samples.
 pub fn own_and_random_error(sets: [&[Color]; 2]) -> [f64; 2] {
     let count = sets[0].len() as f64;
     let [one, other] = sets.map(|set| set.iter().sum::<Color>() / count);
@@ -259,7 +264,7 @@ pub fn own_and_random_error(sets: [&[Color]; 2]) -> [f64; 2] {
     [(one - other).length_squared() / 6.0, squares / (3.0 * count * (2.0 * count - 1.0))]
 }
 
-/// The squared errors over those that are expected, plus the standard error of their mean; 1 if there are none.
+/// Returns the mean ratio of measured to expected squared errors plus its standard error, or 1 if none was tested.
 pub fn gain(tested: &[Tested], errors: impl Fn(usize) -> [f64; 2]) -> f64 {
     let ratio = |&Tested { pixel, expected }: &Tested| {
         let [own, random] = errors(pixel);
@@ -280,7 +285,7 @@ mod tests {
 
     const SIDE: usize = 60;
 
-    /// Probes in pixels with white things on black that cover a part of each pixel and that corners do not see.
+    /// Returns probes of white details on black that cover a part of each pixel and that corners miss.
     fn probed(part: impl Fn(usize) -> f64, probes: usize) -> Known {
         let mut rng = Drand48::seeded(5);
         let mut finds = vec![];
@@ -295,7 +300,7 @@ mod tests {
 
     const SETTINGS: Adaptive = Adaptive { most: 1024, error: 4.0 };
 
-    /// The squared error that samples leave which are random, over the one that is asked for.
+    /// Returns the squared error of random samples divided by the target.
     fn left(part: impl Fn(usize) -> f64, samples: &[u16]) -> f64 {
         let error = |(pixel, &count): (usize, &u16)| part(pixel) * (1.0 - part(pixel)) / f64::from(count);
         samples.iter().enumerate().map(error).sum::<f64>() / samples.len() as f64 / SETTINGS.square()
@@ -305,7 +310,7 @@ mod tests {
     fn samples_are_as_many_as_what_probes_find_needs() {
         let flat = probed(|_| 0.0, 2).allot(SETTINGS);
         assert!(flat.samples.iter().all(|&count| count <= 2) && flat.doubt == 0.0);
-        // The same everywhere, and a quarter of the pixels only.
+        // Details everywhere, and in a quarter of the pixels only.
         let even = |_| 0.05;
         let corner = |pixel: usize| if pixel % SIDE < 30 && pixel / SIDE < 30 { 0.2 } else { 0.0 };
         let totals = [probed(even, 4), probed(corner, 4)].map(|known| known.allot(SETTINGS).total());
@@ -316,7 +321,7 @@ mod tests {
         ] {
             assert!((0.4..1.0).contains(&error), "{error}");
         }
-        // One pixel in a hundred, anywhere.
+        // One pixel in a hundred, scattered.
         let scattered = |pixel: usize| if pixel * 7919 % 100 == 3 { 0.4 } else { 0.0 };
         let error = left(scattered, &probed(scattered, 4).allot(SETTINGS).samples);
         assert!((0.1..1.1).contains(&error), "{error}");
@@ -356,7 +361,7 @@ mod tests {
         assert!(total(Known { gains: [1.0, 0.25], ..known.clone() }) < usual / 3);
         let flat = probed(|_| 0.0, 2);
         assert!(total(Known { contrast: 9.0, ..flat.clone() }) > 20 * total(flat));
-        // What makes a pixel of bytes white with any sample is off by no more.
+        // A detail that makes a pixel of bytes white with any sample causes no larger error.
         let bright = |has_floats| {
             let finds = vec![Find { pixel: 7, square: 900.0 }];
             let known = Known { finds, has_floats, ..probed(|_| 0.0, 2) };

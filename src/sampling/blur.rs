@@ -1,51 +1,51 @@
-//! The filter of assignment 5 of 2012: a picture is blurred and then reduced to a third of its size, row by row.
+//! The filter of assignment 5 of 2012: blurs a picture and then reduces it to a third of its size, row by row.
 
 use crate::picture::Color;
 use std::collections::VecDeque;
 
-/// The pixels of the picture along each axis that become one of the reduced picture.
+/// The number of pixels along each axis that are averaged into one.
 pub const REDUCTION: usize = 3;
 
-/// The weights of a pixel's neighbours and of the pixel itself, along each axis. They add up to a little more than one.
+/// The weights of a pixel and its neighbours along each axis. Their sum is slightly above one.
 const WEIGHTS: [f64; 5] = [0.1201, 0.2339, 0.2921, 0.2339, 0.1201];
 /// The number of neighbours on either side.
 const REACH: usize = WEIGHTS.len() / 2;
 
-/// The size of a picture after the reduction.
+/// Returns the size of a picture after the reduction.
 pub fn reduced(size: [usize; 2]) -> [usize; 2] {
     size.map(|n| n / REDUCTION)
 }
 
-/// Takes the rows of a picture from the top, and gives those of the reduced one.
+/// Takes the rows of a picture from the top, and returns the rows of the reduced picture.
 #[derive(Debug)]
 pub struct Blur {
-    /// The topmost rows of the picture that are part of none of the reduced picture, which is counted from the bottom.
+    /// The number of topmost rows that the reduced picture leaves out, because it is aligned to the bottom.
     surplus: usize,
-    /// The last rows, blurred along themselves.
+    /// The last rows, blurred horizontally.
     rows: VecDeque<Vec<Color>>,
-    /// The rows that have been blurred along both axes, and their sum since the last row of the reduced picture.
+    /// The number of rows blurred along both axes, and their sum since the last reduced row.
     finished: usize,
     sum: Vec<Color>,
 }
 
 impl Blur {
-    /// For a picture of so many rows.
+    /// Creates a filter for a picture with this number of rows.
     pub fn new(rows: usize) -> Self {
         Self { surplus: rows % REDUCTION, rows: VecDeque::new(), finished: 0, sum: vec![] }
     }
 
-    /// Takes the next row. Returns the row of the reduced picture that it completes, if it does.
+    /// Takes the next row. Returns a reduced row if this completes one.
     pub fn add(&mut self, row: &[Color]) -> Option<Vec<Color>> {
         let blurred: Vec<Color> = (0..row.len()).map(|x| weighted(row.len(), x, |x| row[x])).collect();
         if self.rows.is_empty() {
-            // Beyond the border the picture goes on with the pixels there.
+            // Beyond the border, the border pixels are repeated.
             self.rows.extend([blurred.clone(), blurred.clone()]);
         }
         self.rows.push_back(blurred);
         self.finish()
     }
 
-    /// The rows that are left when the last row has been taken: at most one.
+    /// Returns the remaining reduced row, if any, after the last row has been taken.
     pub fn end(&mut self) -> Option<Vec<Color>> {
         let mut last = None;
         for _ in 0..REACH {
@@ -57,7 +57,7 @@ impl Blur {
         last
     }
 
-    /// Blurs the row in the middle of the last five, if there are as many.
+    /// Blurs the middle of the last five rows, if there are five.
     fn finish(&mut self) -> Option<Vec<Color>> {
         if self.rows.len() < WEIGHTS.len() {
             return None;
@@ -85,7 +85,7 @@ impl Blur {
     }
 }
 
-/// The weighted sum around a place, where places beyond the ends are the ends.
+/// Returns the weighted sum around an index. Beyond the ends, the end values are repeated.
 fn weighted(count: usize, place: usize, color: impl Fn(usize) -> Color) -> Color {
     let neighbour = |i: usize| (place + i).saturating_sub(REACH).min(count - 1);
     WEIGHTS.into_iter().enumerate().map(|(i, weight)| color(neighbour(i)) * weight).sum()
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_point_spreads_by_the_weights() {
-        // It is in the middle of the middle one of nine pixels.
+        // The point is in the middle of the central block of nine.
         let rows = blurred([9, 9], |x, y| f64::from(u8::from([x, y] == [4, 4])));
         let [side, middle] = [0.1201, 0.2921 + 2.0 * 0.2339];
         for (y, row) in rows.iter().enumerate() {

@@ -1,35 +1,35 @@
-//! The additive feedback generator of the GNU C library's `rand`: s(n) = s(n - 3) + s(n - 31) mod 2^32, of which a draw is
-//! the upper 31 bits. Pictures of assignment 5 of 2012 were made with its numbers.
+//! The additive feedback generator of the GNU C library's `rand`: s(n) = s(n - 3) + s(n - 31) mod 2^32. A draw is the
+//! upper 31 bits. The pictures of assignment 5 of 2012 were made with its numbers.
 
 use glam::DVec2;
 
 /// The number of words of the state.
 const WORDS: usize = 31;
-/// The distance of the other summand.
+/// The distance of the nearer summand.
 const NEAR: usize = 3;
-/// The draws that the library throws away after seeding.
+/// The number of draws that the library discards after seeding.
 const DISCARDED: u64 = 310;
 
-/// A polynomial of degree below [`WORDS`], by its coefficients from the constant one on.
+/// A polynomial of degree below [`WORDS`], as coefficients from the constant term on.
 type Polynomial = [u32; WORDS];
 
 /// The generator.
 #[derive(Clone, Debug)]
 pub struct CRand {
-    /// The last words of the sequence, from the oldest.
+    /// The last words of the sequence, in a ring.
     words: [u32; WORDS],
-    /// The place of the oldest.
+    /// The index of the oldest word.
     oldest: usize,
 }
 
 impl CRand {
-    /// The state after `srand(1)`, with which a C program starts that never seeds the generator.
+    /// Returns the state after `srand(1)`, the initial state of a C program that never seeds the generator.
     pub fn unseeded() -> Self {
         let mut words = [1; WORDS];
         for i in 1..WORDS {
             words[i] = (u64::from(words[i - 1]) * 16_807 % 0x7fff_ffff) as u32;
         }
-        // The library starts with its indices three apart, so that the first words are used from the fourth on.
+        // The library starts with its indices three apart, so words are used from the fourth on.
         let mut generator = Self { words, oldest: 0 };
         for _ in 0..NEAR {
             let oldest = generator.words[generator.oldest];
@@ -38,8 +38,8 @@ impl CRand {
         generator.jumped(DISCARDED)
     }
 
-    /// The generator after `steps` draws. The word that many steps away is a linear combination of those of the state: its
-    /// coefficients are those of x^steps modulo the recurrence's polynomial, x^31 - x^28 - 1.
+    /// Returns the generator after `steps` draws. The word that many steps away is a linear combination of the words in
+    /// the state. Its coefficients are those in x^steps modulo the recurrence's polynomial, x^31 - x^28 - 1.
     pub fn jumped(&self, steps: u64) -> Self {
         let mut combination = [0; WORDS];
         combination[0] = 1;
@@ -61,18 +61,18 @@ impl CRand {
         Self { words, oldest: 0 }
     }
 
-    /// A number from 0 to 1, both included, as `rand() / RAND_MAX` gives it.
+    /// Returns a number from 0 to 1, both included, like `rand() / RAND_MAX`.
     fn next_number(&mut self) -> f64 {
         f64::from(self.step() >> 1) / f64::from(i32::MAX)
     }
 
-    /// The offset of a pixel's sample from its centre. As in the course's program y is drawn first.
+    /// Returns the offset of a pixel's sample from its centre. As in the course's program, y is drawn first.
     pub fn next_offset(&mut self) -> DVec2 {
         let (y, x) = (self.next_number(), self.next_number());
         DVec2::new(x, y) - 0.5
     }
 
-    /// The next word of the sequence, which takes the place of the oldest.
+    /// Computes the next word of the sequence, which replaces the oldest.
     fn step(&mut self) -> u32 {
         let near = (self.oldest + WORDS - NEAR) % WORDS;
         let word = self.words[self.oldest].wrapping_add(self.words[near]);
@@ -118,7 +118,7 @@ fn times_x(one: &Polynomial) -> Polynomial {
 mod tests {
     use super::*;
 
-    /// What a C program prints that calls `rand` and never `srand`.
+    /// The output of a C program that calls `rand` without `srand`.
     const FIRST: [u32; 6] =
         [1_804_289_383, 846_930_886, 1_681_692_777, 1_714_636_915, 1_957_747_793, 424_238_335];
 

@@ -8,39 +8,39 @@ const MULTIPLIER: u64 = 0x5_DEEC_E66D;
 const INCREMENT: u64 = 0xB;
 const MASK: u64 = (1 << 48) - 1;
 
-/// The generator. Its words hold X in their upper 48 bits, and `random::<f64>()` gives X / 2^48.
+/// The generator. Its words hold X in their upper 48 bits, and `random::<f64>()` returns X / 2^48.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Drand48 {
     state: u64,
 }
 
 impl Drand48 {
-    /// The state X = 0, with which a C program starts that never seeds the generator, as the course's.
+    /// The state X = 0, the initial state of a C program that never seeds the generator, such as the course's.
     pub const UNSEEDED: Self = Self { state: 0 };
 
-    /// The state after C's `srand48(seed)`.
+    /// Returns the state after C's `srand48(seed)`.
     pub const fn seeded(seed: u32) -> Self {
         Self { state: (seed as u64) << 16 | 0x330E }
     }
 
-    /// The seed that gives this state; none if no seed does, as for the unseeded generator.
+    /// Returns the seed that gives this state. `None` if there is none, as for the unseeded generator.
     pub fn seed(self) -> Option<u32> {
         (self.state & 0xFFFF == 0x330E).then_some((self.state >> 16) as u32)
     }
 
-    /// The generator after `steps` draws.
+    /// Returns the generator after `steps` draws.
     pub fn jumped(self, steps: u64) -> Self {
         self.after(Jump::of(steps))
     }
 
-    /// The generator after a jump.
+    /// Returns the generator after a jump.
     #[inline(always)]
     pub fn after(self, jump: Jump) -> Self {
         Self { state: affine(jump.factor, jump.addend, self.state) }
     }
 }
 
-/// Many draws at once: the map x -> factor x + addend of the generator's state.
+/// Many draws at once, as the map x -> factor x + addend of the generator's state.
 #[derive(Clone, Copy, Debug)]
 pub struct Jump {
     factor: u64,
@@ -48,7 +48,7 @@ pub struct Jump {
 }
 
 impl Jump {
-    /// A jump of so many draws, in as many operations as `steps` has bits (Brown, "Random Number Generation
+    /// Returns a jump of `steps` draws, in as many operations as `steps` has bits (Brown, "Random Number Generation
     /// with Arbitrary Strides", Trans. Am. Nucl. Soc. 71, 1994).
     pub fn of(mut steps: u64) -> Self {
         let mut all = Self { factor: 1, addend: 0 };
@@ -64,7 +64,7 @@ impl Jump {
         all
     }
 
-    /// This jump and then another one.
+    /// Returns this jump followed by `next`.
     fn then(self, next: Self) -> Self {
         let factor = next.factor.wrapping_mul(self.factor) & MASK;
         Self { factor, addend: affine(next.factor, next.addend, self.addend) }

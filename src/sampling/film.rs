@@ -1,9 +1,9 @@
-//! The film: adds filtered samples up to the colours of pixels.
+//! The film: sums filtered samples and computes the colours of pixels.
 //!
-//! No sample is stored. The thread that traces a row of pixels accumulates a [`Spread`], which has one row of
-//! weighted sums for each row of the picture that the samples contribute to, and the [`Film`] adds the
-//! spreads in the order of their rows. So the memory does not depend on the number of samples, and the sums
-//! do not depend on the number of threads or their timing.
+//! No sample is stored. The thread that traces a row of pixels accumulates a [`Spread`], which has one row of weighted
+//! sums for each row of the picture that the samples contribute to. The [`Film`] adds the spreads in the order of their
+//! rows. So the memory does not depend on the number of samples, and the sums do not depend on the number of threads or
+//! their timing.
 
 use super::filter::Filter;
 use super::spread::Spread;
@@ -11,32 +11,32 @@ use super::sum::Sum;
 use crate::picture::Color;
 use std::collections::VecDeque;
 
-/// Adds the spreads up, and emits each row of the picture as soon as no later spread contributes to it.
+/// Adds spreads, and emits each row of the picture as soon as no later spread contributes to it.
 #[derive(Debug)]
 pub struct Film {
     filter: Filter,
     size: [usize; 2],
-    /// The rows that are not complete yet, from row `finished` on.
+    /// The incomplete rows, from row `finished` on.
     open: VecDeque<Vec<Sum>>,
-    /// The number of rows that have been emitted.
+    /// The number of rows emitted.
     finished: usize,
 }
 
 impl Film {
-    /// An empty film. `size` is the picture's width and height in pixels.
+    /// Creates an empty film. `size` is the picture's width and height in pixels.
     pub fn new(filter: Filter, size: [usize; 2]) -> Self {
         Self::starting_at(filter, size, 0)
     }
 
-    /// A film that takes the rows of pixels from `row` on. The rows of the picture within the filter's reach of
+    /// Creates a film that takes the rows of pixels from `row` on. Rows of the picture within the filter's reach of
     /// `row` lack the samples of the rows below it.
     pub fn starting_at(filter: Filter, size: [usize; 2], row: usize) -> Self {
         let finished = row.saturating_sub(filter.support());
         Self { filter, size, open: VecDeque::new(), finished }
     }
 
-    /// Adds the spread of the next row of pixels, and passes the index and the colours of each row of the
-    /// picture that it completes to `finish`. Both run upwards from the film's first row.
+    /// Adds the spread of the next row of pixels. Passes the index and the colours of each completed row of the picture
+    /// to `finish`. Both run upwards from the film's first row.
     pub fn add(
         &mut self,
         mut spread: Spread,
@@ -66,7 +66,7 @@ mod tests {
     use crate::math::instructions::Level;
     use glam::DVec2;
 
-    /// The picture that results when pixel (x, y) takes one sample of this colour at its centre.
+    /// Returns the picture if pixel (x, y) has one sample of this colour at its centre.
     fn filtered(
         filter: Filter,
         [width, height]: [usize; 2],

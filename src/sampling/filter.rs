@@ -19,7 +19,7 @@ pub enum Filter {
         /// Half the width.
         radius: f64,
     },
-    /// exp(-d^2 / (2 sigma^2)) at the distance d. Within the pixels of its support it is not truncated.
+    /// exp(-d^2 / (2 sigma^2)) at the distance d, not truncated within the pixels of its support.
     Gaussian {
         /// The standard deviation.
         sigma: f64,
@@ -33,10 +33,10 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// The filter that averages just the pixel's own samples.
+    /// Averages only the pixel's own samples.
     pub const PIXEL: Self = Self::Box { radius: 0.5 };
 
-    /// The radius, or the standard deviation.
+    /// Returns the radius, or the standard deviation.
     pub fn size(&self) -> f64 {
         match *self {
             Self::Box { radius } | Self::Tent { radius } | Self::Mitchell { radius } => radius,
@@ -44,7 +44,7 @@ impl Filter {
         }
     }
 
-    /// The same kind of filter with another radius or standard deviation.
+    /// Returns a filter of this kind with another radius or standard deviation.
     pub fn with_size(&self, size: f64) -> Self {
         match *self {
             Self::Box { .. } => Self::Box { radius: size },
@@ -54,19 +54,19 @@ impl Filter {
         }
     }
 
-    /// The weight of a sample at `position`, relative to the pixel's centre.
+    /// Returns the weight of a sample at `position`, relative to the pixel's centre.
     pub fn weight(&self, position: DVec2) -> f64 {
         self.combined(self.axis_term(position.x), self.axis_term(position.y), libm::exp)
     }
 
-    /// The weights of four samples from their terms along both axes. A Gaussian must have a support of at least a pixel,
-    /// so that it falls by no more than a factor of e^36 within it.
+    /// Returns the weights of four samples from their terms along both axes. A Gaussian must have a support of at least
+    /// one pixel, so that it falls by no more than a factor of e^36 within it.
     #[inline(always)]
     pub(super) fn weights<S: Simd>(&self, x: f64x4<S>, y: f64x4<S>) -> f64x4<S> {
         self.combined(x, y, exp_of_negative)
     }
 
-    /// What the weight of a sample depends on along one axis, at this distance from the pixel's centre along it.
+    /// Returns the term of a sample's weight for one axis, at this distance from the pixel's centre along it.
     #[inline(always)]
     pub(crate) fn axis_term<N: Number>(&self, distance: N) -> N {
         let splat = |x: f64| distance.broadcast(x);
@@ -77,7 +77,7 @@ impl Filter {
         }
     }
 
-    /// The weight of a sample from its terms along both axes.
+    /// Combines the terms of both axes to the weight of a sample.
     #[inline(always)]
     fn combined<N: Number>(&self, x: N, y: N, exp: impl Fn(N) -> N) -> N {
         let splat = |a: f64| x.broadcast(a);
@@ -88,7 +88,7 @@ impl Filter {
         }
     }
 
-    /// The number of pixels along each axis over which a sample counts beyond its own pixel.
+    /// Returns the number of pixels that a sample reaches along each axis beyond its own pixel.
     pub fn support(&self) -> usize {
         let radius = match *self {
             Self::Box { radius } | Self::Tent { radius } | Self::Mitchell { radius } => radius,
@@ -98,7 +98,7 @@ impl Filter {
     }
 }
 
-/// Mitchell and Netravali's cubic at x >= 0, which is zero from 2 on.
+/// Mitchell and Netravali's cubic at x >= 0. It is zero from 2 on.
 #[inline(always)]
 fn mitchell<N: Number>(x: N) -> N {
     let splat = |a: f64| x.broadcast(a);
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn the_cubic_at_known_points() {
-        // It is (7 x^3 - 12 x^2 + 16/3) / 6 below 1 and (-7/3 x^3 + 12 x^2 - 20 x + 32/3) / 6 from 1 to 2.
+        // The cubic is (7 x^3 - 12 x^2 + 16/3) / 6 below 1 and (-7/3 x^3 + 12 x^2 - 20 x + 32/3) / 6 from 1 to 2.
         for (x, value) in [(0.0, 16.0 / 18.0), (0.5, 77.0 / 144.0), (1.0, 1.0 / 18.0), (1.5, -5.0 / 144.0)] {
             assert!((mitchell(x) - value).abs() < 1e-15, "{x}");
         }

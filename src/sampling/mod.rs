@@ -1,5 +1,4 @@
-//! Supersampling: the sample positions in a pixel, the reconstruction filters, and the film that adds samples
-//! up.
+//! Supersampling: sample positions in a pixel, reconstruction filters, and the film that sums samples.
 
 pub mod adaptive;
 pub mod allotment;

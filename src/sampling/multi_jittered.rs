@@ -1,11 +1,12 @@
-//! Correlated multi-jittered samples (Kensler, Pixar technical memo 13-01, 2013): a random point in each stratum of a grid,
-//! as with jittered samples, but also one in each of as many columns and rows as there are samples.
+//! Correlated multi-jittered samples (Kensler, Pixar technical memo 13-01, 2013). Each stratum of a grid contains one
+//! random point, as with jittered samples. In addition they form an n-rooks pattern: if a pixel with n samples is
+//! divided into n columns and n rows, each contains one sample.
 
 use super::drand48::Drand48;
 use glam::DVec2;
 use rand::RngExt;
 
-/// The columns that a pixel has at most.
+/// The largest number of columns in a pixel.
 const MOST_COLUMNS: usize = 40;
 
 /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5).
@@ -14,19 +15,19 @@ pub struct MultiJittered {
     rng: Drand48,
     /// The numbers of columns and rows of strata.
     strata: [usize; 2],
-    /// For each column of strata the column within a stratum's height, and for each row the other way round.
+    /// The subcolumn of the samples in each row of strata, and the subrow of the samples in each column.
     places: [[u8; MOST_COLUMNS]; 2],
     next: usize,
 }
 
 impl MultiJittered {
-    /// The random numbers that are drawn for so many samples at most.
+    /// Returns the largest number of random numbers drawn for `samples` samples.
     pub fn draws(samples: u32) -> u64 {
         2 * u64::from(samples) + 2 * MOST_COLUMNS as u64
     }
 
-    /// The columns and rows of the grid that is nearest to a square, of at least `samples` strata, but of no more than
-    /// `most`, which is at most 1024.
+    /// Returns the columns and rows of the grid nearest to a square with at least `samples` strata and at most `most`,
+    /// which is limited to 1024.
     pub fn strata(samples: u32, most: u32) -> [u32; 2] {
         let samples = samples.clamp(1, most.clamp(1, 1024));
         let rows = samples.isqrt();
@@ -34,15 +35,15 @@ impl MultiJittered {
         if columns * rows > most { [samples / rows, rows] } else { [columns, rows] }
     }
 
-    /// One sample in each of these columns and rows of strata.
+    /// Creates a sampler with one sample in each stratum.
     pub fn new([columns, rows]: [u32; 2], mut rng: Drand48) -> Self {
-        // The places of a row's samples within the columns, and of a column's within the rows.
+        // The subcolumns of a row's samples, and the subrows of a column's samples.
         let places = [rows, columns].map(|count| permutation(count as usize, &mut rng));
         Self { rng, strata: [columns as usize, rows as usize], places, next: 0 }
     }
 }
 
-/// The numbers below `count` in a random order.
+/// Returns the numbers below `count` in random order.
 #[inline(always)]
 fn permutation(count: usize, rng: &mut Drand48) -> [u8; MOST_COLUMNS] {
     const IN_ORDER: [u8; MOST_COLUMNS] = {
@@ -62,7 +63,7 @@ fn permutation(count: usize, rng: &mut Drand48) -> [u8; MOST_COLUMNS] {
     numbers
 }
 
-// Not a closure, which would not be compiled for the instructions of the caller.
+// Not a closure, because closures are not compiled for the caller's instruction set.
 impl Iterator for MultiJittered {
     type Item = DVec2;
 

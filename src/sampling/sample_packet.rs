@@ -1,5 +1,4 @@
-//! Samples of neighbouring pixels that pass through the stages together: first their rays, then the hits, then the
-//! surfaces there, and then the colours.
+//! Samples of neighbouring pixels that pass through the stages together: rays, first hits, surfaces, colours.
 
 use crate::math::ray::{Ray, Visible};
 use crate::picture::Color;
@@ -7,35 +6,35 @@ use crate::world::SurfacePoint;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
-/// The place of a sample in a row of pixels.
+/// The position of a sample in a row of pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct SamplePlace {
     /// The column of its pixel.
     pub column: usize,
     /// The offset from the pixel's centre, in pixels.
     pub offset: DVec2,
-    /// Whether it is the last sample of its pixel.
+    /// True for the last sample of its pixel.
     pub is_last: bool,
 }
 
-/// A sample in a row of pixels, and what its ray hits. The ray is in one cache line.
+/// A sample in a row of pixels, and the hit of its ray. The ray is in one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Sample {
-    /// The ray through the place.
+    /// The ray through the sample.
     pub ray: Ray,
-    /// The surface that the ray hits first, once it has been computed.
+    /// The surface at the first hit, once computed.
     pub surface: Option<SurfacePoint>,
-    /// What the ray hits first, once it has been cast.
+    /// The first hit of the ray, once cast.
     pub visible: Option<Visible>,
-    /// Where the ray comes from.
+    /// The position of the sample.
     pub source: SamplePlace,
 }
 
-/// The colours of the samples of a packet. Others than those of its samples have no meaning.
+/// The colours of a packet's samples. Entries beyond the samples have no meaning.
 pub type PacketColors = [Color; SamplePacket::SIZE];
 
-/// A sample that has not been placed.
+/// An unused slot.
 const UNPLACED: Sample = Sample {
     ray: Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
     surface: None,
@@ -43,12 +42,12 @@ const UNPLACED: Sample = Sample {
     source: SamplePlace { column: 0, offset: DVec2::ZERO, is_last: false },
 };
 
-/// What is wanted of the rays of a packet.
+/// The requested results for the rays of a packet.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted {
     /// The first hits.
     pub hits: bool,
-    /// The surfaces there.
+    /// The surfaces at the first hits.
     pub surfaces: bool,
     /// The colours.
     pub colors: bool,
@@ -57,8 +56,8 @@ pub struct Wanted {
 /// Up to [`SIZE`](Self::SIZE) samples of a row.
 #[derive(Debug)]
 pub struct SamplePacket {
-    /// The places of samples, the first of which are taken. They stay where they are from one packet to the next,
-    /// because it would take longer to make whole samples than to change what is different.
+    /// The samples, followed by unused slots. Slots are reused from one packet to the next, because overwriting the
+    /// changed parts is faster than building whole samples.
     places: [Sample; Self::SIZE],
     count: usize,
 }
@@ -70,16 +69,16 @@ impl Default for SamplePacket {
 }
 
 impl SamplePacket {
-    /// The maximum number of samples: so many that their stages overlap, and so few that they stay in the cache.
+    /// The maximum number of samples: large enough for the stages to overlap, small enough for the cache.
     pub const SIZE: usize = 32;
 
-    /// The samples.
+    /// Returns the samples.
     #[inline(always)]
     pub fn samples(&self) -> &[Sample] {
         &self.places[..self.count]
     }
 
-    /// The samples, to enter what their rays hit.
+    /// Returns the samples, so that hits can be stored in them.
     #[inline(always)]
     pub fn samples_mut(&mut self) -> &mut [Sample] {
         &mut self.places[..self.count]
@@ -91,13 +90,13 @@ impl SamplePacket {
         self.count = 0;
     }
 
-    /// Whether there is room for no more.
+    /// Returns true if the packet is full.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
         self.count == Self::SIZE
     }
 
-    /// Adds the centres of the pixels in these columns.
+    /// Adds one sample at the centre of each pixel in these columns.
     #[inline(always)]
     pub fn push_centers(&mut self, columns: Range<usize>) {
         for column in columns {
@@ -115,7 +114,7 @@ impl SamplePacket {
         }
     }
 
-    /// All places, of which those behind the samples may be written, too.
+    /// Returns all slots. Slots after the last sample may be written, too.
     #[inline(always)]
     pub fn places_mut(&mut self) -> &mut [Sample; Self::SIZE] {
         &mut self.places

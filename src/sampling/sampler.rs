@@ -8,7 +8,7 @@ use glam::DVec2;
 use rand::RngExt;
 use serde::{Serialize, Serializer};
 
-/// How the samples are distributed over a pixel.
+/// The distribution of samples over a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pattern {
@@ -18,12 +18,12 @@ pub enum Pattern {
     Uniform,
     /// A random point in each stratum of a grid.
     Jittered,
-    /// One point, by the random numbers of [`CRand`], which are drawn row by row.
+    /// One point, displaced by the random numbers of [`CRand`], which are drawn row by row.
     Displaced,
 }
 
 impl Pattern {
-    /// The flag that asks for it in an edition of the course, without the dash.
+    /// Returns the flag for the pattern in an edition of the course, without the dash.
     pub fn flag(self, edition: Edition) -> &'static str {
         match (self, edition) {
             (Self::Uniform, Edition::Aalto) => "regular_samples",
@@ -54,9 +54,9 @@ impl Sampler {
     /// One sample at the centre of the pixel.
     pub const CENTER: Self = Self { pattern: Pattern::Uniform, count: 1, columns: 1, rng: Drand48::UNSEEDED };
 
-    /// `count` samples per pixel, but at least one. The strata form the grid of exactly `count` cells that is
-    /// nearest to a square, with at least as many columns as rows: 4 x 2 for 8 samples, and one row for a
-    /// prime number of them.
+    /// Creates a sampler with `count` samples per pixel, but at least one. The strata form the grid of exactly `count`
+    /// cells that is nearest to a square, with at least as many columns as rows: 4 x 2 for 8 samples, and one row for a
+    /// prime number.
     pub fn new(pattern: Pattern, count: u32, rng: Drand48) -> Self {
         let count = count.max(1);
         let rows = (1..=count.isqrt()).rev().find(|rows| count.is_multiple_of(*rows)).unwrap_or(1);
@@ -66,56 +66,56 @@ impl Sampler {
     /// One sample anywhere in the pixel, as in assignment 5 of 2012.
     pub const DISPLACED: Self = Self { pattern: Pattern::Displaced, ..Self::CENTER };
 
-    /// The random numbers from a pixel on, by its column and row from the bottom left in a picture of this width; none
-    /// where the samples take others.
+    /// Returns the random numbers from a pixel on, given by its column and row from the bottom left in a picture of
+    /// this width. `None` if the samples use another generator.
     pub fn c_rand(&self, [column, row]: [usize; 2], width: usize) -> Option<CRand> {
         let before = || 2 * (row as u64 * width as u64 + column as u64);
         (self.pattern == Pattern::Displaced).then(|| CRand::unseeded().jumped(before()))
     }
 
-    /// Stands for adaptive samples, which have its random numbers.
+    /// Creates a placeholder for adaptive samples, with their random numbers.
     pub const fn of_adaptive(rng: Drand48) -> Self {
         Self { pattern: Pattern::Jittered, count: Adaptive::BASE, columns: 2, rng }
     }
 
-    /// The same with other random numbers.
+    /// Returns a sampler with other random numbers.
     pub fn with_rng(self, rng: Drand48) -> Self {
         Self { rng, ..self }
     }
 
-    /// How the samples are distributed.
+    /// Returns the distribution of the samples.
     pub fn pattern(&self) -> Pattern {
         self.pattern
     }
 
-    /// The random numbers at the start of the picture.
+    /// Returns the random numbers at the start of the picture.
     pub fn rng(&self) -> Drand48 {
         self.rng
     }
 
-    /// The number of samples per pixel.
+    /// Returns the number of samples per pixel.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// The numbers of columns and rows of strata in a pixel.
+    /// Returns the numbers of columns and rows of strata in a pixel.
     pub fn strata(&self) -> [u32; 2] {
         [self.columns, self.count / self.columns]
     }
 
-    /// Whether the only sample of a pixel is at its centre.
+    /// Returns true if a pixel has one sample, at its centre.
     pub fn is_center(&self) -> bool {
         self.pattern == Pattern::Uniform && self.count == 1
     }
 
-    /// The offsets of a pixel's samples from its centre, in [-0.5, 0.5). `index` counts the pixels in the
-    /// course's order, column by column from the left, each from the bottom. Every sample takes two random
-    /// numbers, so the generator jumps to where the preceding pixels leave it.
+    /// Returns the offsets of a pixel's samples from its centre, in [-0.5, 0.5). `index` counts the pixels in the
+    /// course's order, column by column from the left, each from the bottom. Every sample takes two random numbers, so
+    /// the generator jumps over the numbers of the preceding pixels.
     pub fn offsets(self, index: u64) -> Offsets {
         self.pixels(index, 0).next_offsets()
     }
 
-    /// The same of several pixels: that with the index `first`, and then each that is `step` pixels after the last one.
+    /// Returns the offsets of several pixels: the pixel with the index `first`, and then every `step`-th pixel.
     pub fn pixels(self, first: u64, step: u64) -> Pixels {
         let draws = |pixels: u64| 2 * pixels * u64::from(self.count);
         let strata = DVec2::from_array(self.strata().map(f64::from));
@@ -129,14 +129,14 @@ impl Sampler {
 /// The offsets of the samples of several pixels, at equal steps in the course's order.
 #[derive(Clone, Debug)]
 pub struct Pixels {
-    /// Those of the next pixel.
+    /// The offsets of the next pixel.
     offsets: Offsets,
-    /// What the generator draws from one pixel to the next.
+    /// The draws from one pixel to the next.
     jump: Jump,
 }
 
 impl Pixels {
-    /// The offsets of the next pixel.
+    /// Returns the offsets of the next pixel.
     #[inline(always)]
     pub fn next_offsets(&mut self) -> Offsets {
         let offsets = self.offsets.clone();
@@ -154,11 +154,11 @@ pub struct Offsets {
     strata: DVec2,
     /// The column and the row of the next sample's stratum.
     corner: DVec2,
-    /// The number of samples that are left.
+    /// The number of samples left.
     left: u32,
 }
 
-// Not a closure, which would not be compiled for the instructions of the caller.
+// Not a closure, because closures are not compiled for the caller's instruction set.
 impl Iterator for Offsets {
     type Item = DVec2;
 
@@ -177,8 +177,7 @@ impl Iterator for Offsets {
                 let (x, y) = (self.rng.random(), self.rng.random());
                 (corner + DVec2::new(x, y)) / strata - 0.5
             }
-            // The course's program draws y first here.
-            // Those that are displaced are not asked for here.
+            // The course's program draws y first here. `Displaced` samples do not use this iterator.
             Pattern::Random | Pattern::Displaced => {
                 let (y, x) = (self.rng.random(), self.rng.random());
                 DVec2::new(x, y) - 0.5

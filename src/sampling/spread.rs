@@ -1,7 +1,7 @@
-//! What the samples of one row of pixels contribute to the picture.
+//! The contributions of one row's samples to the picture.
 //!
-//! Weights cost more than the sums: most need an exponential function or a square root for every pixel within
-//! the filter's reach. So samples are weighted in batches, with one sample in each SIMD lane.
+//! Computing weights costs more than summing: most need an exponential or a square root for every pixel within the
+//! filter's reach. So samples are weighted in batches, with one sample in each SIMD lane.
 
 use super::filter::Filter;
 use super::sum::Sum;
@@ -12,13 +12,13 @@ use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use glam::DVec2;
 use std::ops::RangeInclusive;
 
-/// The weight for the pixel `target` of a sample of the pixel `own`, at `offset` from the latter's centre.
+/// Returns the weight for the pixel `target` of a sample in the pixel `own`, at `offset` from the centre of `own`.
 pub fn weight_for(target: [usize; 2], filter: Filter, own: [usize; 2], offset: DVec2) -> f64 {
     let from_target = DVec2::new(own[0] as f64 - target[0] as f64, own[1] as f64 - target[1] as f64);
     filter.weight(from_target + offset)
 }
 
-/// The number of samples that are weighted together, in groups of as many as there are SIMD lanes.
+/// The number of samples weighted together, in groups of one sample per SIMD lane.
 const BATCH: usize = GROUPS * LANES;
 const GROUPS: usize = 4;
 
@@ -33,8 +33,7 @@ struct Batch {
     columns: [usize; BATCH],
     /// The samples' offsets from their pixels' centres, along x and along y.
     offsets: [PerSample; 2],
-    /// Their colours times their areas, each followed by the area, so that the weights are added up as the colours
-    /// are.
+    /// The colours times the areas, each followed by the area, so that weights are summed like colours.
     colors: [[f64; 4]; BATCH],
 }
 
@@ -52,9 +51,9 @@ impl Batch {
     }
 }
 
-/// The samples of a batch by their columns.
+/// The samples of a batch, grouped by column.
 struct Runs {
-    /// For each run of samples in the same column, that column and the index of the sample after the last one.
+    /// For each run of samples in one column: the column and the index after its last sample.
     runs: [(usize, usize); BATCH],
     count: usize,
 }
@@ -77,12 +76,12 @@ impl Runs {
     }
 }
 
-/// A column of the picture that the samples of a batch contribute to, relative to each sample's own.
+/// A column of the picture that a batch's samples contribute to, relative to each sample's own column.
 #[derive(Clone, Debug, Default)]
 struct TargetColumn {
     /// The terms of the samples' weights along x.
     x_terms: PerSample,
-    /// Their weights in the row of the picture at hand.
+    /// The samples' weights in the current row of the picture.
     weights: PerSample,
 }
 
@@ -92,13 +91,13 @@ pub struct Spread {
     filter: Filter,
     level: Level,
     width: usize,
-    /// The row of pixels that the samples lie in.
+    /// The row of pixels that contains the samples.
     row: usize,
     /// The rows of the picture that the samples contribute to.
     target_rows: RangeInclusive<usize>,
     /// The number of columns on either side that a sample contributes to.
     reach: usize,
-    /// The sums of these rows, one row after the other.
+    /// The sums of these rows, in row-major order.
     sums: Vec<Sum>,
     batch: Box<Batch>,
     /// The columns that a sample contributes to, from left to right.
@@ -106,7 +105,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// An empty spread for row `row` of a picture with this width and height.
+    /// Creates an empty spread for the row `row` of a picture with this width and height.
     pub fn new(filter: Filter, level: Level, row: usize, [width, height]: [usize; 2]) -> Self {
         // A support beyond the picture's size makes no difference.
         let support = filter.support().min(width.max(height));
@@ -126,13 +125,13 @@ impl Spread {
         }
     }
 
-    /// The memory in bytes that the sums of one spread take at most.
+    /// Returns the largest memory in bytes of one spread's sums.
     pub fn bytes(filter: Filter, [width, height]: [usize; 2]) -> usize {
         (2 * filter.support() + 1).min(height) * width * size_of::<Sum>()
     }
 
-    /// Adds a sample of the pixel in column `x`, at `offset` from the pixel's centre. `area` is the part of the pixel
-    /// that it stands for, which multiplies its weight.
+    /// Adds a sample of the pixel in column `x`, at `offset` from the pixel's centre. Its weight is multiplied by
+    /// `area`, the part of the pixel that it represents.
     #[inline]
     pub fn add(&mut self, x: usize, offset: DVec2, color: Color, area: f64) {
         self.batch.push(x, offset, color, area);
@@ -141,12 +140,12 @@ impl Spread {
         }
     }
 
-    /// The row of pixels that the samples lie in.
+    /// Returns the row of pixels that contains the samples.
     pub(super) fn row(&self) -> usize {
         self.row
     }
 
-    /// The rows of the picture that the samples contribute to, each with its sums.
+    /// Returns the rows of the picture that the samples contribute to, each with its sums.
     pub(super) fn sums(&mut self) -> impl Iterator<Item = (usize, &[Sum])> {
         self.weigh();
         self.target_rows.clone().zip(self.sums.chunks(self.width))
@@ -157,7 +156,7 @@ impl Spread {
         dispatch!(self.level, simd => self.weigh_at(simd));
     }
 
-    /// Each filter has a loop of its own, whose constants stay in registers.
+    /// Dispatches to one loop per filter, so that its constants stay in registers.
     #[inline(always)]
     fn weigh_at<S: Simd>(&mut self, simd: S) {
         match self.filter {
@@ -206,7 +205,7 @@ impl Spread {
     }
 }
 
-/// The sums in a row of the picture that a sample in this column contributes to, each with its target column.
+/// Returns the sums in a row of the picture that a sample in this column contributes to, each with its target column.
 #[inline(always)]
 fn reached<'a>(
     row: &'a mut [Sum],
@@ -218,7 +217,7 @@ fn reached<'a>(
     row[first..].iter_mut().zip(&targets[first + reach - column..])
 }
 
-/// Whether no lane is infinite or NaN.
+/// Returns true if all lanes are finite.
 #[inline(always)]
 fn is_finite<S: Simd>(x: f64x4<S>) -> bool {
     let zeros = x * x.broadcast(0.0);

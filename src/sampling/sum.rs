@@ -14,13 +14,14 @@ impl Sum {
         self.add_part(weight, [color.x, color.y, color.z, 1.0]);
     }
 
-    /// Adds a sample that stands for this part of its pixel, as a row of pixels does.
+    /// Adds a sample that represents this part of its pixel, as a row of pixels does.
     pub fn add_for(&mut self, weight: f64, color: Color, part: f64) {
         let color = part * color;
         self.add_part(weight, [color.x, color.y, color.z, part]);
     }
 
-    /// Adds a sample whose colour is multiplied by the part of the pixel that it stands for, and followed by it.
+    /// Adds a sample whose colour is already multiplied by the part of the pixel that it represents, with the part as
+    /// fourth number.
     fn add_part(&mut self, weight: f64, color: [f64; 4]) {
         // A sample of weight zero is skipped, since its product with a NaN or an infinity would be a NaN.
         if weight != 0.0 {
@@ -28,8 +29,7 @@ impl Sum {
         }
     }
 
-    /// Adds samples, whose colours are followed by the parts of the pixel that they stand for, as in `add_part`.
-    /// `are_finite` tells that none of them is infinite or NaN.
+    /// Adds samples in the form used by `add_part`. If `are_finite`, none of them is infinite or NaN.
     #[inline(always)]
     pub(super) fn add_all<S: Simd>(
         &mut self,
@@ -65,7 +65,7 @@ impl Sum {
         self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
     }
 
-    /// The weighted mean of the samples, or black where no sample has weight.
+    /// Returns the weighted mean of the samples, or black if no sample has weight.
     pub fn color(&self) -> Color {
         let [red, green, blue, weight] = self.0;
         let color = Color::new(red, green, blue);
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     impl Sum {
-        /// The bits of the numbers, those of any NaN being the same.
+        /// Returns the bits of the numbers, with all NaNs equal.
         pub fn bits(&self) -> [u64; 4] {
             self.0.map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() })
         }

@@ -1,4 +1,4 @@
-//! The editions of the course that are read: their names, their words, and what their scenes mean.
+//! The editions of the course: their names, their keywords, and the meaning of their scenes.
 
 use super::lexer::Lexer;
 use super::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
@@ -9,22 +9,22 @@ use std::fmt;
 /// An edition of the course.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Edition {
-    /// Those of 2003 and 2004, assignments 1 to 7.
+    /// The 2003 and 2004 editions, assignments 1 to 7.
     #[default]
     Y2004,
-    /// That of 2012, assignment 4.
+    /// The 2012 edition, assignment 4.
     Y2012A4,
-    /// That of 2012, assignment 5.
+    /// The 2012 edition, assignment 5.
     Y2012A5,
-    /// Those of 2016 to 2023, assignment 4.
+    /// The editions from 2016 to 2023, assignment 4.
     Y2019,
-    /// That of Aalto University, whose scenes are those of 2004.
+    /// The edition of Aalto University. It uses the scene language of 2004.
     Aalto,
 }
 
 use Edition::{Aalto, Y2004, Y2012A4, Y2012A5, Y2019};
 
-/// The words that only some editions have.
+/// The words that exist only in some editions.
 const WORDS: [(&str, &[Edition]); 22] = [
     ("OrthographicCamera", &[Y2004, Aalto]),
     ("Checkerboard", &[Y2004, Aalto]),
@@ -50,23 +50,23 @@ const WORDS: [(&str, &[Edition]); 22] = [
     ("cubeMap", &[Y2012A5, Y2019]),
 ];
 
-/// The editions that have a word which not all have; none for other words.
+/// Returns the editions that have `word`, or `None` if it is not limited to some editions.
 pub(super) fn editions_of(word: &str) -> Option<&'static [Edition]> {
     WORDS.iter().find(|(known, _)| *known == word).map(|(_, editions)| *editions)
 }
 
-/// An edition, and what told it.
+/// An edition, and the reason for choosing it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
     pub edition: Edition,
-    /// The words of a sentence after `because of`; none if the edition was named, or is that of 2004.
+    /// The reason, as words to follow `because of`. `None` if the user named the edition, or if it is 2004.
     pub because: Option<String>,
-    /// The other editions that have all words of the scene, where the words leave open which one is meant.
+    /// The other editions that have all words of the scene, if the words do not identify one edition.
     pub others: Vec<Edition>,
 }
 
 impl Choice {
-    /// Returns a note on an edition that the scene's words have told, or a warning if they leave it open.
+    /// Returns a note if the words identified the edition, or a warning if they were ambiguous.
     pub fn remark(&self) -> Option<Diagnostic> {
         let (edition, because) = (self.edition, self.because.as_ref()?);
         let taken = format!("the scene is taken as one of the edition {edition}");
@@ -82,11 +82,11 @@ impl Choice {
 }
 
 impl Edition {
-    /// All editions, in the order of their years.
+    /// All editions, in chronological order.
     pub const ALL: [Self; 5] = [Y2004, Y2012A4, Y2012A5, Y2019, Aalto];
     pub const NAMES: [&'static str; 5] = ["2004", "2012a4", "2012a5", "2019", "aalto"];
 
-    /// The name, as after `-edition`.
+    /// Returns the name used with `-edition`.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().zip(Self::NAMES).find(|(edition, _)| **edition == self).map_or("", |(_, name)| name)
     }
@@ -95,32 +95,32 @@ impl Edition {
         Self::ALL.into_iter().find(|edition| edition.name() == name)
     }
 
-    /// Whether its scenes are written in the language of 2012 and later.
+    /// Returns true if the edition uses the scene language of 2012 and later.
     pub fn is_later(self) -> bool {
         matches!(self, Y2012A4 | Y2012A5 | Y2019)
     }
 
-    /// Whether files that a scene names are looked for beside the scene first, and in the working directory then.
+    /// Returns true if files are looked for first beside the scene, then in the working directory.
     pub fn starts_beside_scene(self) -> bool {
         matches!(self, Y2019 | Aalto)
     }
 
-    /// Returns the ending of the pictures of a cube map.
+    /// Returns the file extension of a cube map's pictures.
     pub fn ending_of_faces(self) -> &'static str {
         if self == Y2019 { "png" } else { "bmp" }
     }
 
-    /// Whether the texels of pictures are interpolated as bytes.
+    /// Returns true if texels are interpolated as bytes and divided by 255 afterwards.
     pub fn divides_texels_last(self) -> bool {
         self != Y2019
     }
 
-    /// How often a ray bounces where no `-bounces` says so.
+    /// Returns the number of bounces used without `-bounces`.
     pub fn default_bounces(self) -> u32 {
         if self == Y2012A5 { 4 } else { 0 }
     }
 
-    /// Secondary rays are traced whose weight is above this where no `-weight` says so.
+    /// Returns the threshold used without `-weight`. Secondary rays with a weight above it are traced.
     pub fn default_weight(self) -> f64 {
         if self == Aalto { 0.1 } else { 0.0 }
     }
@@ -152,20 +152,20 @@ impl Edition {
         }
     }
 
-    /// Returns the edition of a scene that is not one of 2004, by its words. `None` if a word is one of 2004, or one that
-    /// only Aalto has, whose scenes have to be named.
+    /// Identifies the edition of a scene that is not from 2004 by its words. `None` if a word exists only in 2004 or
+    /// Aalto. The user has to name Aalto's edition.
     pub fn of_words(text: &str) -> Option<Choice> {
         let mut lexer = Lexer::new(text);
         let words = std::iter::from_fn(|| Some(lexer.next_word().text).filter(|word| !word.is_empty()));
         let words: Vec<&str> = words.collect();
         let has = |word| words.contains(&word);
         let mut possible = vec![Y2012A4, Y2012A5, Y2019];
-        // The first word that 2004 has not, and the last that only some of the later editions have.
+        // The first word unknown to 2004, and the last word that excludes some later edition.
         let (mut first, mut telling) = (None, None);
         let mut depth = 0u32;
         for &word in &words {
             let editions: &[Edition] = match word {
-                // In the materials of 2004 it is a material itself.
+                // In 2004 it is a material of its own.
                 "Noise" if depth >= 2 => &[Y2012A5],
                 "Noise" => return None,
                 _ => editions_of(word).unwrap_or(&Self::ALL),
@@ -190,7 +190,7 @@ impl Edition {
         if possible.len() > 1 && possible.contains(&Y2019) && has_models {
             (possible, because) = (vec![Y2019], "the meshes in `models/`".into());
         } else if possible.len() > 1 && has("shininess") && (has("falloff") || !has("cubeMap")) {
-            // In 2012a5 it has no effect. That edition's own scenes have it beside a cube map without `falloff`.
+            // In 2012a5 it has no effect. That edition's own scenes have it without `falloff` and beside a cube map.
             possible.retain(|edition| *edition != Y2012A5);
             if has("falloff") {
                 because = "`shininess` with `falloff`".into();

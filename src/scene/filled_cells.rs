@@ -1,4 +1,4 @@
-//! The `Grid` of the 2003 edition, which models with cells: those with their centre in a sphere are filled.
+//! The `Grid` of the 2003 edition: the cells whose centres are in a sphere are filled.
 
 use super::mesh::Mesh;
 use crate::base::memory::{self, NoMemory};
@@ -8,7 +8,7 @@ use std::collections::HashMap;
 /// The largest number of cells along an axis.
 pub const MOST: u64 = 256;
 
-/// A box that is divided into cells, and the sphere that fills some of them.
+/// A box divided into cells, and the sphere that fills some of them.
 #[derive(Clone, Copy, Debug)]
 pub struct FilledCells {
     pub min: DVec3,
@@ -20,7 +20,7 @@ pub struct FilledCells {
 }
 
 impl FilledCells {
-    /// The faces between filled cells and others, two triangles each. Errors: too little memory.
+    /// Returns the faces between filled and empty cells, two triangles each. Fails if memory is too small.
     pub fn surface(&self) -> Result<Mesh, NoMemory> {
         memory::ask(self.most_bytes())?;
         let (mut mesh, mut known) = (Mesh::default(), HashMap::new());
@@ -45,7 +45,7 @@ impl FilledCells {
         Ok(mesh)
     }
 
-    /// The point at this place of the lattice of corners, moved by a part of a cell along each axis.
+    /// Returns the lattice point at these indices, moved by `part` of a cell along each axis.
     fn point(&self, lattice: [usize; 3], part: f64) -> DVec3 {
         let [place, count] =
             [lattice, self.counts].map(|numbers| DVec3::from_array(numbers.map(|n| n as f64)));
@@ -62,8 +62,8 @@ impl FilledCells {
         (place < self.counts[axis]).then_some(cell)
     }
 
-    /// More than the surface and what finds its vertices take. A line of cells leaves a sphere once, so that it has at most
-    /// two faces across it.
+    /// Returns an upper bound on the memory of the surface and its vertex index. A line of cells enters and leaves a
+    /// sphere at most once, so it has at most two faces across it.
     fn most_bytes(&self) -> u64 {
         let [x, y, z] = self.counts.map(|count| count as u64);
         let of_face = 2 * size_of::<[u32; 3]>() + size_of::<DVec3>() + 2 * size_of::<([usize; 3], u32)>();
@@ -71,7 +71,7 @@ impl FilledCells {
     }
 }
 
-/// The corners of a cell's face across an axis, counter-clockwise seen from outside, by their places in the lattice.
+/// Returns the corners of a cell's face across an axis as lattice indices, counter-clockwise seen from outside.
 fn face(cell: [usize; 3], axis: usize, is_upper: bool) -> [[usize; 3]; 4] {
     let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[u, v]| {
         let mut corner = cell;
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn cells_are_filled_whose_centre_is_in_the_sphere() {
-        // Of five cells along each axis the corners and edges are too far away, at 1.2 along two axes.
+        // With five cells along each axis, the corners and edges are too far away, at 1.2 along two axes.
         let all = cells(5, 1.5);
         let filled = |count: usize, cells: &FilledCells| {
             let axis = || 0..count;
@@ -105,7 +105,7 @@ mod tests {
                 .count()
         };
         assert_eq!(filled(5, &all), 27 + 6 * 9);
-        // A centre on the sphere counts, and a smaller sphere does without.
+        // A cell centre on the sphere is filled. With a smaller radius it is not.
         assert_eq!(filled(1, &cells(1, 0.0)), 1);
         assert_eq!(filled(3, &FilledCells { radius: 1.0, ..cells(3, 1.0) }), 7);
         assert_eq!(filled(3, &cells(3, 1.0f64.next_down())), 1);
@@ -117,7 +117,7 @@ mod tests {
         for (cells, faces) in [(cells(1, 1.0), 6), (cells(3, 1.0), 30), (cells(5, 1.5), 54 + 6 * 12)] {
             let Mesh { vertices, triangles } = cells.surface().unwrap();
             assert_eq!(triangles.len(), 2 * faces);
-            // The volume is that of the filled cells, and every edge is gone along both ways.
+            // The volume equals the volume of the filled cells, and every edge is used once in each direction.
             let corners = |&[a, b, c]: &[u32; 3]| [a, b, c].map(|vertex| vertices[vertex as usize]);
             let volume: f64 = triangles.iter().map(corners).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
             let side = 3.0 / cells.counts[0] as f64;

@@ -1,10 +1,10 @@
-//! Recognizes files of other formats that are given as OBJ, so that the error names the true reason.
+//! Recognizes other file formats given as OBJ, so that the error names the true reason.
 
 use crate::diagnostic::Diagnostic;
 
 const EXPORT: &str = "export the mesh as OBJ";
 
-/// Formats and advice, by how their files begin, in capitals or small letters.
+/// Formats, advice, and the bytes that such files begin with. Case is ignored.
 const FORMATS: [(&str, &str, &[&[u8]]); 13] = [
     ("PLY", EXPORT, &[b"ply\n", b"ply\r"]),
     ("binary glTF", EXPORT, &[b"glTF"]),
@@ -21,7 +21,7 @@ const FORMATS: [(&str, &str, &[&[u8]]); 13] = [
         "unpack it",
         &[b"PK\x03\x04", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z\xbc\xaf"],
     ),
-    // Executables of Unix and Windows, and object files of Windows for three kinds of processor.
+    // Executables of Unix and Windows, and Windows object files for three processors.
     (
         "a program or the output of a compiler",
         EXPORT,
@@ -30,7 +30,7 @@ const FORMATS: [(&str, &str, &[&[u8]]); 13] = [
     ("a pointer of Git LFS", "fetch it with `git lfs pull`", &[b"version https://git-lfs"]),
 ];
 
-/// The error of a file in a format that is certainly not OBJ, by how it begins.
+/// Returns the error for a file that is certainly not OBJ, judged by its first bytes.
 pub fn foreign(bytes: &[u8]) -> Option<Diagnostic> {
     let starts_with =
         |start: &&[u8]| bytes.len() >= start.len() && bytes[..start.len()].eq_ignore_ascii_case(start);
@@ -52,7 +52,7 @@ pub fn foreign(bytes: &[u8]) -> Option<Diagnostic> {
     Some(refused(format, hint))
 }
 
-/// The error of a text without faces, if it is probably not OBJ.
+/// Returns the error for a text without faces if it is probably not OBJ.
 pub fn foreign_without_faces(bytes: &[u8]) -> Option<Diagnostic> {
     let mut lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
     if bytes.contains(&0) {
@@ -66,7 +66,8 @@ fn refused(format: &str, hint: &str) -> Diagnostic {
     Diagnostic::error(format!("the file is {format}, not OBJ")).with_hint(hint)
 }
 
-/// Whether a text has a byte order mark of UTF-16 or UTF-32, or zero bytes where these have them in the words of OBJ.
+/// Returns true if a text has a UTF-16 or UTF-32 byte order mark, or zero bytes where those encodings have them in OBJ
+/// keywords.
 pub(crate) fn is_wide_text(bytes: &[u8]) -> bool {
     let is_text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | b' '..=b'~');
     let of_words = match bytes {
@@ -80,7 +81,7 @@ pub(crate) fn is_wide_text(bytes: &[u8]) -> bool {
         || bytes.starts_with(b"\0\0\xfe\xff")
 }
 
-/// Whether the number of triangles, after a header of 80 bytes, is right for the file's length.
+/// Returns true if the number of triangles after the 80-byte header matches the file's length.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     const HEADER: usize = 80;
     const TRIANGLE: u64 = 50;

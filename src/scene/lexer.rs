@@ -1,9 +1,9 @@
 //! Splits scene text into words with their positions, and compares them with keywords.
 //!
-//! A word is a run of characters that are not white space, except that a brace is always a word of its own,
-//! so that `Sphere{` is two words. `#` and `//` start a comment that ends with the line, but only where a
-//! word could start: inside a word they are ordinary characters, so that file names such as `parts//cube.obj`
-//! and `cube#2.obj` work. Lines end with a line feed, a carriage return, or both.
+//! A word is a run of characters without white space. A brace is always a word of its own, so `Sphere{` is two words.
+//! `#` and `//` start a comment that ends with the line, but only where a word could start. Inside a word they are
+//! ordinary characters, so file names such as `parts//cube.obj` and `cube#2.obj` work. Lines end with a line feed, a
+//! carriage return, or both.
 
 use super::Position;
 use crate::base::escape::quoted;
@@ -20,17 +20,18 @@ impl Word<'_> {
         self.text.is_empty()
     }
 
-    /// Returns the word as messages show it.
+    /// Returns the word quoted for messages.
     pub fn quoted(&self) -> String {
         if self.is_end() { "the end of the file".to_owned() } else { quoted(self.text) }
     }
 }
 
-/// Returns the words of a text one by one, in time linear in the length of the text.
+/// Splits a text into words, in time linear in its length.
 pub struct Lexer<'a> {
     rest: &'a str,
     at: Position,
-    /// The position after the last word, where the end of the text is reported, so that the line shown has words.
+    /// The position after the last word. Errors at the end of the text are reported here, so that the displayed line is
+    /// not empty.
     after_last_word: Position,
 }
 
@@ -40,7 +41,7 @@ impl<'a> Lexer<'a> {
         Self { rest: text, at: start, after_last_word: start }
     }
 
-    /// The next word. At the end of the text, every call returns an empty word.
+    /// Returns the next word. At the end of the text, every call returns an empty word.
     pub fn next_word(&mut self) -> Word<'a> {
         self.skip_blanks_and_comments();
         let at = self.at;
@@ -52,7 +53,7 @@ impl<'a> Lexer<'a> {
         Word { text, at }
     }
 
-    /// The position of the first of these characters in a word, not in a comment.
+    /// Returns the position of the first `character` outside comments.
     pub fn first(mut self, character: char) -> Option<Position> {
         loop {
             let Word { text, at } = self.next_word();
@@ -76,7 +77,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Advances by some bytes of the text and returns them.
+    /// Advances by `bytes` bytes and returns them as text.
     fn advance(&mut self, bytes: usize) -> &'a str {
         let (passed, rest) = self.rest.split_at(bytes);
         let mut characters = passed.chars().peekable();
@@ -93,7 +94,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// The length in bytes of the first word of `text`, which does not start with white space.
+/// Returns the length in bytes of the first word of `text`, which must not start with white space.
 fn word_length(text: &str) -> usize {
     if text.starts_with(['{', '}']) {
         return 1;
@@ -102,8 +103,8 @@ fn word_length(text: &str) -> usize {
         .unwrap_or(text.len())
 }
 
-/// Whether `word` is `keyword`. The name of a field may also be spelt with underscores, as on the grammar
-/// page of 2003 (`num_objects` for `numObjects`).
+/// Returns true if `word` is `keyword`. Field names may also be written with underscores, as on the grammar page of
+/// 2003 (`num_objects` for `numObjects`).
 pub fn is_keyword(word: &str, keyword: &str) -> bool {
     word == keyword
         || (keyword.starts_with(|first: char| first.is_ascii_lowercase()) && is_snake_case(word, keyword))
@@ -117,10 +118,10 @@ fn is_snake_case(word: &str, keyword: &str) -> bool {
     word.chars().eq(expected)
 }
 
-/// The keyword that the author of `word` most likely meant: the one with the smallest edit distance, if at
-/// most a third of the characters differ.
+/// Returns the keyword that the author of `word` most likely meant: the one with the smallest edit distance, if at most
+/// a third of the characters differ.
 pub fn nearest<'k>(word: &str, keywords: &[&'k str]) -> Option<&'k str> {
-    // No keyword is longer than this, and the limit bounds the time that hostile input can take.
+    // All keywords are shorter. The limit bounds the time for hostile input.
     const MAX_LENGTH: usize = 40;
     if !word.starts_with(char::is_alphabetic) || word.len() > MAX_LENGTH {
         return None;
@@ -135,7 +136,7 @@ pub fn nearest<'k>(word: &str, keywords: &[&'k str]) -> Option<&'k str> {
         .map(|(_, keyword)| keyword)
 }
 
-/// The word without what is most easily confused: case and underscores.
+/// Returns the word without the most common confusions: case and underscores.
 fn simplified(word: &str) -> String {
     word.chars().filter(|&character| character != '_').flat_map(char::to_lowercase).collect()
 }

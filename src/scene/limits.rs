@@ -1,8 +1,8 @@
-//! The ranges of a scene's numbers within which no result overflows or becomes a NaN.
+//! The ranges of a scene's numbers that guarantee results without overflow or NaN.
 //!
-//! Geometry multiplies up to three coordinates, and the inverse of a radius. Shading multiplies the colours
-//! of lights and materials along the path of secondary rays and shadows. Within these limits all products
-//! stay below the largest f64.
+//! Geometry multiplies up to three coordinates, and the inverse of a radius. Shading multiplies the colours of lights
+//! and materials along the path of secondary rays and shadows. Within these limits all products stay below the largest
+//! f64.
 
 use super::material::{Material, Paint};
 use super::{Camera, Light, Scene};
@@ -19,7 +19,7 @@ pub const SMALLEST_RADIUS: f64 = 1e-100;
 /// The largest magnitude of a colour channel.
 pub const BRIGHTEST: f64 = 1e30;
 
-/// Whether the magnitudes of all coordinates are at most [`LARGEST`]. A NaN is out of range.
+/// Returns true if the magnitudes of all coordinates are at most [`LARGEST`]. A NaN is out of range.
 pub fn are_in_range(coordinates: DVec3) -> bool {
     coordinates.abs().cmple(DVec3::splat(LARGEST)).all()
 }
@@ -32,12 +32,12 @@ fn is_in_range(number: f64) -> bool {
     number.abs() <= LARGEST
 }
 
-/// Checks the numbers of the camera, the lights, the background and the materials of a scene that a program made. The
-/// reader refuses text with such numbers, and objects are checked when they are placed in the world.
+/// Checks the numbers of the camera, lights, background and materials of a scene built by a program. The reader rejects
+/// such numbers in text. Objects are checked when they are placed in the world.
 pub fn check(scene: &Scene) -> Result<(), Diagnostic> {
     let (Camera::Orthographic { center, direction, up, size: screen }
     | Camera::Perspective { center, direction, up, angle: screen }) = scene.camera;
-    // The lengths of `direction` and `up` do not matter, because they are normalised.
+    // The lengths of `direction` and `up` do not matter, because both are normalised.
     let is_valid = are_in_range(center)
         && direction.is_finite()
         && up.is_finite()
@@ -81,7 +81,7 @@ mod tests {
     use crate::scene::material::{Pattern, Phong, Texture};
     use crate::scene::parser::parse;
 
-    /// A scene of both kinds of lights and materials.
+    /// Returns a scene with both kinds of lights and of materials.
     fn scene(camera: &str) -> Scene {
         let text = format!(
             "{camera} Background {{ color 0 0 0 ambientLight 0 0 0 }}
@@ -97,8 +97,8 @@ mod tests {
         scene("OrthographicCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 size 2 }")
     }
 
-    /// What one change makes of a scene is refused for every one of these numbers, and accepted for none of the
-    /// others.
+    /// Asserts that the scene after `change` is rejected for every number in `refused` and valid for every number in
+    /// `accepted`.
     fn check_number(change: impl Fn(&mut Scene, f64), refused: &[f64], accepted: &[f64]) {
         let is_valid = |number: f64| {
             let mut scene = orthographic();
@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Just above `bound` or no number, and the largest that is accepted.
+    /// Returns numbers just above `bound`, infinities and a NaN.
     fn refused(bound: f64) -> [f64; 5] {
         [bound.next_up(), -bound.next_up(), f64::INFINITY, f64::NEG_INFINITY, f64::NAN]
     }

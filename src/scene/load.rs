@@ -1,4 +1,4 @@
-//! Reads a scene from its file, with the meshes and pictures that it names.
+//! Reads a scene from its file, with its meshes and pictures.
 
 mod named_files;
 
@@ -23,23 +23,23 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A scene with everything that it names.
+/// A scene with its meshes and pictures.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
     pub scene: Scene,
-    /// By the index in [`Scene::meshes`].
+    /// The meshes, in the order of [`Scene::meshes`].
     pub meshes: Vec<Mesh>,
-    /// The files in which the meshes were found.
+    /// The paths of the mesh files.
     pub mesh_files: Vec<PathBuf>,
     pub source: Source,
-    /// Warnings about its text and its meshes, at most 20 of each kind and the number of the others.
+    /// Warnings about the text and the meshes: at most 20 of each kind, then the number of the others.
     pub warnings: Vec<Diagnostic>,
-    /// The edition of the course in whose language it was read.
+    /// The edition in whose language the scene was read.
     pub choice: Choice,
 }
 
 impl LoadedScene {
-    /// Returns the files of its meshes and pictures.
+    /// Returns the files of the scene's meshes and pictures.
     pub fn files(&self) -> Vec<ReadFile> {
         let meshes = self.mesh_files.iter().map(|mesh| ("mesh", mesh.clone()));
         let pictures = self.scene.images.iter().filter_map(|image| Some(("picture", image.file.clone()?)));
@@ -69,19 +69,19 @@ impl LoadedScene {
     }
 }
 
-/// What is known of a scene beside its words.
+/// Information about a scene that is not in its text.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
-    /// The edition, if the user names one.
+    /// The edition, if the user chose one.
     pub edition: Option<Edition>,
-    /// Whether the places of pixels are shown in place of the scene.
+    /// True if the picture shows pixel coordinates instead of the scene.
     pub shows_places: bool,
 }
 
-/// A scene's text, without a byte order mark, and the file that it comes from.
+/// A scene's text without a byte order mark, and its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// The file as it was named.
+    /// The path as the user wrote it.
     pub path: PathBuf,
     pub text: String,
 }
@@ -93,15 +93,16 @@ impl Source {
     }
 }
 
-/// Upper bound on the size of a scene that comes from a pipe or a device, which may have no end.
+/// The largest size of a scene read from a pipe or a device, which may have no end.
 const LONGEST_STREAM: u64 = 1 << 28;
 
-/// Reads the scene at `path` and the files that it names. `-` is standard input. Errors: an unreadable or malformed file.
+/// Reads the scene at `path` and the files that it names. `-` is standard input. Fails if a file is unreadable or
+/// malformed.
 pub fn load(path: &Path) -> Result<LoadedScene, Diagnostic> {
     load_with(path, &Hints::default())
 }
 
-/// Reads a scene like [`load`], of which more is known than its words.
+/// Reads a scene like [`load`], using `hints`.
 pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> {
     let is_standard_input = path == Path::new("-");
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
@@ -117,16 +118,16 @@ pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> 
 /// The contents of a file that a scene names, and its path.
 pub type Found<T> = Result<(T, PathBuf), Diagnostic>;
 
-/// Reads the files that a scene of an edition names.
+/// Functions that read the files named by a scene, given its edition.
 #[derive(Clone, Copy)]
 pub struct Readers<'a> {
-    /// Reads a mesh, with its texture coordinates if the last argument says so.
+    /// Reads a mesh, with texture coordinates if the last argument is true.
     pub mesh: &'a dyn Fn(&MeshFile, Edition, bool) -> Found<ObjFile>,
     /// Reads a picture.
     pub image: &'a dyn Fn(&ImageFile, Edition) -> Found<Arc<Texels>>,
 }
 
-/// Reads a scene from its text, and the files that it names.
+/// Reads a scene from text, and the files that it names.
 pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, Diagnostic> {
     let (choice, reading) = read_words(&source.text, hints.edition).map_err(|error| source.locate(error))?;
     let Reading { mut scene, warnings } = reading;
@@ -141,8 +142,8 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
     }
 }
 
-/// Reads a scene in the language of the named edition. Without a name it is that of 2004, and if the scene is not written
-/// in it, the one that its words tell.
+/// Reads a scene in the language of the named edition. Without a name, tries 2004 first, then the edition that its
+/// keywords identify.
 fn read_words(text: &str, named: Option<Edition>) -> Result<(Choice, Reading), Diagnostic> {
     let edition = named.unwrap_or_default();
     let error = match read_in(edition, text) {
@@ -184,8 +185,8 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-/// The files that are read for the meshes and pictures of a scene, each in the first place where it is; none of a scene
-/// that is no regular file or cannot be read.
+/// Returns the files read for a scene's meshes and pictures, each at the first path where it exists. Returns nothing if
+/// the scene is not a regular file or cannot be read.
 pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
     let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
@@ -199,8 +200,8 @@ pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     named.meshes.iter().map(|mesh| &mesh.name).chain(images).filter_map(find).collect()
 }
 
-/// The text in a scene's bytes, without a byte order mark. Comments may be in any encoding that contains ASCII: what is
-/// not UTF-8 in them is replaced.
+/// Decodes a scene without its byte order mark. Comments may have any encoding that contains ASCII: bytes in them that
+/// are not UTF-8 are replaced.
 fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, Diagnostic> {
     let not_utf8 = |at, hint| {
         let error = Diagnostic::error("the scene is not UTF-8 text").with_hint(hint);
@@ -239,7 +240,7 @@ mod tests {
         format!("{CAMERA}Group {{ numObjects {} Material {{ }}\n{meshes}}}", names.len())
     }
 
-    /// A directory with these files, the first of which is the scene.
+    /// Creates a directory with these files. The first file is the scene.
     fn directory(files: &[(&str, &[u8])]) -> (TempDir, PathBuf) {
         let directory = tempfile::tempdir().unwrap();
         for (name, bytes) in files {
@@ -316,7 +317,7 @@ mod tests {
     #[test]
     fn comments_may_be_in_any_encoding() {
         let text = format!("{CAMERA}Group {{ numObjects 0 }}");
-        // Latin-1, GBK with a second byte that is a brace, Shift-JIS with one that is a backslash, and any bytes.
+        // Latin-1, GBK with a brace as second byte, Shift-JIS with a backslash as second byte, and arbitrary bytes.
         for comment in [&b"# caf\xe9"[..], b"// \x81\x7b \x81\x7d", b"# \x83\x5c", b"#\x00\xfe\xff\x80"] {
             for end in [&b"\n"[..], b"\r", b"\r\n"] {
                 let (_folder, scene) =

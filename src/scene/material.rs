@@ -8,7 +8,7 @@ use serde::Serialize;
 /// The material of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
-    /// A material that is the same everywhere.
+    /// A material that is uniform over the surface.
     Phong(Phong),
     /// A mixture of two other materials.
     Texture(Texture),
@@ -17,7 +17,8 @@ pub enum Material {
 }
 
 impl Material {
-    /// Whether rays are reflected or refracted at it. At a texture they are by the materials that it mixes.
+    /// Returns true if rays are reflected or refracted at the material. False for a texture, where the mixed materials
+    /// decide.
     pub fn has_secondary_rays(&self) -> bool {
         match self {
             Self::Phong(phong) | Self::Painted(phong, _) => {
@@ -65,10 +66,10 @@ pub struct Texture {
     pub children: [MaterialId; 2],
 }
 
-/// The pattern by which a texture mixes its two materials.
+/// The pattern in which a texture mixes its two materials.
 ///
-/// `octaves` counts those of the noise. Over one unit of length the phase of stripes and rings changes by `frequency`, and a
-/// noise of 1 shifts it by `amplitude`, both in radians.
+/// `octaves` is the number of octaves of noise. Over one unit of length the phase of stripes and rings changes by
+/// `frequency`. A noise of 1 shifts it by `amplitude`. Both are in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
     /// Unit cubes that alternate between the two materials.
@@ -84,9 +85,10 @@ pub enum Pattern {
 /// The source of a painted material's diffuse colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {
-    /// A picture, by its index in [`Scene::images`](super::Scene::images), where the mesh has texture coordinates. Ambient
-    /// light is reflected by the picture's colour if `tints_ambient`, or else by the material's own diffuse colour.
+    /// A picture, given by its index in [`Scene::images`](super::Scene::images). It applies where the mesh has texture
+    /// coordinates. Ambient light is multiplied by the picture's colour if `tints_ambient`, otherwise by the material's
+    /// own diffuse colour.
     Image { image: usize, tints_ambient: bool },
-    /// Two colours in a pattern of world space. Ambient light is reflected by the material's own diffuse colour.
+    /// Two colours in a pattern of world space. Ambient light is multiplied by the material's own diffuse colour.
     Pattern(Pattern, [Color; 2]),
 }

@@ -1,6 +1,6 @@
 //! Triangle meshes from Wavefront OBJ text.
 //!
-//! Files of positions and triangles only take a faster path, in `plain_obj`. All others are read by `obj_reader`.
+//! Files with only positions and triangles take a faster path in `plain_obj`. `obj_reader` reads all others.
 
 use super::foreign_format::foreign;
 pub use super::plain_obj::memory_for;
@@ -12,7 +12,7 @@ use std::borrow::Cow;
 
 /// A triangle mesh, with its triangles in the order of the file's faces.
 ///
-/// Vertices that no face uses are left out. Every coordinate is finite and every index is in range.
+/// Contains no unused vertices. Every coordinate is finite and every index is in range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     pub vertices: Vec<DVec3>,
@@ -21,7 +21,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Returns the size of its lists.
+    /// Returns the size of the lists in bytes.
     pub fn bytes(&self) -> u64 {
         (size_of_val(self.vertices.as_slice()) + size_of_val(self.triangles.as_slice())) as u64
     }
@@ -30,23 +30,23 @@ impl Mesh {
 /// The texture coordinates at a triangle's corners, to the right and up.
 pub type Corners = [DVec2; 3];
 
-/// What an OBJ file has.
+/// The contents of an OBJ file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjFile {
     pub mesh: Mesh,
-    /// The number of its `v` lines, with those of vertices that no face uses.
+    /// The number of `v` lines, including vertices that no face uses.
     pub vertices: usize,
-    /// The texture coordinates of each triangle, if they were asked for; none for a triangle without them. The list is
-    /// empty if the file has none.
+    /// The texture coordinates of each triangle, if requested; `None` for a triangle without them. The list is empty if
+    /// the file has none.
     pub texture_coordinates: Vec<Option<Corners>>,
-    /// Warnings about the file, in its order: one of each kind.
+    /// Warnings about the file in its order, one of each kind.
     pub doubts: Vec<Diagnostic>,
 }
 
 /// Reads a mesh from the bytes of an OBJ file, with its texture coordinates if `is_textured`.
 ///
-/// Polygons become triangles. Points, lines, curves and everything else except positions and faces are left out. Errors:
-/// the first error found.
+/// Polygons become triangles. Everything except positions and faces is ignored, such as points, lines and curves. Fails
+/// with the first error found.
 pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
@@ -57,17 +57,17 @@ pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> 
     foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), Err)
 }
 
-/// Reads a mesh alone.
+/// Reads a mesh without texture coordinates.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
     read_obj(bytes, false).map(|file| file.mesh)
 }
 
-/// Returns the text of a mesh's file, to which positions of errors refer.
+/// Returns the text of a mesh file. Positions of errors refer to it.
 pub fn text(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(without_mark(bytes))
 }
 
-/// A text without a byte order mark, and without the bytes that some systems put behind its end.
+/// Removes a byte order mark, and the zero bytes and end-of-file characters that some systems append.
 fn without_mark(bytes: &[u8]) -> &[u8] {
     const END_OF_FILE: u8 = 0x1a;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -190,7 +190,7 @@ mod tests {
         }
     }
 
-    /// A statement with a fault, `@` where its caret stands, the fault, and the start of its hint.
+    /// Returns faulty statements (`@` marks the caret), the error message, and the start of its hint.
     fn faults() -> Vec<(&'static str, String, &'static str)> {
         const NUMBERS: &str = "a vertex needs three numbers";
         let word = |word: &str| format!("{NUMBERS}, and `{word}` is none");
@@ -242,7 +242,7 @@ mod tests {
     fn an_error_has_its_reason_its_place_and_a_hint() {
         for end in ["\n", "\r", "\r\n"] {
             for (marked, message, hint) in faults() {
-                // The place of a part of a word is the word's.
+                // The position of a part of a word is the position of the word.
                 let marked = marked.replace("2/@x", "@2/x").replace("\\ @2", "@\\ 2");
                 let (before, after) = marked.split_once('@').unwrap();
                 let text = format!("{SQUARE}{before}{after}\n\nf 1 2 3\n").replace('\n', end);
@@ -278,7 +278,7 @@ mod tests {
         ] {
             let vertex = marked.replace('@', "");
             let at = Some(Position { line: 5, column: 3 + marked.find('@').unwrap() as u32 });
-            // The first of them that a face uses counts.
+            // The error names the first such vertex that a face uses.
             let error = refuse(&format!("{SQUARE}v {vertex}\nv 0 0 inf\nv nan 0 0\nf 1 2 7\nf 1 2 5\n"));
             assert_eq!((error.position(), error.message.as_str()), (at, message), "{vertex}");
             assert_eq!(error.hint, hint.clone().filter(|_| message == zero_weight), "{vertex}");
@@ -368,7 +368,7 @@ mod tests {
             assert!(error.message.ends_with("does not exist; the mesh has 5"), "{corner}");
             assert_eq!(error.position().map(|at| at.line), Some(line), "{corner}");
         }
-        // A negative index counts from its face, however many vertices follow.
+        // A negative index counts back from its face, even if more vertices follow.
         let text = format!("{SQUARE}f -1 -2 -4\nf -1 -2 -5\nv 0 2 0\n");
         assert_eq!(refuse(&text).position(), Some(Position { line: 6, column: 9 }));
     }
@@ -390,10 +390,10 @@ mod tests {
             assert_eq!(read(&text).texture_coordinates, expected, "{text}");
             assert_eq!(read_obj(text.as_bytes(), false).unwrap().texture_coordinates, []);
         }
-        // Coordinates may come after the faces, if no index counts back.
+        // Coordinates may come after the faces if no index is negative.
         let later = format!("{SQUARE}f 1/1 2/2 3/3\nf 1/-1 2/2 3/3\n{places}");
         assert_eq!(read(&later).texture_coordinates, [Some([a, b, c]), None]);
-        // A quad has those of its two triangles, also beside other faces, and a polygon that is cut those of its corners.
+        // The triangles of a quad and of a cut polygon keep the coordinates of their corners.
         let quad = format!("{SQUARE}{places}f 1/1 2/2 3/3 4/1\nf 1/3 2/2 3/1\n");
         assert_eq!(read(&quad).texture_coordinates, [Some([a, b, c]), Some([a, c, a]), Some([c, b, a])]);
         let dart =
@@ -402,7 +402,7 @@ mod tests {
         for (corners, places) in mesh.triangles.iter().zip(texture_coordinates) {
             assert_eq!(corners.map(|corner| mesh.vertices[corner as usize].truncate()), places.unwrap());
         }
-        // Those that are not finite are none, and what is no number is an error.
+        // Coordinates that are not finite become `None`. A word that is not a number is an error.
         for (number, found) in
             [("nan", None), ("-nan(ind)", None), ("1e999", None), ("0.25", Some([a, b, c]))]
         {
@@ -411,9 +411,9 @@ mod tests {
         }
         let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true).unwrap_err();
         assert_eq!(error.message, "a texture coordinate needs numbers, and `x` is none");
-        // A file without them has an empty list, also where faces name some.
+        // A file without coordinates has an empty list, even if faces refer to some.
         assert_eq!(read(&format!("{SQUARE}f 1/1 2/2 3/3\n")).texture_coordinates, []);
-        // An index far out of range needs no memory.
+        // An index far out of range allocates nothing.
         let far = read(&format!("{SQUARE}vt 0 0\nf 1/4000000000 2/9223372036854775807 3/-4000000000\n"));
         assert_eq!(far.texture_coordinates, [None]);
     }

@@ -1,5 +1,5 @@
-//! The scene as its author wrote it, read from text. This module knows nothing of rendering, and only
-//! [`load`] opens files.
+//! The scene as its author wrote it, read from text. This module does not depend on rendering. Only [`load`] opens
+//! files.
 //!
 //! Objects form a tree that is stored in one arena (`Scene::objects`), so that a scene nested a hundred
 //! thousand levels deep is built, traversed and dropped without recursion.
@@ -38,7 +38,7 @@ use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
 pub(crate) use transform::is_transformation;
 
-/// A scene, with everything that its file contains.
+/// A scene: the contents of its file.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub camera: Camera,
@@ -48,17 +48,18 @@ pub struct Scene {
     /// The arena of the object tree. Every object comes after its children, so the root is the last.
     pub objects: Vec<Object>,
     pub root: ObjectId,
-    /// The mesh files that it names, each once.
+    /// The mesh files that the scene names, without duplicates.
     pub meshes: Vec<MeshFile>,
-    /// The pictures that it names, each once.
+    /// The pictures that the scene names, without duplicates.
     pub images: Vec<ImageFile>,
-    /// What rays see that hit nothing, by indices into [`Scene::images`], if that is more than a colour.
+    /// The faces of the cube map for rays that hit nothing, as indices into [`Scene::images`]. `None` for a plain
+    /// colour.
     pub cube_map: Option<CubeFaces>,
     pub model: Model,
     pub positions: Positions,
 }
 
-/// The positions of keywords in the text of a scene. A scene that a program makes may leave them empty.
+/// The positions of keywords in a scene's text. A scene built by a program may leave them empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Positions {
     pub camera: Position,
@@ -74,8 +75,8 @@ pub type MaterialId = usize;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Object {
     Group(Vec<ObjectId>),
-    /// An object that `matrix` maps to its parent's space. The matrix may be singular. `at` is the position of the
-    /// `Transform` in the text.
+    /// Maps `child` to the parent's space by `matrix`, which may be singular. `at` is the position of `Transform` in
+    /// the text.
     Transform {
         matrix: RoundedAffine,
         child: ObjectId,
@@ -92,7 +93,7 @@ pub enum Object {
         offset: f64,
         material: MaterialId,
     },
-    /// A triangle, whose vertices are counter-clockwise seen from outside.
+    /// A triangle. Its vertices are counter-clockwise seen from outside.
     Triangle {
         vertices: [DVec3; 3],
         material: MaterialId,
@@ -103,7 +104,7 @@ pub enum Object {
         max: DVec3,
         material: MaterialId,
     },
-    /// The cells of the 2003 edition that a sphere fills, as the faces between filled cells and others.
+    /// The 2003 edition's cells filled by a sphere, stored as the faces between filled and empty cells.
     Grid {
         surface: Arc<Mesh>,
         material: MaterialId,
@@ -116,7 +117,7 @@ pub enum Object {
 }
 
 impl Object {
-    /// The word that it begins with in the text.
+    /// Returns the keyword that begins the object in the text.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Group(_) => "Group",
@@ -130,7 +131,7 @@ impl Object {
         }
     }
 
-    /// The material of a primitive's surface.
+    /// Returns the surface's material if the object is a primitive.
     pub fn material(&self) -> Option<MaterialId> {
         match *self {
             Self::Group(_) | Self::Transform { .. } => None,
@@ -155,8 +156,8 @@ impl Object {
         }
     }
 
-    /// The bounding box of a shape, before any transform. The course's program bounds the transformed shape by that of its
-    /// corners.
+    /// Returns the shape's bounding box before any transform. The course's program bounds a transformed shape by the
+    /// box of the transformed corners.
     pub fn shape_box(&self) -> Option<Aabb> {
         match *self {
             Self::Sphere { center, radius, .. } => Some(Aabb { min: center - radius, max: center + radius }),
@@ -165,24 +166,24 @@ impl Object {
     }
 }
 
-/// A mesh file that the scene names, with what is known once it has been read.
+/// A mesh file that the scene names, with the data known after reading it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
     pub name: String,
-    /// The position where the scene names it first.
+    /// The position of its first mention in the scene.
     pub at: Position,
-    /// The number of vertices that it lists, with those that no face uses.
+    /// The number of vertices in the file, including those that no face uses.
     pub vertices: usize,
-    /// The texture coordinates of its triangles, if the scene has pictures. The list may be shorter than the mesh.
+    /// The texture coordinates of the triangles, if the scene has pictures. May be shorter than the list of triangles.
     pub texture_coordinates: Arc<Vec<Option<Corners>>>,
 }
 
-/// A camera. Its directions need not be unit vectors. The part of `up` that is perpendicular to `direction` points up in
+/// A camera. Its directions need not be unit vectors. The component of `up` perpendicular to `direction` points up in
 /// the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Camera {
-    /// A camera with parallel rays. `center` is in the middle of the picture, and `size` is the length of its longer side.
+    /// A camera with parallel rays. `center` is in the middle of the picture. `size` is the length of its longer side.
     Orthographic { center: DVec3, direction: DVec3, up: DVec3, size: f64 },
     /// A camera with rays from `center`. `angle` is the full viewing angle over the longer side, in degrees.
     Perspective { center: DVec3, direction: DVec3, up: DVec3, angle: f64 },
@@ -205,7 +206,7 @@ impl Default for Background {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// Parallel light without attenuation. `direction`, in which it travels, need not be a unit vector.
+    /// Parallel light without attenuation. It travels along `direction`, which need not be a unit vector.
     Directional { direction: DVec3, color: Color },
     /// Light from a point, attenuated by the factor 1 / (a0 + a1 d + a2 d^2) at the distance d.
     Point { position: DVec3, color: Color, attenuation: [f64; 3] },

@@ -1,17 +1,18 @@
-//! What a scene means where the editions of the course differ: each edition is a value of [`Model`], and nothing
-//! behind the reader of scenes knows an edition by its name.
+//! The rules by which the course's editions differ. Each edition is a value of [`Model`]: after a scene is read, no
+//! code refers to an edition by name.
 
 use crate::picture::Color;
 use glam::DVec3;
 use serde::Serialize;
 
-/// How a scene is seen, lit and shown.
+/// The rules for viewing, lighting and displaying a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
     pub screen: Screen,
     pub highlight: Highlight,
     pub split: Split,
-    /// Rays that leave a surface overlook what is nearer than this. None is a few roundings, as the point asks for.
+    /// Rays that leave a surface ignore hits nearer than this. `None` ignores only a few roundings, depending on the
+    /// point.
     pub epsilon: Option<f64>,
     pub normals: MeshNormals,
     pub depths: Depths,
@@ -19,34 +20,35 @@ pub struct Model {
     pub shows: Shows,
 }
 
-/// How the view of a perspective camera is spread over the pixels.
+/// How a perspective camera's viewing angle maps to pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Screen {
-    /// The angle spans the longer side, from the outer edge of one pixel to that of another.
+    /// The angle spans the longer side, from the outer edge of the first pixel to the outer edge of the last.
     LongerSide,
-    /// The angle spans either side, from the centre of the first pixel to that of the last.
-    /// With `up_as_written` the camera's `up` is neither made a unit vector nor made perpendicular to the direction.
+    /// The angle spans each side, from the centre of the first pixel to the centre of the last.
+    ///
+    /// If `up_as_written`, the camera's `up` is neither normalised nor made perpendicular to the direction.
     BothSides { up_as_written: bool },
 }
 
-/// How lights are reflected.
+/// The model of specular reflection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Highlight {
-    /// By the vector half way between light and viewer, and only where the surface faces the light. The side that is
-    /// seen is lit, if any is.
+    /// Uses the half vector between light and viewer, and only where the surface faces the light. Lights the visible
+    /// side, if there is one.
     Blinn,
-    /// By the mirrored viewing direction, whether or not the surface faces the light. The outside is lit, whichever side
-    /// is seen.
+    /// Uses the mirrored viewing direction, even where the surface faces away from the light. Always lights the
+    /// outside.
     Phong,
 }
 
-/// How the light is split that comes through a transparent surface and is mirrored there.
+/// How light is divided between refraction and reflection at a transparent surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
     /// By the material's two colours.
     Colors,
-    /// By Schlick's approximation, of which both parts are multiplied by the colours.
+    /// By Schlick's approximation, with both parts multiplied by the colours.
     Schlick,
 }
 
@@ -54,48 +56,48 @@ pub enum Split {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshNormals {
     Flat,
-    /// Interpolated between the vertices. Meshes of at most `flat_up_to` vertices are flat.
+    /// Interpolated between the vertices. Meshes with at most `flat_up_to` vertices are flat.
     Smooth {
         weights: FaceWeights,
         flat_up_to: usize,
     },
 }
 
-/// The weights of the faces around a vertex for its normal.
+/// How the normals of adjacent faces are weighted at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceWeights {
     Area,
     Equal,
 }
 
-/// The greys of distances.
+/// The mapping from distances to greys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depths {
-    /// What is near is white, and nothing is black.
+    /// Near surfaces are white. The background is black.
     NearWhite,
-    /// What is near is black, and so is nothing.
+    /// Near surfaces are black, and so is the background.
     NearBlack,
 }
 
-/// The colours of normals.
+/// The mapping from normals to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NormalColors {
     /// The absolute coordinates.
     Absolute,
-    /// From -1, which is black, to 1.
+    /// Coordinates from -1 (black) to 1.
     Shifted,
 }
 
-/// What the picture of colours shows.
+/// The content of the colour picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shows {
     Scene,
-    /// The place of each pixel: from 0 to 1, red grows to the right and green downwards, and blue is 1.
+    /// The pixel coordinates: red grows from 0 to 1 to the right, green downwards, and blue is 1.
     Places,
 }
 
 impl Depths {
-    /// The grey of a surface at the distance `t` where those between `near` and `far` are shown.
+    /// Returns the grey of a surface at the distance `t`, for the range from `near` to `far`.
     pub fn grey(self, t: f64, [near, far]: [f64; 2]) -> f64 {
         match self {
             Self::NearWhite => (far - t.clamp(near, far)) / (far - near),
@@ -105,7 +107,7 @@ impl Depths {
 }
 
 impl NormalColors {
-    /// The colour of a normal, which is zero where nothing is seen.
+    /// Returns the colour of a normal. The normal is zero where nothing is hit.
     pub fn color(self, normal: DVec3) -> Color {
         match self {
             Self::Absolute => normal.abs(),
@@ -115,7 +117,7 @@ impl NormalColors {
 }
 
 impl Model {
-    /// That of the editions of 2003 and 2004.
+    /// The model of the 2003 and 2004 editions.
     pub const COURSE: Self = Self {
         screen: Screen::LongerSide,
         highlight: Highlight::Blinn,

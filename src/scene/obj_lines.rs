@@ -1,8 +1,8 @@
 //! Splits an OBJ text into statements and their words.
 //!
 //! Lines end with a line feed, a carriage return, or both. A comment begins with `#`. A backslash at the end of a line,
-//! also before blanks, continues the statement on the next line, unless that starts with a keyword of its own: the
-//! backslash behind `usemtl wood\` belongs to the name.
+//! also before trailing blanks, continues the statement on the next line. The exception is a next line that starts with
+//! a keyword: the backslash in `usemtl wood\` belongs to the name.
 
 use super::Position;
 
@@ -11,14 +11,14 @@ const KEYWORDS: &str = "v vt vn f fo g s o usemtl mtllib p l surf bsp bzp cdc cd
                         parm trim hole scrv sp end con mg bevel c_interp d_interp lod usemap maplib shadow_obj \
                         trace_obj ctech stech res t vw";
 
-/// Keywords for which others may have been meant.
+/// Common keywords, suggested when an unknown word is found.
 pub const COMMON: [&str; 10] = ["v", "f", "vt", "vn", "g", "o", "s", "usemtl", "mtllib", "l"];
 
 pub fn is_keyword(word: &[u8]) -> bool {
     KEYWORDS.split(' ').any(|keyword| keyword.as_bytes() == word)
 }
 
-/// Moves `rest` behind its first statement, whose words replace those in `words`. False if there is none.
+/// Reads the first statement of `rest` into `words` and advances `rest` behind it. Returns false if there is none.
 pub fn next_statement<'a>(rest: &mut &'a [u8], words: &mut Vec<&'a [u8]>) -> bool {
     words.clear();
     loop {
@@ -64,12 +64,13 @@ fn after_blanks(text: &[u8]) -> &[u8] {
     &text[text.iter().position(is_other).unwrap_or(text.len())..]
 }
 
-/// The text after the line end that it starts with.
+/// Returns the text after its leading line end.
 fn after_line_end(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"\r\n").or(text.get(1..)).unwrap_or_default()
 }
 
-/// The word at the start of a text. Older programs for Windows write `1.#IND` or `-1.#QNAN` for what is not finite.
+/// Returns the first word of a text. Older Windows programs write `1.#IND` or `-1.#QNAN` for numbers that are not
+/// finite.
 fn first_word(text: &[u8]) -> &[u8] {
     const ENDINGS: [&[u8]; 4] = [b"#IND", b"#INF", b"#QNAN", b"#SNAN"];
     let end_of_word = |text: &[u8]| {
@@ -83,7 +84,7 @@ fn first_word(text: &[u8]) -> &[u8] {
     word
 }
 
-/// The position of a part of a text.
+/// Returns the position of `part` in `text`.
 pub fn position(text: &[u8], part: &[u8]) -> Position {
     let before = &text[..part.as_ptr() as usize - text.as_ptr() as usize];
     let before = String::from_utf8_lossy(before).replace("\r\n", "\n");
@@ -97,7 +98,7 @@ pub fn position(text: &[u8], part: &[u8]) -> Position {
 mod tests {
     use super::*;
 
-    /// The words of all statements, with `|` between statements.
+    /// Returns the words of all statements, with `|` between statements.
     fn split(text: &str) -> String {
         let (mut rest, mut words, mut all) = (text.as_bytes(), vec![], vec![]);
         while next_statement(&mut rest, &mut words) {

@@ -1,8 +1,8 @@
 //! Reads any OBJ text with `tobj`.
 //!
-//! `tobj` is handed normal statements: vertices, texture coordinates and faces alone, each on one line, with indices that
-//! count from 1. What it would refuse, drop or mistake in silence is dealt with here: continued lines, comments, colours,
-//! indices out of range, numbers that are not finite, and words that are no keywords.
+//! `tobj` gets normalised statements: only vertices, texture coordinates and faces, one per line, with indices that
+//! count from 1. This module handles the input that `tobj` would reject, drop or misread silently: continued lines,
+//! comments, colours, indices out of range, numbers that are not finite, and unknown keywords.
 
 use super::foreign_format::foreign_without_faces;
 use super::lexer::nearest;
@@ -16,11 +16,11 @@ use glam::{DVec2, DVec3};
 use std::io::Write as _;
 use tobj::{LoadError, LoadOptions, load_obj_buf};
 
-/// Reads a mesh from a text without a byte order mark, with its texture coordinates if they matter.
-/// Errors: the first error found.
+/// Reads a mesh from a text without a byte order mark, with texture coordinates if `is_textured`. Fails with the first
+/// error found.
 pub fn read(text: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
     let read_with = |totals| read_normal(Normal { text, is_textured, totals, ..Normal::default() });
-    // `tobj` checks numbers and indices, but does not say where one is wrong: a second reading finds the place.
+    // `tobj` checks numbers and indices but does not report where an error is. A second reading finds the position.
     read_with(None).or_else(|_| {
         let (mut rest, mut words, mut totals) = (text, vec![], [0; 2]);
         while next_statement(&mut rest, &mut words) {
@@ -46,7 +46,7 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
             1.0 => ("a vertex has the weight 0: it is at infinity", Some("leave it out, or make it 1")),
             _ => ("a vertex has a coordinate that is not finite", None),
         };
-        // On the first reading this is no offset.
+        // On the first reading this is not an offset.
         return Err(fault(text, &text[(offset as usize).min(text.len())..], message, hint));
     }
     let (mut triangles, mut start) = (vec![], 0);
@@ -73,7 +73,7 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
         }
     }
     let mut file = ObjFile { vertices: normal.known[0] as usize, ..ObjFile::default() };
-    // `keep_used` takes indices that count from 1.
+    // `keep_used` expects indices that count from 1.
     file.mesh.triangles = triangles.iter().map(|corners| corners.map(|k| found.indices[k] + 1)).collect();
     keep_used(&mut positions, &mut file.mesh.triangles);
     file.mesh.vertices = positions;
@@ -91,7 +91,7 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
     Ok(file)
 }
 
-/// The first doubtful statement of its kind, and the number of others.
+/// The first doubtful statement of a kind, and the number of others.
 #[derive(Default)]
 struct Doubt(Option<Diagnostic>, usize);
 
@@ -108,19 +108,20 @@ impl Doubt {
     }
 }
 
-/// The statements of a text, as `tobj` is to read them.
+/// The statements of a text, normalised for `tobj`.
 #[derive(Default)]
 struct Normal<'a> {
     text: &'a [u8],
     is_textured: bool,
-    /// The numbers of vertices and of texture coordinates of the whole text, on the second reading, which checks all.
+    /// The total numbers of vertices and texture coordinates. Present only on the second reading, which checks
+    /// everything.
     totals: Option<[i64; 2]>,
-    /// Those so far, where texture coordinates are counted if they matter.
+    /// The numbers read so far. Texture coordinates are counted only if `is_textured`.
     known: [i64; 2],
     lines: Vec<u8>,
-    /// The faces: where each stands, and the number of its corners.
+    /// The statement of each face, and the number of its corners.
     faces: Vec<(&'a [u8], usize)>,
-    /// Whether each corner has a texture coordinate.
+    /// True for each corner with a texture coordinate.
     is_placed: Vec<bool>,
     unknown: Doubt,
     surfaces: Doubt,
@@ -171,11 +172,12 @@ impl<'a> Normal<'a> {
         })
     }
 
-    /// Adds a vertex. One that is not finite is an error only if a face uses it: it becomes an infinite number, the
-    /// offset of the word that is to blame, and 1 if that is a weight of 0.
+    /// Adds a vertex. A vertex that is not finite is an error only if a face uses it. It is stored as an infinite
+    /// number, the offset of the faulty word, and 1 if the fault is a weight of 0.
     fn vertex(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         let (count, rule) = (words.len() - 1, "a vertex needs three numbers");
-        // A colour follows the position, of which only a weight is a part.
+        // If there are four numbers, the fourth is a weight. Other numbers after the third are a colour and are
+        // ignored.
         let wanted = count.min(if count == 4 { 4 } else { 3 });
         let mut numbers = [0.0, 0.0, 0.0, 1.0];
         for (number, word) in numbers.iter_mut().zip(&words[1..=wanted]) {
@@ -203,7 +205,7 @@ impl<'a> Normal<'a> {
         Ok(())
     }
 
-    /// Adds a texture coordinate, of which a missing number is 0.
+    /// Adds a texture coordinate. Missing numbers are 0.
     fn coordinate(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         let mut line: [&[u8]; 3] = [b"vt", b"0", b"0"];
         for (place, word) in line[1..].iter_mut().zip(&words[1..]) {
@@ -223,7 +225,8 @@ impl<'a> Normal<'a> {
         self.lines.push(b'\n');
     }
 
-    /// A number, on the second reading. Those that other programs write for what is not finite are not finite.
+    /// Parses a number, on the second reading only. Other programs' spellings of infinity and NaN give numbers that are
+    /// not finite.
     fn number(&self, word: &[u8], rule: &str) -> Result<f64, Diagnostic> {
         if self.totals.is_none() {
             return Ok(1.0);
@@ -237,7 +240,7 @@ impl<'a> Normal<'a> {
         }
     }
 
-    /// The error of a word that breaks a rule.
+    /// Returns the error that a word breaks a rule.
     fn not(&self, word: &[u8], rule: &str, is_corner: bool) -> Diagnostic {
         let shown = String::from_utf8_lossy(word);
         fault(self.text, word, format!("{rule}, and {} is none", quoted(&*shown)), hint(&shown, is_corner))
@@ -285,13 +288,13 @@ impl<'a> Normal<'a> {
     }
 }
 
-/// The error of a part of a text.
+/// Returns the error for a part of a text.
 fn fault(text: &[u8], part: &[u8], message: impl Into<String>, hint: Option<&str>) -> Diagnostic {
     Diagnostic { hint: hint.map(str::to_owned), ..Diagnostic::error(message) }.at(position(text, part))
 }
 
-/// The indices of a corner, which are 0 where there is none. It is of the form `v`, `v/vt`, `v//vn` or `v/vt/vn`, also with
-/// nothing behind a slash. None for any other word.
+/// Parses the indices of a corner; missing ones are 0. The forms are `v`, `v/vt`, `v//vn` and `v/vt/vn`, where a slash
+/// may be followed by nothing. `None` for any other word.
 fn corner(word: &[u8]) -> Option<[i64; 3]> {
     let mut indices = [0; 3];
     let mut parts = word.split(|&byte| byte == b'/');
@@ -301,14 +304,14 @@ fn corner(word: &[u8]) -> Option<[i64; 3]> {
         if !rest.is_empty() || count == 0 && !part.is_empty() {
             return None;
         }
-        // 18 digits fit into the type.
+        // 18 digits fit into an i64.
         let value = if count > 18 { i64::MAX } else { value as i64 };
         *index = if part.starts_with(b"-") { -value } else { value };
     }
     (parts.next().is_none() && !word.starts_with(b"/")).then_some(indices)
 }
 
-/// Advice on a word that is no number, or no corner.
+/// Suggests a fix for a word that is not a number or not a corner.
 fn hint(word: &str, is_corner: bool) -> Option<&'static str> {
     let is_number = |word: &str| word.parse::<f64>().is_ok();
     Some(match word {

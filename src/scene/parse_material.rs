@@ -11,11 +11,11 @@ use crate::math::rounded::RoundedAffine;
 use crate::picture::Color;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The keywords that start a Phong material. They have the same meaning.
+/// The keywords that start a Phong material. They are synonyms.
 pub const PHONG_KINDS: [&str; 2] = ["Material", "PhongMaterial"];
 const KINDS: [&str; 6] = ["PhongMaterial", "Material", "Checkerboard", "Noise", "Marble", "Wood"];
 
-/// The fields of Phong materials in all editions. `Noise` is one in assignment 5 of 2012 alone.
+/// The fields of Phong materials in all editions. `Noise` is a field only in assignment 5 of 2012.
 const PHONG_FIELDS: [&str; 13] = [
     "diffuseColor",
     "specularColor",
@@ -32,11 +32,10 @@ const PHONG_FIELDS: [&str; 13] = [
     "Noise",
 ];
 
-/// The largest number of octaves. Each one halves the amplitude, so a further octave is below the rounding
-/// error.
+/// The largest number of octaves. Each octave halves the amplitude, so a further one is below the rounding error.
 const MAX_OCTAVES: u64 = 64;
 
-/// Reads a whole `Materials { ... }` block: each material with the position of its keyword.
+/// Reads a whole `Materials { ... }` block. Returns each material with the position of its keyword.
 pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<(Material, Position)>> {
     let kinds = if reader.edition.is_later() { &PHONG_KINDS[..] } else { &KINDS };
     reader.list("numMaterials", &KINDS, |reader, index| {
@@ -50,10 +49,10 @@ pub fn parse_materials(reader: &mut Reader<'_>) -> Parsed<Vec<(Material, Positio
     })
 }
 
-/// Reads a Phong material with its keyword and braces, whose fields may come in any order.
+/// Reads a Phong material with its keyword and braces. Its fields may come in any order.
 ///
-/// In 2012 and later the specular colour is also the factor for mirrored rays. Assignment 5 of 2012 has no highlights,
-/// and a material with an index of refraction lets the same colour through.
+/// From 2012 on, the specular colour is also the factor for mirrored rays. Assignment 5 of 2012 has no highlights, and
+/// its materials with an index of refraction use the same colour for refracted rays.
 pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
     let edition = reader.edition;
     let mut phong = Phong::default();
@@ -81,8 +80,8 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
                     let image_index = reader.images.index(file.text.to_owned(), file.at);
                     image = Some(Paint::Image { image: image_index, tints_ambient });
                 }
-                // As in the courses' programs, bumps have no effect, nor have textures on Aalto's triangles, which have
-                // no texture coordinates.
+                // As in the course's programs, bump maps have no effect. Textures have none on Aalto's triangles, which
+                // have no texture coordinates.
                 _ => _ = reader.file_name()?,
             }
             Ok(())
@@ -92,17 +91,17 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
         phong.reflective = phong.specular;
     }
     if edition == Edition::Y2012A5 {
-        // The exponent is that of the highlights which a program has by mistake.
+        // The exponent is kept for the bug that shows highlights anyway.
         phong.specular = Color::ZERO;
         if refraction_index > 0.0 {
             (phong.transparent, phong.index_of_refraction) = (phong.reflective, refraction_index);
         }
     }
-    // As in the course's program the noise replaces the colour of a texture, whichever stands first.
+    // As in the course's program, noise replaces the colour of a texture, regardless of their order.
     Ok(noise.or(image).map_or(Material::Phong(phong), |paint| Material::Painted(phong, paint)))
 }
 
-/// Reads the noise within a material of assignment 5 of 2012, whose fields may come in any order.
+/// Reads the noise in a material of assignment 5 of 2012. Its fields may come in any order.
 fn parse_noise(reader: &mut Reader<'_>) -> Parsed<Paint> {
     let (mut colors, mut octaves, mut frequency, mut amplitude) = (vec![], 0, 1.0, 1.0);
     reader.open_brace("Noise")?;
@@ -144,8 +143,7 @@ fn parse_texture(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Texture> {
     })
 }
 
-/// Reads the optional `Transform` of a texture. As written, without an inversion, it maps world space to
-/// texture space.
+/// Reads the optional `Transform` of a texture. It maps world space to texture space as written, without inversion.
 fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     if !reader.is_at("Transform") {
         return Ok(RoundedAffine::IDENTITY);
@@ -168,13 +166,13 @@ fn parse_child(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<MaterialId> {
     })
 }
 
-/// Reads the optional `size` of a checkerboard's squares from the 2003 edition, and returns the scale that
-/// maps such squares to unit squares.
+/// Reads the optional `size` of a checkerboard's squares (2003 edition). Returns the scale that maps such squares to
+/// unit squares.
 fn parse_square_size(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     if !reader.accept("size") {
         return Ok(RoundedAffine::IDENTITY);
     }
-    // The reciprocal of the smallest numbers overflows, so it is checked as well.
+    // The reciprocal of a very small number overflows, so it is checked as well.
     let size = reader.number_that("must be positive", |size| size > 0.0 && (1.0 / size).is_finite())?;
     let scale = DVec3::splat(1.0 / size);
     let error = DAffine3::from_mat3(DMat3::from_diagonal(scale * UNIT_ROUNDOFF));

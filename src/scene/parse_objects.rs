@@ -1,4 +1,4 @@
-//! Reads groups and the objects in them, without recursion, so that any depth of nesting works.
+//! Reads groups and their objects without recursion, so any depth of nesting works.
 
 use super::edition::Edition;
 use super::filled_cells::{FilledCells, MOST};
@@ -13,21 +13,21 @@ use crate::math::rounded::RoundedAffine;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// The words with which an object begins.
+/// The keywords that start an object.
 const OBJECTS: [&str; 8] =
     ["Group", "Transform", "Sphere", "Plane", "Triangle", "TriangleMesh", "Box", "Grid"];
 
-/// The fields of a triangle's vertices, each after that of its texture coordinates.
+/// The fields of a triangle's vertices, each preceded by the field of its texture coordinates.
 const TRIANGLE_FIELDS: [[&str; 2]; 3] =
     [["textCoord0", "vertex0"], ["textCoord1", "vertex1"], ["textCoord2", "vertex2"]];
 
-/// What a name may stand between, by mistake.
+/// Quotes that a name may have by mistake.
 const QUOTES: [char; 7] = ['"', '\'', '`', '\u{201c}', '\u{201d}', '\u{2018}', '\u{2019}'];
 
-/// The objects of a scene that have been read so far, with the meshes and materials that they use.
+/// The objects read so far, with their meshes and materials.
 #[derive(Default)]
 pub struct ObjectTree {
-    /// The arena, in which every object comes after its children.
+    /// The arena. Every object comes after its children.
     pub objects: Vec<Object>,
     /// The position of each object's keyword.
     pub positions: Vec<Position>,
@@ -38,8 +38,8 @@ pub struct ObjectTree {
     pub material_positions: Vec<Position>,
     /// The number of declared materials. Only these can be chosen by their index.
     declared: usize,
-    /// The material of the following objects. As in the course's program, it stays in effect after the group
-    /// in which it was chosen.
+    /// The material of the following objects. As in the course's program, it stays in effect after the end of the group
+    /// that chose it.
     current_material: Option<MaterialId>,
 }
 
@@ -63,8 +63,8 @@ impl ObjectTree {
         self.objects.len() - 1
     }
 
-    /// Reads a `Group` and everything in it, which replaces the objects read before, and returns its id. The time is
-    /// linear in the length of the text, and the stack has constant size.
+    /// Reads a `Group` and its contents, and returns its id. Replaces the objects read before. Takes time linear in the
+    /// length of the text, and constant stack space.
     pub fn parse_root(&mut self, reader: &mut Reader<'_>) -> Parsed<ObjectId> {
         (self.objects, self.positions, self.meshes) = Default::default();
         let mut innermost = Open::group(reader)?;
@@ -93,7 +93,8 @@ impl ObjectTree {
         }
     }
 
-    /// Reads up to the next object in `innermost`, with the choices of material before it. False at the end.
+    /// Reads the choices of material before the next object in `innermost`. Returns false if there is no further
+    /// object.
     fn find_object(&mut self, reader: &mut Reader<'_>, innermost: &mut Open) -> Parsed<bool> {
         let announced = match innermost {
             Open::Group { announced, .. } => announced,
@@ -117,7 +118,7 @@ impl ObjectTree {
         Ok(false)
     }
 
-    /// Reads the end of a group or transform, and adds the object.
+    /// Reads the closing brace of a group or transform, and adds the object.
     fn close(&mut self, reader: &mut Reader<'_>, innermost: Open) -> Parsed<ObjectId> {
         match innermost {
             Open::Group { announced, children, at } => {
@@ -134,7 +135,7 @@ impl ObjectTree {
                     }
                     error
                 })?;
-                // The object that was finished last is the one inside.
+                // The last object added is the child.
                 let child = self.objects.len() - 1;
                 Ok(self.add(Object::Transform { matrix, child, at }, at))
             }
@@ -198,7 +199,7 @@ impl ObjectTree {
         })
     }
 
-    /// Reads `obj_file` and the file name, and returns the mesh's index.
+    /// Reads `obj_file` and the file name. Returns the mesh's index.
     fn parse_mesh_name(&mut self, reader: &mut Reader<'_>) -> Parsed<usize> {
         let word = reader.keyword("obj_file")?.peek();
         if word.text.starts_with(QUOTES) {
@@ -246,7 +247,7 @@ fn parse_center_and_radius(reader: &mut Reader<'_>) -> Parsed<(DVec3, f64)> {
 fn parse_vertices(reader: &mut Reader<'_>) -> Parsed<[DVec3; 3]> {
     let mut vertices = [DVec3::ZERO; 3];
     for (vertex, [coordinates, name]) in vertices.iter_mut().zip(TRIANGLE_FIELDS) {
-        // Aalto's program reads texture coordinates, and its triangles have none.
+        // Aalto's program reads texture coordinates but does not store them in triangles.
         if reader.edition == Edition::Aalto && reader.accept(coordinates) {
             reader.number()?;
             reader.number()?;
@@ -256,7 +257,7 @@ fn parse_vertices(reader: &mut Reader<'_>) -> Parsed<[DVec3; 3]> {
     Ok(vertices)
 }
 
-/// Reads `min` and `max`, each of whose numbers `holds` compares with that of `min`.
+/// Reads `min` and `max`. `holds` compares each number of `max` with its counterpart in `min`.
 fn parse_corners(reader: &mut Reader<'_>, rule: &str, holds: fn(&f64, &f64) -> bool) -> Parsed<[DVec3; 2]> {
     let min = reader.keyword("min")?.vector()?;
     reader.keyword("max")?;

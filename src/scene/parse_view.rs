@@ -10,7 +10,7 @@ use glam::DVec3;
 
 const LIGHTS: [&str; 2] = ["DirectionalLight", "PointLight"];
 
-/// Reads a camera, whose name the caller has checked.
+/// Reads a camera. The caller has checked its name.
 pub fn parse_camera(reader: &mut Reader<'_>) -> Parsed<Camera> {
     reader.block(|reader, name| {
         let center = reader.keyword("center")?.vector()?;
@@ -30,7 +30,7 @@ pub fn parse_camera(reader: &mut Reader<'_>) -> Parsed<Camera> {
     })
 }
 
-/// Whether two nonzero vectors are parallel, up to rounding.
+/// Returns true if two nonzero vectors are parallel, up to rounding.
 fn are_parallel(a: DVec3, b: DVec3) -> bool {
     const MAX_SINE: f64 = 1e-12;
     unit(a).cross(unit(b)).length() < MAX_SINE
@@ -70,8 +70,8 @@ fn parse_point_light(reader: &mut Reader<'_>, name: &str) -> Parsed<Light> {
     Ok(Light::Point { position, color, attenuation: attenuation.to_array() })
 }
 
-/// Reads a light of assignment 5 of 2012 or of 2019, whose fields may come in any order. Its light is divided by
-/// 1 + falloff d^2 in the one, and by falloff d^2 in the other.
+/// Reads a light of assignment 5 of 2012 or of 2019. Its fields may come in any order. The light is divided by 1 +
+/// falloff d^2 in 2012 and by falloff d^2 in 2019.
 fn parse_light_with_falloff(reader: &mut Reader<'_>) -> Parsed<Light> {
     let at = reader.peek().at;
     let (mut position, mut color, mut falloff) = (DVec3::ZERO, Color::ZERO, 0.0);
@@ -101,7 +101,7 @@ fn parse_light_color(reader: &mut Reader<'_>) -> Parsed<(Color, Position)> {
     Ok((reader.color()?, at))
 }
 
-/// Records a light whose colour looks like bytes. A bright light is no mistake in itself.
+/// Warns about a light whose colour looks like bytes. A bright light alone is not a mistake.
 fn warn_if_bytes(reader: &mut Reader<'_>, at: Position, color: Color) {
     const LEAST_BYTE: f64 = 16.0;
     if color.max_element() >= LEAST_BYTE && is_byte_like(color) {

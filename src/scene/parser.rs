@@ -1,4 +1,4 @@
-//! Parses scene text to a [`Scene`]: the course's grammar of 2004, and the forms of 2003 that differ from it.
+//! Parses scene text into a [`Scene`]: the course's grammar of 2004, with the variants of 2003.
 
 use super::edition::Edition;
 use super::model::{Model, Shows};
@@ -12,11 +12,11 @@ use crate::diagnostic::Diagnostic;
 
 const BLOCKS: [&str; 6] =
     ["OrthographicCamera", "PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
-/// How the keywords of each kind of block end, and what a reader calls it.
+/// The suffixes that identify the kinds of blocks, and the nouns used in messages.
 const KINDS: [&str; 5] = ["Camera", "Background", "Lights", "Materials", "Group"];
 const NOUNS: [&str; 5] = ["camera", "`Background`", "list of lights", "list of materials", "`Group`"];
 
-/// A scene with what its text says beyond it.
+/// A scene, and the warnings about its text.
 #[derive(Clone, Debug)]
 pub struct Reading {
     /// The scene. The files that it names are not opened.
@@ -25,15 +25,15 @@ pub struct Reading {
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Parses a scene of 2004, as [`read_in`] does.
+/// Parses a scene of the 2004 edition. See [`read_in`].
 pub fn parse(text: &str) -> Result<Scene, Diagnostic> {
     Ok(read_in(Edition::Y2004, text)?.scene)
 }
 
 /// Parses a scene in the language of an edition.
 ///
-/// Blocks may come in any order, except that `Materials` must precede the `Group`, and a later block replaces
-/// an earlier one of its kind. Errors: the first violation of the grammar or of a rule for values, with its position.
+/// Blocks may come in any order, except that `Materials` must precede the `Group`. A later block replaces an earlier
+/// one of its kind. Fails at the first violation of the grammar or of a rule for values, and reports its position.
 pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Diagnostic> {
     let mut reader = Reader::new(edition, text);
     let mut blocks = Blocks::default();
@@ -44,7 +44,7 @@ pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Diagnostic> {
     Ok(Reading { scene, warnings: reader.into_warnings() })
 }
 
-/// Parses the block of a camera alone. Errors: anything else, or anything after it.
+/// Parses a text that consists of one camera block. Fails for any other text.
 pub fn parse_camera(text: &str) -> Result<Camera, Diagnostic> {
     let mut reader = Reader::new(Edition::Y2004, text);
     if !reader.is_at_any(&BLOCKS[..2]) {
@@ -87,7 +87,7 @@ impl Blocks {
         Ok(())
     }
 
-    /// Notes the position of the block at the next word, and whether it is the second of its kind.
+    /// Records the position of the block at the next word, and warns if it is the second of its kind.
     fn note_block(&mut self, reader: &mut Reader<'_>) {
         let at = reader.peek().at;
         let Some(kind) = KINDS.iter().position(|kind| reader.peek().text.ends_with(kind)) else { return };
@@ -106,12 +106,12 @@ impl Blocks {
         Ok(())
     }
 
-    /// Returns the scene. Errors: a missing block.
+    /// Returns the scene. Fails if a block is missing.
     fn into_scene(mut self, reader: &mut Reader<'_>) -> Parsed<Scene> {
         let end = reader.peek().at;
         let missing = |block| Diagnostic::error(format!("the scene has no {block}")).at(end);
         let camera = self.camera.ok_or_else(|| missing("camera"))?;
-        // A scene of Aalto's may have no objects. Its program shows the places of pixels instead.
+        // Aalto's scenes may have no objects. Its program then shows pixel coordinates.
         let shows = if self.root.is_some() { Shows::Scene } else { Shows::Places };
         let root = match self.root {
             Some(root) => root,
@@ -153,7 +153,7 @@ fn unknown_block(reader: &Reader<'_>) -> Diagnostic {
     }
 }
 
-/// Reads the background, whose fields are optional.
+/// Reads the background. All fields are optional.
 fn parse_background(reader: &mut Reader<'_>) -> Parsed<(Background, Option<CubeFaces>)> {
     let mut background = Background::default();
     let mut cube_map = None;

@@ -1,15 +1,14 @@
-//! A fast parser for OBJ texts that contain only positions and triangles, which scans parts of the text in
-//! parallel.
+//! A fast parser for OBJ texts that contain only positions and triangles. It scans chunks of the text in parallel.
 
 use super::mesh::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Parses a text that consists of `v x y z` and `f i j k` lines, blank lines and comments. None if it
-/// contains anything else, so that the full parser has to accept or reject it.
+/// Parses a text of `v x y z` and `f i j k` lines, blank lines and comments. `None` if it contains anything else: the
+/// full parser then has to accept or reject it.
 ///
-/// The result is identical to that of the full parser, except that the vertices are in the order of the file. With it comes
-/// the number of `v` lines.
+/// Returns the mesh and the number of `v` lines. The mesh is identical to the full parser's, except that the vertices
+/// are in the order of the file.
 pub fn parse(text: &[u8]) -> Option<(Mesh, usize)> {
     let parts: Option<Vec<_>> = chunks(text, chunk_size(text.len())).into_par_iter().map(scan).collect();
     let (vertices, triangles) = parts?.into_iter().unzip();
@@ -19,19 +18,19 @@ pub fn parse(text: &[u8]) -> Option<(Mesh, usize)> {
     is_mesh.then_some((mesh, count))
 }
 
-/// Returns the bytes of memory that reading a mesh of this length takes at least: for its text and the scanned lists.
+/// Returns the minimum memory in bytes for reading a mesh of this length: its text and the scanned lists.
 pub fn memory_for(length: u64) -> u64 {
     let vertices = length / BYTES_PER_VERTEX as u64 * size_of::<DVec3>() as u64;
     length + vertices + length / BYTES_PER_FACE as u64 * size_of::<[u32; 3]>() as u64
 }
 
-/// The bytes of a text for each vertex and each face for which its lists have room. The lists are about twice as long
-/// as needed for two faces per vertex, so that they do not grow. Memory that is not touched costs nothing.
+/// The bytes of text per vertex and per face assumed when the lists are allocated. The lists are about twice as long as
+/// needed for two faces per vertex, so they do not grow. Untouched memory costs nothing.
 const BYTES_PER_VERTEX: usize = 30;
 const BYTES_PER_FACE: usize = 15;
 
-/// Returns the bytes of the chunks that are scanned in parallel. With one thread it is the whole text, since joining
-/// the parts takes time and memory.
+/// Returns the size in bytes of the chunks scanned in parallel. With one thread it is the whole text, since joining
+/// chunks takes time and memory.
 fn chunk_size(length: usize) -> usize {
     let threads = rayon::current_num_threads();
     if threads == 1 { length } else { (length / (2 * threads)).clamp(1 << 18, 1 << 22) }
@@ -50,7 +49,7 @@ fn chunks(mut text: &[u8], size: usize) -> Vec<&[u8]> {
     chunks
 }
 
-/// The vertices and the faces of some lines, whose corners count vertices from 1. None if there is anything else.
+/// Returns the vertices and the faces in some lines. Corners count vertices from 1. `None` if there is anything else.
 fn scan(mut text: &[u8]) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
     let mut vertices = Vec::with_capacity(text.len() / BYTES_PER_VERTEX);
     let mut faces = Vec::with_capacity(text.len() / BYTES_PER_FACE);
@@ -78,7 +77,7 @@ fn joined<T: Clone>(mut lists: Vec<Vec<T>>) -> Vec<T> {
     if lists.len() == 1 { lists.remove(0) } else { lists.concat() }
 }
 
-/// The three words on the rest of a line.
+/// Parses the three words on the rest of a line.
 #[inline(always)]
 fn three<T>(rest: &[u8], word: impl Fn(&[u8]) -> Option<(T, &[u8])>) -> Option<([T; 3], &[u8])> {
     let (a, rest) = word(rest)?;
@@ -87,7 +86,7 @@ fn three<T>(rest: &[u8], word: impl Fn(&[u8]) -> Option<(T, &[u8])>) -> Option<(
     Some(([a, b, c], line_end(rest)?))
 }
 
-/// The text after one or more leading blanks; none if there is no blank.
+/// Returns the text after one or more leading blanks. `None` if there is no blank.
 #[inline(always)]
 fn after_blanks(text: &[u8]) -> Option<&[u8]> {
     let mut rest = text.strip_prefix(b" ")?;
@@ -97,15 +96,15 @@ fn after_blanks(text: &[u8]) -> Option<&[u8]> {
     Some(rest)
 }
 
-/// The text from the end of the line on; none unless only blanks precede it.
+/// Returns the text from the end of the line on. `None` unless only blanks precede it.
 #[inline(always)]
 fn line_end(text: &[u8]) -> Option<&[u8]> {
     let rest = after_blanks(text).unwrap_or(text);
     matches!(rest, [] | [b'\n' | b'\r', ..]).then_some(rest)
 }
 
-/// Appends a run of digits to the decimal digits of `value`. Returns the resulting number, the length of the
-/// run and the text after it.
+/// Appends a run of digits to the decimal digits of `value`. Returns the resulting number, the length of the run and
+/// the text after it.
 #[inline(always)]
 pub fn digits(text: &[u8], mut value: u64) -> (u64, usize, &[u8]) {
     let mut rest = text;
@@ -116,14 +115,14 @@ pub fn digits(text: &[u8], mut value: u64) -> (u64, usize, &[u8]) {
     (value, text.len() - rest.len(), rest)
 }
 
-/// The vertex number of a face's corner, after one or more blanks.
+/// Parses the vertex number of a face's corner, after one or more blanks.
 #[inline(always)]
 fn corner(text: &[u8]) -> Option<(u32, &[u8])> {
     let (value, length, rest) = digits(after_blanks(text)?, 0);
     (length > 0 && length < 10).then_some((value as u32, rest))
 }
 
-/// A correctly rounded decimal number, after one or more blanks.
+/// Parses a correctly rounded decimal number, after one or more blanks.
 #[inline(always)]
 fn number(text: &[u8]) -> Option<(f64, &[u8])> {
     let text = after_blanks(text)?;
@@ -152,8 +151,9 @@ const POWERS_OF_TEN: [f64; 20] = [
     1e19,
 ];
 
-/// Removes the vertices that no face uses, and converts the corners of faces, which count from 1, to indices of the
-/// remaining ones. False, with the lists in no particular state, if a corner names a vertex that does not exist.
+/// Removes unused vertices, and converts the corners of faces from numbers that count from 1 to indices of the
+/// remaining vertices. Returns false, with the lists in an unspecified state, if a corner refers to a vertex that does
+/// not exist.
 pub fn keep_used(vertices: &mut Vec<DVec3>, faces: &mut [[u32; 3]]) -> bool {
     let mut used = vec![false; vertices.len()];
     for corner in faces.as_flattened_mut() {

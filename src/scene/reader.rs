@@ -1,4 +1,4 @@
-//! Reads the small parts of the grammar, each with its checks: keywords, braces, numbers, vectors and lists.
+//! Reads the basic elements of the grammar and checks them: keywords, braces, numbers, vectors and lists.
 
 use super::Position;
 use super::edition::{Edition, editions_of};
@@ -13,22 +13,22 @@ pub type Parsed<T> = Result<T, Diagnostic>;
 
 /// Reads the words of a scene with one word of lookahead.
 ///
-/// A word that does not fit the grammar, or a value that breaks a rule, is the error that a method returns. It ends the
-/// reading, so that every loop over words either takes a word or ends.
+/// Methods return an error if a word does not fit the grammar or a value breaks a rule. An error ends the reading, so
+/// every loop over words either takes a word or ends.
 pub struct Reader<'a> {
     lexer: Lexer<'a>,
     ahead: Word<'a>,
     /// The field whose values are read: the last word taken that starts with a letter.
     field: &'a str,
-    /// How many numbers have been taken directly after the field. None after any other word.
+    /// The number of numbers taken directly after the field. `None` after any other word.
     values: Option<usize>,
     /// Warnings about blocks that replace earlier ones.
     pub(super) replaced: Vec<Diagnostic>,
-    /// A warning about the first colour above 1, and the number of the others.
+    /// A warning about the first colour above 1, and the number of other such colours.
     bright: Option<(Diagnostic, usize)>,
-    /// The edition whose words are read.
+    /// The edition whose keywords are read.
     pub(super) edition: Edition,
-    /// The pictures that have been named.
+    /// The pictures named so far.
     pub(super) images: NamedFiles,
 }
 
@@ -60,17 +60,17 @@ impl<'a> Reader<'a> {
         self.values = self.values.map(|count| count + 1);
     }
 
-    /// Whether the next word is `keyword`.
+    /// Returns true if the next word is `keyword`.
     pub fn is_at(&self, keyword: &str) -> bool {
         is_keyword(self.ahead.text, keyword)
     }
 
-    /// Whether the next word is one of `keywords`.
+    /// Returns true if the next word is one of `keywords`.
     pub fn is_at_any(&self, keywords: &[&str]) -> bool {
         keywords.iter().any(|keyword| self.is_at(keyword))
     }
 
-    /// Takes the next word if it is `keyword`, and returns whether it was.
+    /// Takes the next word if it is `keyword`. Returns true if it was.
     pub fn accept(&mut self, keyword: &str) -> bool {
         let is_next = self.is_at(keyword);
         if is_next {
@@ -88,7 +88,7 @@ impl<'a> Reader<'a> {
         Ok(self)
     }
 
-    /// Reads a block `name { ... }`, whose name the caller has checked. `body` is given the name.
+    /// Reads a block `name { ... }` and passes the name to `body`. The caller has checked the name.
     pub fn block<T>(&mut self, body: impl FnOnce(&mut Self, &'a str) -> Parsed<T>) -> Parsed<T> {
         let name = self.open()?.text;
         let content = body(self, name)?;
@@ -96,7 +96,7 @@ impl<'a> Reader<'a> {
         Ok(content)
     }
 
-    /// Takes the name of a block, which the caller has checked, and the opening brace.
+    /// Takes the name of a block and the opening brace. The caller has checked the name.
     pub fn open(&mut self) -> Parsed<Word<'a>> {
         let name = self.take();
         self.open_brace(name.text)?;
@@ -117,9 +117,10 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads fields in any order up to the closing brace, which it leaves. A repeated field replaces the earlier one.
+    /// Reads fields in any order up to the closing brace, but not the brace itself. A repeated field replaces the
+    /// earlier one.
     ///
-    /// `value` reads the values of the field that it is given. `expected` describes the words that are allowed here.
+    /// `value` reads the values of a field. `expected` describes the words allowed here.
     pub fn fields(
         &mut self,
         expected: &str,
@@ -137,8 +138,8 @@ impl<'a> Reader<'a> {
 
     /// Reads a block `name { field N item^N }`, and returns each item with its position.
     ///
-    /// `item` reads one item, given the number of those before it, and `kinds` are the words that start one. The list
-    /// grows as items are read, so that an absurd announced length allocates nothing.
+    /// `item` reads one item and is given its index. `kinds` are the keywords that start an item. The list grows as
+    /// items are read, so a huge announced length allocates nothing.
     pub fn list<T>(
         &mut self,
         field: &'static str,
@@ -176,7 +177,7 @@ impl<'a> Reader<'a> {
         Ok(number)
     }
 
-    /// Takes a number for which `holds` is true; `rule` describes the condition, as in "must be positive".
+    /// Takes a number for which `holds` is true. `rule` states the condition, such as "must be positive".
     pub fn number_that(&mut self, rule: &str, holds: impl Fn(f64) -> bool) -> Parsed<f64> {
         let word = self.ahead;
         let number = self.number()?;
@@ -243,7 +244,7 @@ impl<'a> Reader<'a> {
         Ok(color)
     }
 
-    /// Takes the colour of a surface or of the background. Above 1 it is brighter than any picture shows.
+    /// Takes the colour of a surface or of the background. Warns above 1, which is brighter than any picture can show.
     pub fn shown_color(&mut self) -> Parsed<Color> {
         let at = self.ahead.at;
         let color = self.color()?;
@@ -251,7 +252,7 @@ impl<'a> Reader<'a> {
         Ok(color)
     }
 
-    /// Records a colour above 1.
+    /// Records a warning if the colour is above 1.
     pub fn warn_if_above_one(&mut self, at: Position, field: &str, color: Color) {
         if color.max_element() <= 1.0 {
             return;
@@ -266,7 +267,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Returns the warnings about what was read.
+    /// Returns the warnings about the text read.
     pub fn into_warnings(self) -> Vec<Diagnostic> {
         let bright = self.bright.map(|(mut first, others)| {
             first.message += &match others {
@@ -280,7 +281,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Returns the error that the next word is not `expected`. The hint suggests the nearest of `keywords`, or lists
-    /// those of this edition.
+    /// this edition's keywords.
     pub fn unexpected(&self, expected: &str, keywords: &[&str]) -> Diagnostic {
         let found = self.ahead.text;
         let message = format!("expected {expected}, found {}", self.ahead.quoted());
@@ -307,7 +308,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether only other editions have this word.
+    /// Returns true if the word exists only in other editions.
     pub fn is_of_other_edition(&self, word: &str) -> bool {
         editions_of(word).is_some_and(|editions| !editions.contains(&self.edition))
     }
@@ -337,9 +338,9 @@ impl<'a> Reader<'a> {
 pub struct Announced {
     field: &'static str,
     length: u64,
-    /// The number of items that have been found.
+    /// The number of items found so far.
     found: u64,
-    /// The position of the first item that is too many.
+    /// The position of the first surplus item.
     first_surplus: Option<Position>,
 }
 
@@ -350,7 +351,7 @@ impl Announced {
         Ok(Self { field, length, found: 0, first_surplus: None })
     }
 
-    /// Whether no further item is expected.
+    /// Returns true if no further item is expected.
     pub fn is_reached(&self) -> bool {
         self.found >= self.length
     }
@@ -365,7 +366,8 @@ impl Announced {
         at
     }
 
-    /// Reads the closing brace of the block `name` that holds the list. Errors: another length than the announced one.
+    /// Reads the closing brace of the block `name` that holds the list. Fails if the length differs from the announced
+    /// one.
     pub fn close(&self, reader: &mut Reader<'_>, name: &str) -> Parsed<()> {
         let Self { field, length, found, first_surplus } = *self;
         let end = reader.peek().at;
@@ -379,7 +381,7 @@ impl Announced {
     }
 }
 
-/// The files of one kind that a scene names, each once, with the position where it is named first.
+/// The files of one kind that a scene names, without duplicates, with the position of the first mention.
 #[derive(Default)]
 pub struct NamedFiles {
     pub list: Vec<(String, Position)>,
@@ -396,7 +398,7 @@ impl NamedFiles {
     }
 }
 
-/// Whether a colour has whole numbers up to 255.
+/// Returns true if all channels are whole numbers from 0 to 255.
 pub fn is_byte_like(color: Color) -> bool {
     color.to_array().iter().all(|channel| (0.0..=255.0).contains(channel) && channel.fract() == 0.0)
 }

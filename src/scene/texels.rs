@@ -1,7 +1,7 @@
-//! Pictures that a scene names: textures and the faces of a cube map.
+//! The pictures of a scene: textures and the faces of a cube map.
 //!
-//! They are looked up in single precision, with the operations of the course's code. Many colours are those of a byte, so
-//! that roundings decide whether truncation keeps it.
+//! Lookups use single precision and the operations of the course's code. Many colours are exact bytes, so the rounding
+//! decides whether truncation preserves them.
 
 use super::Position;
 use crate::picture::Color;
@@ -12,13 +12,13 @@ use std::sync::Arc;
 /// A picture that a scene names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImageFile {
-    /// The name as written; for a cube map, with the face's file behind the folder.
+    /// The name as written. For a cube map, the folder followed by the file of the face.
     pub name: String,
-    /// The position where the scene names it first.
+    /// The position of its first mention in the scene.
     pub at: Position,
-    /// Empty until it is read.
+    /// Empty until the file is read.
     pub texels: Arc<Texels>,
-    /// Where it was found.
+    /// The path of the file, once found.
     pub file: Option<PathBuf>,
 }
 
@@ -27,13 +27,13 @@ pub struct Texels {
     pub size: [usize; 2],
     /// Red, green and blue of each pixel, row by row from the top.
     pub rgb: Vec<u8>,
-    /// Whether colours are interpolated as bytes and divided by 255 then, or the other way round.
+    /// True if colours are interpolated as bytes and then divided by 255; false if they are divided first.
     pub divides_last: bool,
 }
 
 impl Texels {
-    /// The colour at coordinates from 0 to 1, to the right and up. It is interpolated between the four texels from the one
-    /// that holds the point on, without a shift by half a texel, as in the course's code.
+    /// Returns the colour at coordinates from 0 to 1, to the right and up. As in the course's code, it interpolates
+    /// between the texel that contains the point and the next ones, without a shift by half a texel.
     pub fn color(&self, [s, t]: [f32; 2]) -> Color {
         let [width, height] = self.size;
         let ([i, next_i], a) = neighbours(s * width as f32, width);
@@ -45,7 +45,7 @@ impl Texels {
         (if self.divides_last { color / 255.0 } else { color }).as_dvec3()
     }
 
-    /// The texel in this column and row, to be interpolated.
+    /// Returns the texel in this column and row, for interpolation.
     fn texel(&self, i: usize, j: usize) -> Vec3 {
         let Some([red, green, blue, ..]) = self.rgb.get(3 * (j * self.size[0] + i)..) else {
             return Vec3::ZERO;
@@ -55,7 +55,7 @@ impl Texels {
     }
 }
 
-/// The bytes as parts of 255, since divisions are slow.
+/// The bytes divided by 255, precomputed because divisions are slow.
 static PARTS: [f32; 256] = {
     let mut parts = [0.0; 256];
     let mut byte = 0;
@@ -66,12 +66,12 @@ static PARTS: [f32; 256] = {
     parts
 };
 
-/// The texels on both sides of a coordinate, of so many along an axis, and how far it is behind the first.
+/// Returns the two texels around a coordinate, of `count` along an axis, and the distance from the first.
 fn neighbours(at: f32, count: usize) -> ([usize; 2], f32) {
-    /// From here on all numbers are whole.
+    /// From here on all numbers are integers.
     const WHOLE: f32 = (1 << f32::MANTISSA_DIGITS) as f32;
     let last = count.saturating_sub(1);
-    // The same as `trunc`, which is a call of a function on many processors.
+    // Equals `trunc`, which is a function call on many processors.
     let first = if at.abs() < WHOLE { at as i32 as f32 } else { at };
     // The conversion maps negative numbers and NaN to 0.
     ([first, first + 1.0].map(|place| (place as usize).min(last)), at - first)
@@ -81,7 +81,8 @@ fn neighbours(at: f32, count: usize) -> ([usize; 2], f32) {
 pub type CubeFaces = [usize; 6];
 pub const FACES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
 
-/// The face of a cube that a direction meets, and the coordinates there. Of equal coordinates x comes first, then y.
+/// Returns the face of a cube that a direction meets, and the coordinates there. If coordinates are equal, x comes
+/// before y and y before z.
 pub fn face(direction: DVec3) -> (usize, [f32; 2]) {
     let direction = direction.as_vec3();
     let Vec3 { x, y, z } = direction;
@@ -103,7 +104,7 @@ pub fn face(direction: DVec3) -> (usize, [f32; 2]) {
 mod tests {
     use super::*;
 
-    /// Two texels beside each other, and two below.
+    /// Returns two rows of two texels.
     fn texels() -> Texels {
         let rgb = vec![255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255];
         Texels { size: [2, 2], rgb, divides_last: false }
@@ -117,7 +118,7 @@ mod tests {
         assert_eq!(color(0.0, 0.5), [0.0, 0.0, 1.0]);
         assert_eq!(color(0.25, 1.0), [0.5, 0.5, 0.0]);
         assert_eq!(color(0.25, 0.75), [0.5, 0.5, 0.5]);
-        // Beyond the last texel it goes on.
+        // Beyond the last texel, the colour continues.
         assert_eq!(color(1.0, 0.0), [1.0, 1.0, 1.0]);
         assert_eq!(color(9.0, 1.0), [0.0, 1.0, 0.0]);
         assert_eq!(color(f32::NAN, 0.5).map(f64::is_nan), [true; 3]);

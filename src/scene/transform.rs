@@ -1,4 +1,4 @@
-//! Reads a list of transformations and composes them to one affine map.
+//! Reads a list of transformations and composes them into one affine map.
 
 use super::reader::{Parsed, Reader};
 use crate::diagnostic::Diagnostic;
@@ -6,27 +6,25 @@ use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::rounded::RoundedAffine;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The keywords that start a transformation. `Matrix4f` is that of the editions of 2012 and later.
+/// The keywords that start a transformation. `Matrix4f` belongs to the editions from 2012 on.
 pub const TRANSFORMATIONS: [&str; 9] =
     ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix", "Matrix4f"];
 
-/// Whether a word starts a transformation in any edition.
+/// Returns true if a word starts a transformation in any edition.
 pub(crate) fn is_transformation(word: &str) -> bool {
     TRANSFORMATIONS.contains(&word)
 }
 
-/// Whether the next word starts a transformation in the edition that is read.
+/// Returns true if the next word starts a transformation in the current edition.
 pub fn is_at_transformation(reader: &Reader<'_>) -> bool {
     let word = reader.peek().text;
     is_transformation(word) && !reader.is_of_other_edition(word)
 }
 
-/// Reads transformations up to the first word that is not a keyword of one, and composes them as the course
-/// does.
+/// Reads transformations up to the first word that does not start one, and composes them like the course's program.
 ///
-/// Each transformation is multiplied from the right to the product so far, so that the last one acts first,
-/// except that a `Matrix` is multiplied from the left. Errors: malformed transformations, and a product that
-/// overflows.
+/// Each transformation is multiplied from the right to the product so far, so the last one acts first. The exception is
+/// `Matrix`, which is multiplied from the left. Fails if a transformation is malformed or the product overflows.
 pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     let mut product = RoundedAffine::IDENTITY;
     while is_at_transformation(reader) {
@@ -43,8 +41,8 @@ pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     Ok(product)
 }
 
-/// Reads any transformation except `Matrix`. The 2003 edition has braces around the values of all
-/// transformations, the 2004 edition only around those of `Rotate`. Both are accepted.
+/// Reads any transformation except `Matrix`. The 2003 edition puts braces around the values of all transformations, the
+/// 2004 edition only around those for `Rotate`. Both forms are accepted.
 fn parse_factor(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     let name = reader.take().text;
     if name == "Rotate" {
@@ -66,7 +64,7 @@ fn parse_factor(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     Ok(factor)
 }
 
-/// Reads `Matrix { ... }`: sixteen numbers, row after row; or `Matrix4f { ... }`: the same, column after column.
+/// Reads `Matrix { ... }`, sixteen numbers in row-major order, or `Matrix4f { ... }`, in column-major order.
 fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     reader.block(|reader, name| {
         let mut rows = [[0.0; 4]; 4];
@@ -84,10 +82,9 @@ fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
     })
 }
 
-/// The right-handed rotation around `axis` by `degrees`.
+/// Returns the right-handed rotation around `axis` by `degrees`.
 ///
-/// As in the course's program the axis is not normalised, so that one of another length than 1 distorts the
-/// object.
+/// Like the course's program, does not normalise the axis. An axis of another length than 1 distorts the object.
 fn rotation(axis: DVec3, degrees: f64) -> RoundedAffine {
     let (sine, cosine) = sine_and_cosine(degrees);
     let DVec3 { x, y, z } = axis;
@@ -101,13 +98,13 @@ fn rotation(axis: DVec3, degrees: f64) -> RoundedAffine {
     if is_exact { map.into() } else { RoundedAffine { error: rotation_error(axis.abs()), ..map.into() } }
 }
 
-/// The error bounds of the parts of a rotation's numbers, in roundings of the axis's numbers in them: of `rest` times two
-/// numbers of the axis, of the sine times one, and of the cosine (`proofs/checkerboard.g`).
+/// Error bounds of the terms of a rotation matrix, in roundings of the axis's numbers in them: `rest` times two numbers
+/// of the axis, the sine times one number, and the cosine (`proofs/checkerboard.g`).
 const REST_ROUNDINGS: f64 = 11.0;
 const SINE_ROUNDINGS: f64 = 5.0;
 const COSINE_ROUNDINGS: f64 = 5.0;
 
-/// The error bounds of the numbers of a rotation, by the absolute values of its axis.
+/// Returns the error bounds of a rotation matrix. `axis` contains the absolute values of the rotation's axis.
 fn rotation_error(axis: DVec3) -> DAffine3 {
     let DVec3 { x, y, z } = axis;
     let of_rest = DMat3::from_cols(axis * x, axis * y, axis * z) * REST_ROUNDINGS;
@@ -117,7 +114,7 @@ fn rotation_error(axis: DVec3) -> DAffine3 {
     DAffine3::from_mat3((of_rest + of_sine + of_cosine) * UNIT_ROUNDOFF)
 }
 
-/// Sine and cosine of an angle in degrees, exact at the multiples of 90 and the same on every machine.
+/// Returns the sine and cosine of an angle in degrees. They are exact at multiples of 90 and identical on all machines.
 fn sine_and_cosine(degrees: f64) -> (f64, f64) {
     // The remainder is exact, and so is its difference from the nearest multiple of 90 degrees.
     let turn = degrees % 360.0;
@@ -251,7 +248,7 @@ mod tests {
         BigRational::from_float(x).unwrap()
     }
 
-    /// Sine and cosine to more than 40 digits, by their series.
+    /// Returns sine and cosine to more than 40 digits, computed by their series.
     fn exact_sine_and_cosine(degrees: f64) -> [BigRational; 2] {
         let pi: BigRational = "31415926535897932384626433832795028841971693993751/10000000000000000000000000000000000000000000000000"
             .parse()
@@ -262,7 +259,7 @@ mod tests {
         for n in 1..80 {
             let sign = if (n - 1) / 2 % 2 == 0 { exact(1.0) } else { exact(-1.0) };
             sums[n % 2] += &term * sign;
-            // The digits that are cut off are far below those that matter.
+            // The truncated digits are far below the required precision.
             term = (term * &angle / exact(n as f64) * exact(2f64.powi(200))).round() / exact(2f64.powi(200));
         }
         let [sine, cosine] = sums;

@@ -1,4 +1,4 @@
-//! Pictures within a page, as PNG files in base64. Equal ones are embedded once.
+//! Embeds pictures in a page as base64-encoded PNG files. Equal pictures are embedded once.
 
 use crate::picture::Picture;
 use base64::Engine;
@@ -10,20 +10,20 @@ use std::collections::HashMap;
 /// The longer side of a thumbnail, in pixels.
 const THUMBNAIL: u32 = 64;
 
-/// Pictures, each known by its index.
+/// A set of pictures, identified by index.
 #[derive(Debug, Default)]
 pub struct Embedded {
     indices: HashMap<String, usize>,
 }
 
 impl Embedded {
-    /// Adds a file, unless it is there already.
+    /// Adds a file unless it is already present. Returns its index.
     pub fn add(&mut self, file: String) -> usize {
         let next = self.indices.len();
         *self.indices.entry(file).or_insert(next)
     }
 
-    /// The files in base64, by their indices.
+    /// Returns the base64-encoded files in the order of their indices.
     pub fn files(&self) -> Vec<&str> {
         let mut files = vec![""; self.indices.len()];
         self.indices.iter().for_each(|(file, &index)| files[index] = file);
@@ -31,12 +31,12 @@ impl Embedded {
     }
 }
 
-/// A PNG file of the picture, in base64.
+/// Returns a base64-encoded PNG file of the picture.
 pub fn file(picture: &Picture) -> String {
     encoded(picture.width(), picture.height(), picture.pixels())
 }
 
-/// A PNG file of the picture with no side longer than [`THUMBNAIL`], in base64.
+/// Returns a base64-encoded PNG file of the picture, scaled so that no side is longer than [`THUMBNAIL`].
 pub fn thumbnail_file(picture: &Picture) -> String {
     let [width, height] = [picture.width(), picture.height()];
     let Some(whole) = ImageBuffer::<Rgb<u8>, &[u8]>::from_raw(width, height, picture.pixels()) else {
@@ -51,7 +51,7 @@ pub fn thumbnail_file(picture: &Picture) -> String {
     encoded(small.width(), small.height(), &small)
 }
 
-/// An empty text if the picture is too large for a PNG file.
+/// Encodes pixels as PNG in base64. Returns an empty string if the picture is too large for a PNG file.
 fn encoded(width: u32, height: u32, rgb: &[u8]) -> String {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);

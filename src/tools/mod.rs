@@ -1,5 +1,5 @@
-//! What stands around the ray tracer: it measures, compares, explains and shows. The tools use the renderer as any
-//! program does.
+//! The tools around the ray tracer: they measure, compare, explain and display. They use the renderer like any other
+//! program.
 //!
 //! A module uses only those before it in this list.
 

@@ -1,12 +1,12 @@
-//! How far a picture is likely to be from the one with endlessly many samples, without rendering that.
+//! Estimates the difference of a picture from the converged one, without rendering the latter.
 //!
-//! One sample in each stratum does not say how much the colours in the stratum vary, so that an estimate from the strata of
-//! one picture is never without bias. Further pictures with other random numbers are: their variance is that of the picture.
-//! Uniform samples have no random numbers. Their error is measured by jittered pictures, whose own errors are independent
-//! and cancel on average.
+//! One sample per stratum does not show how much the colours in the stratum vary, so an estimate from the strata of one
+//! picture is always biased. Further pictures with other random numbers give an unbiased estimate: their variance is
+//! the picture's variance. Uniform samples have no random numbers. Their error is measured with jittered pictures,
+//! whose own errors are independent and cancel on average.
 //!
-//! Of a large picture some random rows stand for all. Two pictures of one sample in each pixel say in which rows much
-//! differs. These are the more likely to be taken, and count the less.
+//! For a large picture, some random rows represent all. Two pictures with one sample per pixel show which rows differ
+//! much. These rows are chosen with a higher probability, and weighted less.
 
 use crate::base::memory::NoMemory;
 use crate::picture::Color;
@@ -17,28 +17,29 @@ use crate::sampling::sampler::{Pattern, Sampler};
 use rand::RngExt;
 use std::ops::ControlFlow;
 
-/// The number of rows of a picture that are compared, about.
+/// The approximate number of rows of a picture that are compared.
 const ROWS: usize = 64;
 
-/// The number of rows of all pictures together, about: what few samples see adds much noise to a small picture's error.
+/// The approximate number of rows in all pictures together. Details seen by few samples add much noise to a small
+/// picture's error.
 const ROWS_OF_ALL: usize = 4 * ROWS;
 
-/// The number of pixels that are looked at together to choose rows, about.
+/// The approximate number of pixels examined together to choose rows.
 const LOOKED_AT: usize = 1 << 20;
 
-/// What uniform samples are compared with has so many times as many samples, so that its own error matters little.
+/// The reference for uniform samples has this many times as many samples, so its own error matters little.
 const REFERENCE: u32 = 4;
 
 /// The number of levels of a byte above zero.
 const LEVELS: f64 = 255.0;
 
-/// Whether the colours of a request are means of samples, and not those of pixels' centres.
+/// Returns true if the colours of a request are means of samples, not colours of pixel centres.
 pub fn has_standard_error(request: &Request) -> bool {
     request.layers.contains(&Layer::Color) && (request.adaptive.is_some() || !request.sampler.is_center())
 }
 
-/// The root mean square error of the colours that is due to where samples lie, in levels, over all channels of all pixels.
-/// None if the watch has ended it, or the rays of a pixel split without end.
+/// Returns the root mean square error of the colours due to sampling, in levels, over all channels of all pixels.
+/// `None` if the watch ended the work, or if the rays of a pixel split too often.
 pub fn standard_error(prepared: &Prepared, request: &Request, watch: Watch) -> Result<Option<f64>, NoMemory> {
     let request = Request { layers: vec![Layer::Color], ..request.clone() };
     match of_colors(prepared, &request, watch) {
@@ -53,7 +54,7 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
     let [width, height] = request.layer_size(&Layer::Color);
     let mut rng = sampler.rng();
     let mut rows: Vec<(usize, f64)> = (0..height).map(|row| (row, 1.0)).collect();
-    // Rows of a reduced picture depend on each other.
+    // Rows of a reduced picture are not independent.
     let are_some = height > ROWS && !request.is_reduced;
     if are_some {
         let differences = differences(prepared, request, &mut rng, watch)?;
@@ -69,7 +70,7 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
     let is_uniform = sampler.pattern() == Pattern::Uniform;
     let others = match sampler.pattern() {
         Pattern::Uniform => Sampler::new(Pattern::Jittered, REFERENCE * sampler.count(), sampler.rng()),
-        // Its random numbers have no seed.
+        // The random numbers of `Displaced` have no seed.
         Pattern::Displaced => Sampler::new(Pattern::Jittered, 1, sampler.rng()),
         Pattern::Random | Pattern::Jittered => sampler,
     };
@@ -77,7 +78,7 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
     let mut samplers = if is_uniform { vec![sampler] } else { vec![] };
     samplers.extend((0..pictures).map(|_| others.with_rng(Drand48::seeded(rng.random()))));
     let colors = colors(prepared, request, &samplers, taken, watch)?;
-    // For each pixel, over the pictures, the sum of differences from the first one, and that of their squares.
+    // For each pixel, the sum over all pictures of the difference from the first one, and the sum of its square.
     let base = &colors[0];
     let mut sums = vec![(Color::ZERO, 0.0); base.len()];
     for colors in &colors[1..] {
@@ -98,7 +99,7 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
     Ok(LEVELS * (sum / channels).max(0.0).sqrt())
 }
 
-/// How much two pictures of one sample in each pixel differ in each row.
+/// Returns how much two pictures with one sample per pixel differ in each row.
 fn differences(
     prepared: &Prepared,
     request: &Request,
@@ -122,7 +123,7 @@ fn differences(
     Ok(differences)
 }
 
-/// The colours of the window as pictures with these samplers show them, or of some rows of it, counted from the top.
+/// Returns the window's colours with each of these samplers. `rows` selects rows of the window, counted from the top.
 fn colors(
     prepared: &Prepared,
     request: &Request,

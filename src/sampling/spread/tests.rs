@@ -1,4 +1,4 @@
-//! Sums of batches against those of single samples.
+//! Compares the sums of batches with sums of single samples.
 
 use super::*;
 use crate::math::instructions;
@@ -24,7 +24,7 @@ fn a_sample_counts_by_its_distance_from_each_pixel_s_centre() {
     }
 }
 
-/// Colours of every magnitude, and some that are infinite or NaN if `exceptions` says so.
+/// Returns colours of every magnitude, and some infinite or NaN if `exceptions`.
 fn color(k: usize, exceptions: bool) -> Color {
     let x = (k as f64 * 0.618_033_988_749_894_9).fract();
     match k % 19 {
@@ -34,12 +34,12 @@ fn color(k: usize, exceptions: bool) -> Color {
     }
 }
 
-/// The part of its pixel that a sample stands for.
+/// Returns the part of its pixel that a sample represents.
 fn area(k: usize) -> f64 {
     [1.0, 0.25, 0.0625, 1.0 / 1024.0][k % 4]
 }
 
-/// Adds the samples of a row one by one to a spread and to sums, and compares these to the bit.
+/// Adds the samples of a row one by one to a spread and to sums, and compares them bit by bit.
 fn check_row(filter: Filter, sampler: Sampler, row: usize, size: [usize; 2], exceptions: bool) {
     let support = filter.support();
     let reached = |target: usize, own: usize| target.abs_diff(own) <= support;

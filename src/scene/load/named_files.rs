@@ -1,4 +1,4 @@
-//! The files that a scene names: where its meshes and pictures lie, what is in them, and which file a wrong name may mean.
+//! Finds and reads the meshes and pictures that a scene names, and suggests the right file for a wrong name.
 
 use super::Found;
 use crate::base::escape::{escape, quoted};
@@ -13,16 +13,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The largest number of files that are looked at.
+/// The largest number of files examined.
 const MAX_FILES: usize = 10_000;
-/// The longest name that is compared, in bytes, which bounds the time. Longer names have no files.
+/// The longest name compared, in bytes, which bounds the time. Longer names have no files.
 const MAX_LENGTH: usize = 255;
-/// The least similarity, by Jaro and Winkler, of two names that may have been confused.
+/// The smallest Jaro-Winkler similarity of two names that may have been confused.
 const LEAST_LIKENESS: f64 = 0.8;
 
-/// Where to look for a mesh or a picture: relative to the working directory, as the course's program does, then beside the
-/// scene, unless that is the same; in some editions the other way round. In either folder, a file whose name has
-/// backslashes comes before a path that is written with them, as on Windows.
+/// Returns the paths to try for a mesh or a picture. The first folder is the working directory, as in the course's
+/// program, the second is the scene's directory if it differs. Some editions reverse this order. In each folder, a name
+/// with literal backslashes comes before the same path with slashes, as on Windows.
 pub fn mesh_places(name: &str, scene_directory: &Path, edition: Edition) -> Vec<PathBuf> {
     let with_slashes = name.replace('\\', "/");
     let mut places = Vec::new();
@@ -40,7 +40,7 @@ pub fn mesh_places(name: &str, scene_directory: &Path, edition: Edition) -> Vec<
     places
 }
 
-/// Reads a picture that a scene names from the first place where there is one.
+/// Reads a picture from the first path that exists.
 pub fn read_texels(
     ImageFile { name, at, .. }: &ImageFile,
     (folder, edition): (&Path, Edition),
@@ -57,12 +57,13 @@ pub fn read_texels(
     Ok((Arc::new(Texels { size, rgb, divides_last: edition.divides_texels_last() }), file))
 }
 
-/// The error of a picture that the scene names at a position.
+/// Returns the error for a picture that the scene names at this position.
 pub fn image_unreadable(name: &str, at: Position, reason: &str) -> Diagnostic {
     Diagnostic::error(format!("cannot read the picture {}: {}", quoted(name), escape(reason))).at(at)
 }
 
-/// The error of a mesh that the scene names at a position, with the paths that were tried and the reason for each.
+/// Returns the error for a mesh that the scene names at this position, with each path tried and the reason why it
+/// failed.
 pub fn mesh_unreadable(name: &str, at: Position, tried: &[(String, String)]) -> Diagnostic {
     let tried: Vec<String> =
         tried.iter().map(|(path, reason)| format!("{} ({})", quoted(path), escape(reason))).collect();
@@ -70,7 +71,7 @@ pub fn mesh_unreadable(name: &str, at: Position, tried: &[(String, String)]) -> 
         .at(at)
 }
 
-/// An error or a warning about the contents of a mesh file, which the scene names at a position.
+/// Locates an error or a warning in a mesh file, and adds the position where the scene names the mesh.
 pub fn in_mesh(found: Diagnostic, named_at: Position, file: &str, bytes: &[u8]) -> Diagnostic {
     let line = found.position().map(|at| format!("line {}: ", at.line)).unwrap_or_default();
     let message = format!("in the mesh {}: {line}{}", quoted(file), found.message);
@@ -79,7 +80,7 @@ pub fn in_mesh(found: Diagnostic, named_at: Position, file: &str, bytes: &[u8]) 
     Diagnostic { message, ..found }
 }
 
-/// Reads the mesh that a scene names from the first place where it can be read.
+/// Reads a mesh from the first readable path.
 pub fn read_mesh(
     MeshFile { name, at, .. }: &MeshFile,
     (scene_directory, edition): (&Path, Edition),
@@ -100,8 +101,8 @@ pub fn read_mesh(
     Err(Diagnostic { hint: hint_to_name(name, scene_directory), ..mesh_unreadable(name, *at, &tried) })
 }
 
-/// The bytes of a mesh, or the reason why there are none. Only a regular file is read, because a pipe could block the
-/// program and a device may have no end. Too little memory for the mesh is an error.
+/// Returns the bytes of a mesh, or the reason why they cannot be read. Reads only regular files, because a pipe could
+/// block the program and a device may have no end. Fails if memory is too small for the mesh.
 fn read_mesh_file(place: &Path) -> Result<Result<Vec<u8>, String>, NoMemory> {
     let length = match fs::metadata(place) {
         Ok(found) if found.is_file() => found.len(),
@@ -113,7 +114,7 @@ fn read_mesh_file(place: &Path) -> Result<Result<Vec<u8>, String>, NoMemory> {
     Ok(fs::read(place).map_err(|error| error.to_string()))
 }
 
-/// Advice on the name of a mesh or a picture for which there is no file: the name of one that is there.
+/// Suggests an existing file for a mesh or a picture that is missing.
 fn hint_to_name(name: &str, scene_directory: &Path) -> Option<String> {
     let is_there = |place: &PathBuf| place.symlink_metadata().is_ok();
     let places = mesh_places(name, scene_directory, Edition::Y2004);
@@ -130,9 +131,9 @@ fn hint_to_name(name: &str, scene_directory: &Path) -> Option<String> {
     Some(format!("did you mean `{}`?", escape(&lossy(from_scene))))
 }
 
-/// The ends of a path of any system, from the longest to the name alone, without one that would lead elsewhere.
+/// Returns the ends of a path of any system, from the longest to the bare name, stopping at `.` and `..`.
 fn ends_of_path(path: &str) -> Vec<String> {
-    /// How many folders the longest has, which bounds the time.
+    /// The largest number of folders in an end, which bounds the time.
     const MOST: usize = 8;
     let parts = path.split(['/', '\\']).filter(|part| !part.is_empty());
     let mut parts: Vec<&str> =
@@ -145,8 +146,8 @@ fn lossy(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Returns the other file in the folder of `path` with the most similar name and the same extension (or `.txt` for none),
-/// if it is similar. If there is none, and `path` is a bare name, it is looked for in the folders of the working
+/// Returns the other file in the folder of `path` with the most similar name and the same extension (`.txt` if it has
+/// none), if similar enough. If there is none and `path` is a bare name, searches the subfolders of the working
 /// directory.
 pub fn nearest_file(path: &Path) -> Option<PathBuf> {
     let name = path.file_name()?.to_str().filter(|name| name.len() <= MAX_LENGTH)?;
@@ -175,7 +176,7 @@ fn names_in(folder: &Path) -> Vec<String> {
     entries.filter_map(|entry| entry.file_name().into_string().ok()).collect()
 }
 
-/// Returns how similar two names are, from 0 to 1; 0 for files of different kinds.
+/// Returns the similarity of two names, from 0 to 1. Files with different extensions have 0.
 fn likeness(name: &str, other: &str) -> f64 {
     let [name, other] = [name, other].map(str::to_lowercase);
     let [(stem, kind), (other_stem, other_kind)] =
@@ -225,10 +226,10 @@ mod tests {
         assert_eq!(near("scene_2.txt"), Some(folder.path().join("scene_20.txt")));
         assert_eq!(near("scene_3.txt"), Some(folder.path().join("scene_1.txt")));
         assert_eq!(near("scen_20.txt"), Some(folder.path().join("scene_20.txt")));
-        // One that is there, but is no file that could be read.
+        // Never suggests the file itself, even if it exists.
         assert_eq!(near("scene_1.txt"), Some(folder.path().join("scene_20.txt")));
         assert_eq!(near("teapot.txt"), None);
-        // Neither the name itself, should it be no file, nor a folder.
+        // Suggests neither the name itself, even if it is not a file, nor a folder.
         fs::create_dir(folder.path().join("folder_1.txt")).unwrap();
         assert_eq!((near("folder_1.txt"), near("folder_2.txt")), (None, None));
         assert_eq!(nearest_file(&folder.path().join("none").join("other.txt")), None);

@@ -49,7 +49,7 @@ fn every_object_has_the_position_of_its_keyword() {
     // The later group replaces the earlier one.
     let scene = objects(&format!("{group}\n\n{group}"));
     let at = |line, column| Position { line, column };
-    // Sphere, box, inner group, transform, outer group: each after its children.
+    // Sphere, box, inner group, transform, outer group: each comes after its children.
     assert_eq!(scene.positions.objects, [at(4, 38), at(5, 58), at(5, 37), at(5, 13), at(4, 1)]);
 }
 

@@ -11,7 +11,7 @@ fn parse_obj_fully(text: &[u8]) -> Result<Mesh, crate::diagnostic::Diagnostic> {
     obj_reader::read(text, false).map(|file| file.mesh)
 }
 
-/// Asserts that two meshes have the same triangles, bit by bit, and as many vertices.
+/// Asserts that two meshes have bitwise equal triangles and the same number of vertices.
 fn assert_same(one: &Mesh, other: &Mesh, text: &str) {
     let bits = |m: &Mesh| {
         let corners = m.triangles.as_flattened().iter().map(|&corner| m.vertices[corner as usize]);
@@ -35,7 +35,7 @@ fn agrees_with_the_full_parser() {
         // Some vertices are unused, between others and at both ends.
         "v 9 9 9\nv 1 2 3\nv 8 8 8\nv 2 3 4\nv 3 4 5\nv 7 7 7\nf 5 2 4".to_owned(),
         "v 1 0 0\nv 2 0 0\nv 3 0 0\nv 4 0 0\nv 5 0 0\nf 2 3 1\nf 5 5 2".to_owned(),
-        // Lines that end with a carriage return, also that of a comment.
+        // Lines that end with a carriage return, including a comment.
         "v 1 0 0\r# v 9 9 9\rv 2 0 0\nv 3 0 0 \r\nf 1 2 3\r\rf 3 2 1\r".to_owned(),
     ];
     for text in texts {

@@ -1,10 +1,9 @@
-//! Triangulates the polygons of a mesh: any number of corners in space, which need be neither convex nor exactly
-//! flat.
+//! Triangulates mesh polygons with any number of corners in space. They need be neither convex nor exactly flat.
 //!
-//! Decides what a polygon covers in the coordinate plane that it faces most, so that this depends neither on its size
-//! nor on its place, its first corner or its direction. A convex polygon becomes a fan. `earcut` cuts any other one, in
-//! an order that does not depend on the first corner; since it rounds, the area is compared with the outline's. Edges
-//! meet whole: where a corner lies on a line between its neighbours, no gap opens towards the polygon beside it.
+//! The area that a polygon covers is decided in the coordinate plane that it faces most. The result depends on neither
+//! its size, position, first corner nor direction. A convex polygon becomes a fan. `earcut` cuts all others, in an
+//! order independent of the first corner. Because `earcut` rounds, its area is compared with the outline's. Edges meet
+//! whole: a corner on the line between its neighbours opens no gap towards the adjacent polygon.
 
 mod projection;
 mod seams;
@@ -20,30 +19,31 @@ use glam::DVec3;
 use projection::DroppedAxis;
 use std::cmp::Ordering;
 
-/// The triangles of a polygon, counter-clockwise where the polygon is.
+/// The triangles of a polygon, with its orientation.
 #[derive(Debug, PartialEq)]
 pub struct Triangulation {
-    /// Indices of corners.
+    /// The indices of the corners.
     pub triangles: Vec<[usize; 3]>,
-    /// What is wrong with the outline.
+    /// The fault in the outline, if any.
     pub fault: Option<OutlineFault>,
 }
 
-/// What is wrong with the outline of a polygon.
+/// A fault in the outline of a polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutlineFault {
-    /// The triangles have another area than the outline, by more than its corners may be off by rounding.
+    /// The area of the triangles differs from the area of the outline by more than the rounding of the corners
+    /// explains.
     Crosses,
-    /// It goes back the way it came, so that there are no triangles.
+    /// The outline retraces itself, so there are no triangles.
     EnclosesNothing,
 }
 
-/// The number of corners beyond which the lists of `earcut` might overflow.
+/// The largest number of corners for which `earcut`'s lists cannot overflow.
 const MOST_CORNERS: usize = 1 << 24;
 
-/// Triangulates a polygon of at least three corners, which are finite.
+/// Triangulates a polygon of at least three finite corners.
 ///
-/// A polygon whose corners are on one line becomes a fan of triangles without area.
+/// A polygon with all corners on one line becomes a fan of triangles without area.
 pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let whole_fan = || (1..corners.len().max(2) - 1).map(|k| [0, k, k + 1]).collect();
     let points = |ring: &[usize]| ring.iter().map(|&corner| corners[corner]).collect::<Vec<_>>();
@@ -65,7 +65,7 @@ pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     }
     let (mut outline, mut places) = cut(&points(&own), projection);
     if !has_area_of(&outline, &places) {
-        // A corner on another edge may be off it by rounding, on the wrong side.
+        // Rounding may move a corner off the edge that it lies on, to the wrong side.
         let through: Vec<usize> =
             seams::through_corners(&outline).into_iter().map(|place| own[place]).collect();
         let (touching, others) = cut(&points(&through), projection);
@@ -84,7 +84,7 @@ pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     Triangulation { triangles: of_polygon(places, own), fault }
 }
 
-/// An outline that turns to the left, flattened, and its triangles.
+/// Flattens and triangulates an outline that turns to the left.
 fn cut(outline: &[DVec3], projection: DroppedAxis) -> (Vec<[f64; 2]>, Vec<[usize; 3]>) {
     let plane = projection.flattened(outline);
     let mut found: Vec<u32> = vec![];
@@ -94,8 +94,8 @@ fn cut(outline: &[DVec3], projection: DroppedAxis) -> (Vec<[f64; 2]>, Vec<[usize
     (plane, closed)
 }
 
-/// Whether the areas of all triangles, counted as positive, sum to that of the outline, but for the rounding of its
-/// corners, which are below 1.
+/// Returns true if the absolute areas of the triangles sum to the area of the outline, except for the rounding of its
+/// corners. All coordinates are below 1.
 fn has_area_of(outline: &[[f64; 2]], triangles: &[[usize; 3]]) -> bool {
     let doubled_area = |corners: &[usize], sum: &mut ExactSum, sign: f64| {
         for (k, &from) in corners.iter().enumerate() {
@@ -118,7 +118,7 @@ fn has_area_of(outline: &[[f64; 2]], triangles: &[[usize; 3]]) -> bool {
     libm::ldexp(excess.significand, excess.exponent).abs() <= 2.0 * UNIT_ROUNDOFF * length
 }
 
-/// The corners of a polygon, by their indices, without those that repeat the one before them.
+/// Returns the indices of the corners, without consecutive duplicates.
 fn distinct(corners: &[DVec3]) -> Vec<usize> {
     let mut ring: Vec<usize> = (0..corners.len()).collect();
     ring.dedup_by_key(|corner| corners[*corner].to_array());
@@ -130,8 +130,8 @@ fn distinct(corners: &[DVec3]) -> Vec<usize> {
     ring
 }
 
-/// The same corners in an order that depends neither on the first one nor on the direction, and whether it goes the
-/// other way round.
+/// Returns the corners in an order independent of the first corner and the direction, and true if the direction was
+/// reversed.
 fn in_own_order(ring: &[usize], corners: &[DVec3]) -> (Vec<usize>, bool) {
     let position = |corner: &usize| corners[*corner].to_array();
     let least_rotation = |mut ring: Vec<usize>| {
@@ -149,13 +149,13 @@ fn in_own_order(ring: &[usize], corners: &[DVec3]) -> (Vec<usize>, bool) {
     }
 }
 
-/// The order of two lists of finite points, coordinate by coordinate.
+/// Compares two lists of finite points lexicographically.
 fn in_order(one: impl Iterator<Item = [f64; 3]>, other: impl Iterator<Item = [f64; 3]>) -> Ordering {
     one.partial_cmp(other).unwrap_or(Ordering::Equal)
 }
 
-/// The triangles around the first corner, without those that have no area, by places among the corners. None if the
-/// corner does not see the whole polygon within half a turn, as that of a convex polygon does.
+/// Returns the triangles around the first corner as indices, except triangles without area. `None` if the polygon spans
+/// more than half a turn seen from this corner; a convex one does not.
 fn fan(corners: &[DVec3], projection: DroppedAxis) -> Option<Vec<[usize; 3]>> {
     let &[first, second, ..] = corners else { return None };
     let is_first = |corner: DVec3| projection.of(corner) == projection.of(first);
@@ -168,7 +168,7 @@ fn fan(corners: &[DVec3], projection: DroppedAxis) -> Option<Vec<[usize; 3]>> {
             return None;
         }
     }
-    // One that is projected to a line may have an area in space, and then it closes a gap.
+    // A triangle projected to a line may have an area in space. It then closes a gap.
     let has_area = |triangle: &[usize; 3]| {
         let triangle = triangle.map(|place| corners[place]);
         projection.orientation(triangle) != 0 || area_vector(triangle).iter().any(|area| area.sign() != 0)

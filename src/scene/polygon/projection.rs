@@ -1,4 +1,4 @@
-//! The projection of a polygon along a coordinate axis, in which what it covers is decided. It rounds nothing.
+//! Projects a polygon along a coordinate axis without rounding. The area it covers is decided there.
 
 use crate::math::exact::{ExactSum, Scaled, area_vector, projected_area};
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -11,19 +11,18 @@ pub struct DroppedAxis {
 }
 
 impl DroppedAxis {
-    /// Along the axis that the polygon faces most. None if the polygon has no area.
+    /// Returns the projection along the axis that the polygon faces most. `None` if the polygon has no area.
     pub fn facing(outline: &[DVec3]) -> Option<Self> {
         let axis = faced_by_whole(outline).or_else(|| faced_by_largest_triangle(outline))?;
         Some(Self { axis })
     }
 
-    /// The projected point. The two coordinates are such that turns to the left, seen along the axis from its
-    /// positive end, are turns to the left.
+    /// Projects a point. A left turn of the projection is a left turn seen from the positive end of the axis.
     pub fn of(self, point: DVec3) -> [f64; 2] {
         [point[(self.axis + 1) % 3], point[(self.axis + 2) % 3]]
     }
 
-    /// The projected corners, times a power of two that brings all coordinates below 1.
+    /// Returns the projected corners, scaled by a power of two that brings all coordinates below 1.
     pub fn flattened(self, corners: &[DVec3]) -> Vec<[f64; 2]> {
         let points = || corners.iter().map(|&corner| self.of(corner));
         let largest = points().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()));
@@ -31,8 +30,8 @@ impl DroppedAxis {
         points().map(|point| point.map(|x| libm::ldexp(x, -exponent))).collect()
     }
 
-    /// The exact sign of the projected triangle's area: 1 if its corners turn to the left, -1 to the right, and 0 on
-    /// one line.
+    /// Returns the exact sign of the projected triangle's area: 1 if its corners turn left, -1 if right, and 0 if they
+    /// are on one line.
     pub fn orientation(self, corners: [DVec3; 3]) -> i32 {
         let [[ax, ay], [bx, by], [cx, cy]] = corners.map(|corner| self.of(corner));
         let (left, right) = ((ax - cx) * (by - cy), (ay - cy) * (bx - cx));
@@ -47,7 +46,7 @@ impl DroppedAxis {
         projected_area(DVec3::AXES[self.axis], corners).sign()
     }
 
-    /// The exact sign of the projected area that an outline goes around: 1 if it turns to the left on the whole.
+    /// Returns the exact sign of the outline's projected area: 1 if it turns left overall.
     pub fn turn(self, outline: &[DVec3]) -> i32 {
         let mut area = ExactSum::default();
         for (&from, &to) in outline.iter().zip(outline.iter().cycle().skip(1)) {
@@ -59,7 +58,8 @@ impl DroppedAxis {
     }
 }
 
-/// The axis along which the polygon's area vector (Newell's normal) is longest; none if rounding may be as large.
+/// Returns the axis along which the polygon's area vector (Newell's normal) is longest. `None` if rounding may be as
+/// large.
 fn faced_by_whole(outline: &[DVec3]) -> Option<usize> {
     let (mut area, mut size) = (DVec3::ZERO, DVec3::ZERO);
     for edge in outline.windows(2) {
@@ -72,12 +72,12 @@ fn faced_by_whole(outline: &[DVec3]) -> Option<usize> {
     let bound = (outline.len() + 4) as f64 * UNIT_ROUNDOFF * size.max_element();
     let area = area.abs();
     let axis = area.max_position();
-    // No bound holds for numbers that overflow or underflow.
+    // The bound does not hold for numbers that overflow or underflow.
     (area[axis] > 2.0 * bound && area[axis] > f64::MIN_POSITIVE && size.is_finite()).then_some(axis)
 }
 
-/// The axis along which the largest projected triangle of the first corner and an edge is; none if they all have no
-/// area. It tells also for an outline whose parts cancel, such as an eight.
+/// Returns the axis of the largest projected triangle of the first corner and an edge. `None` if all triangles have no
+/// area. This also works for an outline whose parts cancel, such as a figure eight.
 fn faced_by_largest_triangle(outline: &[DVec3]) -> Option<usize> {
     let (mut largest, mut axis) = (Scaled::ZERO, None);
     for edge in outline.windows(2) {

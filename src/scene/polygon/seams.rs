@@ -3,10 +3,10 @@
 use crate::math::robust::UNIT_ROUNDOFF;
 use std::collections::BTreeSet;
 
-/// Splits triangles at the corners that lie on their edges. They go around as the outline does.
+/// Splits triangles at the corners that lie on their edges. The triangles are oriented like the outline.
 ///
-/// A triangulation may leave out a corner on a line between two others. Then an edge of one triangle lies beside two of
-/// others, or of the polygon's neighbour, from which it parts where it is rounded.
+/// A triangulation may leave out a corner on the line between two others. One edge then faces two edges of other
+/// triangles or of the adjacent polygon, and rounding opens a gap between them.
 pub fn closed(triangles: Vec<[usize; 3]>, outline: &[[f64; 2]]) -> Vec<[usize; 3]> {
     let count = outline.len();
     if triangles.len() + 2 >= count {
@@ -19,7 +19,7 @@ pub fn closed(triangles: Vec<[usize; 3]>, outline: &[[f64; 2]]) -> Vec<[usize; 3
     let loose: BTreeSet<usize> = all.iter().copied().filter(is_loose).flatten().collect();
     let mut closed = Vec::with_capacity(count);
     for triangle in triangles {
-        // A triangle, and which of its edges may have a corner on them.
+        // A triangle, and a flag for each edge that may have a corner on it.
         let mut waiting = vec![(triangle, edges(triangle).map(|edge| is_loose(&edge)))];
         while let Some(([a, b, c], [ab, bc, ca])) = waiting.pop() {
             let on_edge = || loose.iter().copied().find(|&corner| is_within(corner, [a, b], outline));
@@ -36,7 +36,7 @@ pub fn closed(triangles: Vec<[usize; 3]>, outline: &[[f64; 2]]) -> Vec<[usize; 3
     closed
 }
 
-/// The outline by its places, where each edge goes through the corners that lie on it.
+/// Returns the indices of the outline, with each edge passing through the corners that lie on it.
 pub fn through_corners(outline: &[[f64; 2]]) -> Vec<usize> {
     let count = outline.len();
     let mut all = vec![];
@@ -52,7 +52,7 @@ pub fn through_corners(outline: &[[f64; 2]]) -> Vec<usize> {
     all
 }
 
-/// Whether a corner lies between the ends of an edge, on the line through them but for rounding.
+/// Returns true if a corner lies strictly between the ends of an edge, on its line up to rounding.
 fn is_within(corner: usize, edge: [usize; 2], outline: &[[f64; 2]]) -> bool {
     let [[px, py], [ax, ay], [bx, by]] = [corner, edge[0], edge[1]].map(|place| outline[place]);
     let is_in_box = (ax.min(bx)..=ax.max(bx)).contains(&px) && (ay.min(by)..=ay.max(by)).contains(&py);

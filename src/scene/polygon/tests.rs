@@ -5,25 +5,25 @@ use crate::math::worst_case::Rng;
 use glam::{DMat3, DQuat};
 use std::f64::consts::TAU;
 
-/// The triangles of a polygon as points, and what is wrong with it.
+/// Returns the triangles of a polygon as points, and its fault.
 fn triangles(corners: &[DVec3]) -> (Vec<[DVec3; 3]>, Option<OutlineFault>) {
     let found = triangulate(corners);
     (found.triangles.iter().map(|triangle| triangle.map(|corner| corners[corner])).collect(), found.fault)
 }
 
-/// Twice the area vector of an outline, or of a triangle (the shoelace formula in space).
+/// Returns twice the area vector of an outline or a triangle (the shoelace formula in space).
 fn area_vector(corners: &[DVec3]) -> DVec3 {
     let origin = corners[0];
     corners.windows(2).map(|edge| (edge[0] - origin).cross(edge[1] - origin)).sum()
 }
 
-/// The sum of the triangles' areas along `normal`, and the sum of their absolute values, both doubled.
+/// Returns the sum of the triangles' areas along `normal` and the sum of their absolute values, both doubled.
 fn areas(triangles: &[[DVec3; 3]], normal: DVec3) -> [f64; 2] {
     let areas = triangles.iter().map(|triangle| area_vector(triangle).dot(normal));
     areas.fold([0.0; 2], |[sum, size], area| [sum + area, size + area.abs()])
 }
 
-/// Every rotation of a polygon, in both directions; of a long one, some.
+/// Returns all rotations of a polygon in both directions. Of a long polygon, returns some.
 fn all_orders(corners: &[DVec3]) -> Vec<Vec<DVec3>> {
     let step = corners.len().div_ceil(16);
     let mut orders = vec![];
@@ -37,8 +37,8 @@ fn all_orders(corners: &[DVec3]) -> Vec<Vec<DVec3>> {
     orders
 }
 
-/// Asserts that a polygon without crossings is covered once, from every first corner and in both directions, by
-/// triangles that turn as it does. The area may be off by the rounding of its corners.
+/// Asserts that triangles cover a simple polygon once, with its orientation, for every first corner and both
+/// directions. The area may differ by the rounding of the corners.
 fn check_simple(corners: &[DVec3], what: &str) {
     for order in all_orders(corners) {
         let whole = area_vector(&order);
@@ -58,7 +58,7 @@ fn flat(corners: &[[f64; 2]]) -> Vec<DVec3> {
     corners.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect()
 }
 
-/// A polygon of random radii around the origin, at random angles.
+/// Returns a polygon with random radii around the origin, at random angles.
 fn star(rng: &mut Rng, count: usize) -> Vec<[f64; 2]> {
     let mut angles: Vec<f64> =
         (0..count).map(|k| (k as f64 + 0.9 * rng.unit()) / count as f64 * TAU).collect();
@@ -67,7 +67,7 @@ fn star(rng: &mut Rng, count: usize) -> Vec<[f64; 2]> {
     angles.into_iter().map(|angle| at(angle, 0.05 + rng.unit())).collect()
 }
 
-/// Teeth of random lengths on a bar.
+/// Returns a comb with teeth of random lengths.
 fn comb(rng: &mut Rng, teeth: usize) -> Vec<[f64; 2]> {
     let end = 2.0 * teeth as f64 - 1.0;
     let mut corners = vec![[end, -1.0], [0.0, -1.0]];
@@ -80,7 +80,7 @@ fn comb(rng: &mut Rng, teeth: usize) -> Vec<[f64; 2]> {
     corners
 }
 
-/// A band that winds around the origin.
+/// Returns a band that winds around the origin.
 fn spiral(turns: usize) -> Vec<[f64; 2]> {
     let at = |k: usize, radius: f64| {
         let angle = k as f64 / 12.0 * TAU;
@@ -92,7 +92,7 @@ fn spiral(turns: usize) -> Vec<[f64; 2]> {
     outside.chain((0..count).rev().map(|k| at(k, radius(k)))).collect()
 }
 
-/// A simple polygon through random points, from which crossings were removed by turning parts around (2-opt).
+/// Returns a simple polygon through random points, with crossings removed by reversing parts (2-opt).
 fn untangled(rng: &mut Rng, count: usize) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = (0..count).map(|_| [rng.signed(), rng.signed()]).collect();
     let turn = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2], [cx, cy]: [f64; 2]| {
@@ -110,7 +110,7 @@ fn untangled(rng: &mut Rng, count: usize) -> Vec<[f64; 2]> {
     }
 }
 
-/// The middle of some edges, and some corners twice.
+/// Adds the middle of some edges, and repeats some corners.
 fn with_more_corners(rng: &mut Rng, corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut more = vec![];
     for (k, &corner) in corners.iter().enumerate() {
@@ -125,7 +125,7 @@ fn with_more_corners(rng: &mut Rng, corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     more
 }
 
-/// Somewhere in space, of some size.
+/// Places a polygon in space with a random rotation, size and offset.
 fn placed(rng: &mut Rng, corners: &[[f64; 2]]) -> Vec<DVec3> {
     let axis = rng.vector().normalize_or(DVec3::X);
     let size = libm::exp10(6.0 * rng.signed());
@@ -155,7 +155,7 @@ fn random_polygons_are_covered_once() {
     }
 }
 
-/// Asserts that a polygon without crossings has this area in every order, without a triangle twice.
+/// Asserts that a simple polygon has this area in every order, without duplicate triangles.
 fn check_area(corners: &[[f64; 2]], area: f64, what: &str) {
     for order in all_orders(&flat(corners)) {
         let (triangles, fault) = triangles(&order);
@@ -167,7 +167,7 @@ fn check_area(corners: &[[f64; 2]], area: f64, what: &str) {
     }
 }
 
-/// The positions of all triangles' corners, each triangle's and all triangles in an order that is always the same.
+/// Returns the corner positions of all triangles, sorted within each triangle and between triangles.
 fn positions(triangles: &[[DVec3; 3]]) -> Vec<Vec<[u64; 3]>> {
     let bits = |corner: &DVec3| (*corner + 0.0).to_array().map(f64::to_bits);
     let mut all: Vec<Vec<_>> = triangles.iter().map(|triangle| triangle.iter().map(bits).collect()).collect();
@@ -272,7 +272,7 @@ fn triangles_turn_as_the_outline_does() {
     }
 }
 
-/// Asserts that no corner of a polygon lies on an edge of a triangle, but for its two ends.
+/// Asserts that no corner of a polygon lies on an edge of a triangle, except its two ends.
 fn check_seams(corners: &[DVec3], what: &str) {
     for order in all_orders(corners) {
         let Triangulation { triangles, fault } = triangulate(&order);
@@ -311,7 +311,7 @@ fn a_corner_between_its_neighbours_is_left_out_from_no_first_corner() {
     }
 }
 
-/// Shapes of whole squares, in which corners of one part of the outline lie on lines through those of others.
+/// Shapes made of unit squares, where corners of one part lie on the extended edges of another.
 #[test]
 fn shapes_on_a_lattice_have_no_corner_on_an_edge() {
     let rng = &mut Rng(11);
@@ -329,7 +329,7 @@ fn shapes_on_a_lattice_have_no_corner_on_an_edge() {
     }
 }
 
-/// A corner on an edge is off it by the rounding of a turned polygon, which is no crossing.
+/// Rounding moves a corner off its edge in a rotated polygon. This is not a crossing.
 #[test]
 fn rounding_makes_no_crossing() {
     let corner = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [1.0, 0.0], [0.0, 4.0]];
@@ -380,7 +380,7 @@ fn nearly_flat_polygons_are_covered_once() {
                 corners.iter().map(|&[x, y]| turn * DVec3::new(x, y, 0.01 * rng.signed())).collect();
             for order in all_orders(&corners) {
                 let (triangles, fault) = triangles(&order);
-                // Seen along the plane's normal the outline has this area, whatever its corners' heights are.
+                // Seen along the plane's normal, the outline has this area for all heights of the corners.
                 let normal = turn * DVec3::Z * area_vector(&order).dot(turn * DVec3::Z).signum();
                 let [sum, size] = areas(&triangles, normal);
                 assert!((sum - area_vector(&order).dot(normal)).abs() < 1e-12);
@@ -420,10 +420,10 @@ fn a_convex_polygon_is_a_fan() {
     for order in all_orders(&hexagon) {
         assert_eq!(triangulate(&order).triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
     }
-    // Its first corner is on an edge, so that the last is opposite to the second.
+    // The first corner lies on an edge, so the last corner is in the direction opposite to the second.
     let flat_corner = flat(&[[0.0, 0.0], [-1.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 0.0]]);
     assert_eq!(triangulate(&flat_corner).triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
-    // The second corner is behind the first, where no direction tells how far the others go around.
+    // The second corner projects onto the first, so its direction is undefined.
     let around: Vec<DVec3> =
         [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -0.5], [0.0, 1.0]]
             .iter()
@@ -457,7 +457,7 @@ fn the_own_order_depends_neither_on_the_start_nor_on_the_direction() {
     let rng = &mut Rng(1);
     for _ in 0..2000 {
         let count = 1 + rng.below(9);
-        // Two positions only, so that many rotations start alike.
+        // Only two positions, so many rotations start alike.
         let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::splat(rng.below(2) as f64)).collect();
         points.dedup();
         let own = |points: &[DVec3]| {

@@ -1,4 +1,4 @@
-//! What mistakes change: finished pictures, cameras and scenes.
+//! The changes that mistakes make to finished pictures, cameras and scenes.
 
 use crate::picture::{Color, FloatPicture, Picture};
 use crate::scene::material::{Material, Pattern, Phong};
@@ -10,18 +10,18 @@ use crate::trace::{Effects, Shadows};
 /// The gamma of most screens.
 pub const GAMMA: f64 = 2.2;
 
-/// The picture of these colours with every channel changed.
+/// Returns the picture of these colours with every channel changed.
 pub fn channels(colors: &FloatPicture, change: fn(f64) -> f64) -> Picture {
     let changed = colors.colors.iter().map(|color| Color::from_array(color.to_array().map(change)));
     FloatPicture { size: colors.size, colors: changed.collect() }.to_picture()
 }
 
-/// A channel whose byte starts again at 0 above 255.
+/// Wraps a channel: its byte starts again at 0 above 255.
 pub fn wrapped(channel: f64) -> f64 {
     (f64::from((255.0 * channel) as i64 as u8) + 0.5) / 255.0
 }
 
-/// The picture of these colours with every pixel changed.
+/// Returns the picture of these colours with every pixel changed.
 pub fn pixels(colors: &FloatPicture, change: impl Fn(Rgb) -> Rgb) -> Picture {
     rearranged(colors, |pixels| pixels.iter_mut().for_each(|pixel| *pixel = change(*pixel)))
 }
@@ -41,7 +41,7 @@ pub fn turned(colors: &FloatPicture) -> Picture {
     rearranged(colors, <[Rgb]>::reverse)
 }
 
-/// The picture with a gamma applied by a program that reads its bytes.
+/// Returns the picture as gamma-corrected by a program that reads its bytes.
 pub fn with_encoded_bytes(colors: &FloatPicture) -> Picture {
     let encoded = |byte: u8| (255.0 * libm::pow(f64::from(byte) / 255.0, 1.0 / GAMMA)).round() as u8;
     let table: Vec<u8> = (0..=u8::MAX).map(encoded).collect();
@@ -55,14 +55,14 @@ fn rearranged(colors: &FloatPicture, rearrange: impl FnOnce(&mut [Rgb])) -> Pict
     Picture::from_rgb(picture.width(), picture.height(), pixels.into_flattened())
 }
 
-/// The camera whose axis to the right is up x direction, which sees all turned by 180 degrees.
+/// Returns the camera with the opposite handedness. It sees everything rotated by 180 degrees.
 pub fn of_other_handedness(mut camera: Camera) -> Camera {
     let (Camera::Orthographic { up, .. } | Camera::Perspective { up, .. }) = &mut camera;
     *up = -*up;
     camera
 }
 
-/// The camera whose screen spans the shorter side; none of a square picture, nor of one that is stretched.
+/// Returns the camera whose screen spans the shorter side. `None` for a square or stretched picture.
 pub fn widened(camera: Camera, screen: Screen, size: [usize; 2]) -> Option<Camera> {
     let [shorter, longer] = [size[0].min(size[1]), size[0].max(size[1])].map(|side| side as f64);
     let ratio = longer / shorter;
@@ -77,14 +77,14 @@ pub fn widened(camera: Camera, screen: Screen, size: [usize; 2]) -> Option<Camer
     })
 }
 
-/// The camera whose screen spans the tangent of another half angle, which may be negative; none without an angle.
+/// Returns the camera whose screen spans the tangent of another half angle, possibly negative. `None` without an angle.
 pub fn with_half_angle(camera: Camera, radians: fn(f64) -> f64) -> Option<Camera> {
     let Camera::Perspective { center, direction, up, angle } = camera else { return None };
     let half = libm::atan(libm::tan(radians(angle)));
     Some(Camera::Perspective { center, direction, up, angle: 2.0 * half.to_degrees() })
 }
 
-/// Filters the light of shadow rays where anything is transparent.
+/// Filters the light of shadow rays if anything is transparent.
 pub fn filter_light(effects: &mut Effects, scene: &Scene) {
     if has(scene, |phong| phong.transparent) {
         effects.shadows = Shadows::Transparent;
@@ -97,12 +97,12 @@ pub fn change_bounces(effects: &mut Effects, scene: &Scene, change: fn(u32, u32)
     }
 }
 
-/// Whether any material reflects or lets through.
+/// Returns true if any material reflects or transmits light.
 pub fn has_secondary_rays(scene: &Scene) -> bool {
     scene.materials.iter().any(Material::has_secondary_rays)
 }
 
-/// Whether any material has a colour of this kind that is not black.
+/// Returns true if any material has a colour of this kind that is not black.
 pub fn has(scene: &Scene, color: fn(&Phong) -> Color) -> bool {
     scene.materials.iter().any(|material| match material {
         Material::Phong(phong) | Material::Painted(phong, _) => color(phong) != Color::ZERO,
@@ -110,21 +110,21 @@ pub fn has(scene: &Scene, color: fn(&Phong) -> Color) -> bool {
     })
 }
 
-/// Replaces one value by another.
+/// Sets `place` to `other` if it equals `value`.
 pub fn replace<T: PartialEq>(place: &mut T, value: T, other: T) {
     if *place == value {
         *place = other;
     }
 }
 
-/// Replaces a value; says whether the new one is another.
+/// Replaces a value. Returns true if the new value differs.
 pub fn replaced<T: PartialEq>(place: &mut T, value: T) -> bool {
     let changes = *place != value;
     *place = value;
     changes
 }
 
-/// Changes all of them; says whether any is changed.
+/// Changes all items. Returns true if any changed.
 pub fn any<T>(all: &mut [T], change: impl Fn(&mut T) -> bool) -> bool {
     all.iter_mut().fold(false, |changes, one| change(one) | changes)
 }
@@ -141,7 +141,7 @@ pub fn scale_exponent(phong: &mut Phong, factor: f64) -> bool {
     phong.specular != Color::ZERO && replaced(&mut phong.exponent, exponent)
 }
 
-/// A scene without lights is lit evenly by a rule of its own, which this breaks, too.
+/// A scene without lights has a rule of its own for even lighting. This breaks that rule, too.
 pub fn put_out_ambient(scene: &mut Scene) -> bool {
     if scene.lights.is_empty() {
         scene.lights.push(Light::Directional { direction: Color::X, color: Color::ZERO });
@@ -159,8 +159,8 @@ pub fn any_attenuation(scene: &mut Scene, change: impl Fn(&mut [f64; 3]) -> bool
     })
 }
 
-/// Replaces the constant part of what lights that fall off are divided by, except in the editions of 2003 and 2004, where
-/// it is free.
+/// Replaces the constant term of the attenuation of lights with falloff. The 2003 and 2004 editions are excluded,
+/// because there it is free.
 pub fn falls_off_from(scene: &mut Scene, constant: f64) -> bool {
     scene.model != Model::COURSE
         && any_attenuation(scene, |[first, _, square]| *square > 0.0 && replaced(first, constant))
@@ -182,7 +182,7 @@ pub fn blacken_background(scene: &mut Scene) -> bool {
     replaced(&mut scene.background.color, Color::ZERO) | scene.cube_map.take().is_some()
 }
 
-/// Adds highlights where there are to be none.
+/// Adds highlights where the edition has none.
 pub fn add_highlights(scene: &mut Scene) -> bool {
     let is_meant = scene.model.split == Split::Schlick;
     is_meant && any_phong(scene, |phong| replaced(&mut phong.specular, phong.reflective))
@@ -193,7 +193,7 @@ pub fn invert_index(phong: &mut Phong) -> bool {
     phong.transparent != Color::ZERO && replaced(&mut phong.index_of_refraction, 1.0 / index)
 }
 
-/// Shows normals as (N + 1) / 2, which is usual in later editions alone.
+/// Shows normals as (N + 1) / 2, which is usual only in later editions.
 pub fn shift_normals(scene: &mut Scene) -> bool {
     scene.model != Model::COURSE && replaced(&mut scene.model.normal_colors, NormalColors::Shifted)
 }
@@ -225,7 +225,7 @@ pub fn swap_checkerboard(material: &mut Material) -> bool {
     }
 }
 
-/// Swaps pairs of neighbours in the order of the cube map's files, which are on opposite sides.
+/// Swaps pairs of neighbours in the order of the cube map's files. They are opposite faces.
 pub fn swap_faces(scene: &mut Scene, pairs: &[usize]) -> bool {
     let Some(faces) = &mut scene.cube_map else { return false };
     pairs.iter().for_each(|pair| faces.swap(2 * pair, 2 * pair + 1));

@@ -1,4 +1,4 @@
-//! The search for the causes of differences, and what it finds.
+//! The search for the causes of differences, and its findings.
 
 use super::Original;
 use super::mistakes::{Mistake, with_kind};
@@ -10,19 +10,19 @@ use crate::tools::compare::{colors, largest_channel_difference, sum_of_squares};
 use serde::Serialize;
 use std::fmt;
 
-/// What explains a difference. `Display` gives the words of one line.
+/// The explanation of a difference. `Display` writes it in one line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "finding", rename_all = "snake_case")]
 pub enum Finding {
-    /// The mistake makes the same picture, up to one level.
+    /// The mistake gives the same picture, up to one level.
     Equal {
         /// The mistake.
         #[serde(rename = "mistake", serialize_with = "with_kind")]
         cause: Mistake,
-        /// How many pixels still differ, by one level.
+        /// The number of pixels that still differ, by one level.
         pixels: u64,
     },
-    /// The mistake is part of the reason.
+    /// The mistake explains part of the difference.
     Part {
         /// The mistake that explains the most.
         #[serde(rename = "mistake", serialize_with = "with_kind")]
@@ -30,56 +30,57 @@ pub enum Finding {
         /// The share of the squared error that it explains.
         share: f64,
     },
-    /// Here and there rays hit the surface that they leave.
+    /// Isolated rays hit the surface that they leave.
     Speckles {
-        /// How many pixels show it.
+        /// The number of pixels affected.
         pixels: usize,
-        /// Which rays do.
+        /// The rays that hit the surface that they leave.
         rays: SelfHitting,
     },
-    /// None of the causes.
+    /// No known mistake.
     Unknown {
-        /// How many mistakes were tried.
+        /// The number of mistakes tried.
         tried: usize,
     },
 }
 
-/// The share of the squared error that a partial cause explains at least.
+/// The smallest share of the squared error that a partial cause must explain.
 const MIN_SHARE: f64 = 0.5;
-/// The same where nothing differs by more than one level, since many changes move colours by less than that.
+/// The smallest share if no pixel differs by more than one level. It is higher because many changes move colours by
+/// less than that.
 const MIN_SHARE_OF_LEVELS: f64 = 0.9;
-/// The share of the differing pixels that a partial cause makes right at least. A change that merely comes closer on
-/// the average, as a brighter picture does to a random one, makes none right.
+/// The smallest share of the differing pixels that a partial cause must make right. A change that only reduces the mean
+/// error makes no pixel right, as when a brighter picture comes closer to a random one.
 const MIN_PIXELS: f64 = 0.1;
-/// The share of the pixels that a cause changes which may be right in the picture in question. A mistake that was made
-/// shows wherever it can.
+/// The largest share of the pixels changed by a cause that may be right in the examined picture. A real mistake shows
+/// wherever it can.
 const MAX_CONTRADICTED: f64 = 0.03;
-/// The same of rays that hit what they leave: some do not, by their roundings.
+/// The largest such share for rays that hit the surface that they leave. Rounding spares some of them.
 const MAX_CONTRADICTED_BY_ROUNDING: f64 = 0.2;
-/// The share of the pixels that a cause changes which it makes right at least. What is only similar to the mistake leaves
-/// its error in the same place.
+/// The smallest share of the pixels changed by a cause that it must make right. A change that is only similar to the
+/// mistake leaves an error in the same pixels.
 const MIN_PRECISION: f64 = 0.75;
-/// The share of all pixels that may differ by one level from the picture of the one mistake that was made. Of more pixels
-/// something else is wrong, too, as where colours are rounded.
+/// The largest share of all pixels that may differ by one level if the mistake is the only one. If more differ,
+/// something else is wrong, too, such as the rounding of colours.
 const MAX_LEVELS: f64 = 0.2;
-/// A cause of another kind leaves so many times the error at least.
+/// Any cause of another kind must leave at least this many times the error.
 const MIN_LEAD: f64 = 2.0;
 
-/// Upper bounds on the camera rays of the windows that are looked at one after the other.
+/// Upper bounds on the camera rays in the windows of successive searches.
 const RAYS_OF_WINDOWS: [usize; 2] = [1 << 11, 1 << 18];
 
-/// How far two pictures are from each other.
+/// The distance between two pictures.
 #[derive(Clone, Copy, Debug)]
 struct Distance {
-    /// The sum over all channels of the differences' squares, in levels.
+    /// The sum of squared differences over all channels, in levels.
     squares: u64,
     differing: u64,
-    /// Pixels that differ by more than one level.
+    /// The number of pixels that differ by more than one level.
     visibly: u64,
 }
 
 impl Distance {
-    /// The pictures are of the same size.
+    /// Compares two pictures of the same size.
     fn between(a: &Picture, b: &Picture) -> Self {
         let mut distance = Self { squares: 0, differing: 0, visibly: 0 };
         for (&a, &b) in colors(a).iter().zip(colors(b)).filter(|(a, b)| a != b) {
@@ -90,24 +91,24 @@ impl Distance {
         distance
     }
 
-    /// The share of this error that is gone where `rest` is left.
+    /// Returns the share of this error that is gone if `rest` remains.
     fn share_gone(&self, rest: &Self) -> f64 {
         1.0 - rest.squares as f64 / self.squares as f64
     }
 
-    /// The pixels that count: those that differ by more than `levels`, which is 0 or 1.
+    /// Returns the number of pixels that differ by more than `levels`, which is 0 or 1.
     fn beyond(&self, levels: u8) -> f64 {
         (if levels > 0 { self.visibly } else { self.differing }) as f64
     }
 }
 
-/// What a cause does to the pixels that it changes by more than so many levels.
+/// The effect of a cause, counted over the pixels that it changes by more than a number of levels.
 #[derive(Clone, Copy, Debug, Default)]
 struct Effect {
     changed: f64,
-    /// Those that are made as they are in the picture in question.
+    /// Changed pixels that become equal to the examined picture.
     right: f64,
-    /// Those that are as in the reference there.
+    /// Changed pixels where the examined picture equals the reference.
     contradicted: f64,
 }
 
@@ -133,14 +134,14 @@ fn max_contradicted(cause: Mistake) -> f64 {
     }
 }
 
-/// A cause that explains a part of the difference at least, and what its picture leaves of it.
+/// A cause that explains at least part of the difference, and the difference that its picture leaves.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     cause: Mistake,
     rest: Distance,
 }
 
-/// The search for what makes one picture.
+/// The search for the cause of one picture.
 struct Search<'p> {
     picture: &'p Picture,
     reference: &'p Picture,
@@ -165,7 +166,7 @@ impl<'p> Search<'p> {
         }
     }
 
-    /// Whether a cause explains so much that it is no accident, where it leaves `rest`.
+    /// Returns true if a cause that leaves `rest` explains too much to be a coincidence.
     fn is_part(&self, cause: Mistake, made: &Picture, rest: &Distance) -> bool {
         let is_visible = self.whole.visibly > 0;
         let (levels, share) = if is_visible { (1, MIN_SHARE) } else { (0, MIN_SHARE_OF_LEVELS) };
@@ -185,7 +186,7 @@ impl<'p> Search<'p> {
 
     fn finding(&self) -> Finding {
         let Self { whole, tried, .. } = *self;
-        // Of equally good ones the first is taken.
+        // The first of several equally good causes is taken.
         let Some(best) = self.candidates.iter().min_by_key(|candidate| candidate.rest.squares) else {
             return Finding::Unknown { tried };
         };
@@ -199,9 +200,9 @@ impl<'p> Search<'p> {
         }
     }
 
-    /// Whether no cause of another kind explains about as much.
+    /// Returns true if no cause of another kind explains about as much.
     fn leads(&self, best: &Candidate) -> bool {
-        // What leaves just the same is the same picture.
+        // An equal remainder means the same picture.
         let is_other =
             |other: &&Candidate| !other.cause.is_akin(best.cause) && other.rest.squares != best.rest.squares;
         let others = self.candidates.iter().filter(is_other);
@@ -210,10 +211,10 @@ impl<'p> Search<'p> {
     }
 }
 
-/// Why each wrong picture differs from the reference `b`. All are of one size.
+/// Finds why each wrong picture differs from the reference `b`. All pictures have the same size.
 ///
-/// Each cause is tried on all pictures, so that what it makes is made once. The search ends with the first cause that
-/// makes the same picture, and leaves out those that make the reference.
+/// Each cause is tried on all pictures, so its picture is made only once. The search ends with the first cause that
+/// makes the same picture. Causes that give the reference are skipped.
 pub fn find_causes(
     causes: impl Iterator<Item = Mistake>,
     picture: impl Fn(Mistake) -> Option<Picture>,
@@ -239,25 +240,26 @@ pub fn find_causes(
 }
 
 impl Original<'_> {
-    /// Why picture `a` differs from the reference `b`, where it does. Both are of the original's size.
+    /// Finds why the picture `a` differs from the reference `b`. Both have the original's size.
     pub fn explain(&self, a: &Picture, b: &Picture) -> Finding {
         let found = self.explain_all(std::slice::from_ref(a), b);
         found.first().copied().unwrap_or(Finding::Unknown { tried: 0 })
     }
 
-    /// Why each wrong picture differs from the reference `b`. All are of the original's size.
+    /// Finds why each wrong picture differs from the reference `b`. All have the original's size.
     pub fn explain_all(&self, wrong: &[Picture], b: &Picture) -> Vec<Finding> {
         let found = find_causes(Mistake::all(), |cause| self.picture(cause), wrong, b);
         found.into_iter().zip(wrong).map(|(found, a)| self.or_speckles(found, a, b)).collect()
     }
 
-    /// Why each wrong picture differs from the reference `b`. All are of the original's size.
+    /// Finds why each wrong picture differs from the reference `b`, using parts of the pictures. All have the
+    /// original's size.
     ///
-    /// Causes are looked for in a window of some two thousand camera rays where many pixels differ, and each that is
-    /// found is judged by the whole picture. What remains is looked for in a larger window, up to the whole picture.
+    /// Searches first in a window of about two thousand camera rays where many pixels differ, and checks each finding
+    /// on the whole picture. Pictures that remain unexplained are searched in a larger window, up to the whole picture.
     pub fn explain_parts(&mut self, wrong: &[Picture], b: &Picture) -> Vec<Finding> {
         if self.request.is_reduced {
-            // A window would need the pixels around it.
+            // A window would need the surrounding pixels.
             return self.explain_all(wrong, b);
         }
         let mut findings = vec![Finding::Unknown { tried: 0 }; wrong.len()];
@@ -274,7 +276,7 @@ impl Original<'_> {
         findings.into_iter().zip(wrong).map(|(found, a)| self.or_speckles(found, a, b)).collect()
     }
 
-    /// The same in windows of so many camera rays.
+    /// Searches in windows of at most `rays` camera rays.
     fn explain_in_windows(&mut self, wrong: &[Picture], b: &Picture, rays: usize) -> Vec<Finding> {
         let mut findings = vec![Finding::Unknown { tried: 0 }; wrong.len()];
         for telling in telling_windows(wrong, b, self.request.sampler, rays) {
@@ -292,7 +294,7 @@ impl Original<'_> {
         findings
     }
 
-    /// What is left of a finding where the whole picture is looked at.
+    /// Checks a finding on the whole picture.
     fn confirmed(&self, found: Finding, a: &Picture, b: &Picture) -> Finding {
         match found {
             Finding::Equal { cause, .. } | Finding::Part { cause, .. } => {
@@ -304,7 +306,7 @@ impl Original<'_> {
         }
     }
 
-    /// What is found, or speckles if that is nothing. The pictures are whole.
+    /// Returns the finding, or speckles if nothing was found. The pictures are whole.
     pub(super) fn or_speckles(&self, found: Finding, a: &Picture, b: &Picture) -> Finding {
         let Finding::Unknown { tried } = found else { return found };
         let tried = tried + usize::from(can_show(self));

@@ -1,4 +1,4 @@
-//! Causes of the difference from a picture of which no scene is known, or no colours of a scene.
+//! Causes of the difference from a picture without a known scene, or without the colours of a scene.
 
 use super::finding::{Finding, find_causes};
 use super::mistakes::{Make, Mistake};
@@ -9,26 +9,26 @@ use crate::tools::compare::colors;
 #[derive(Clone, Debug)]
 pub struct FinishedPicture {
     colors: FloatPicture,
-    /// Whether the colours are known, and not only their bytes.
+    /// True if the colours are known, not only their bytes.
     has_colors: bool,
 }
 
 impl FinishedPicture {
-    /// A picture as it was rendered.
+    /// Creates a finished picture from rendered colours.
     pub fn of_colors(colors: FloatPicture) -> Self {
         Self { colors, has_colors: true }
     }
 
-    /// A picture that was read from a file. Mistakes in how colours become bytes are not tried.
+    /// Creates a finished picture from a file. Mistakes in converting colours to bytes are then not tried.
     pub fn of_picture(picture: &Picture) -> Self {
         let size = [picture.width() as usize, picture.height() as usize];
-        // Halfway between two bytes, so that rounding cannot change what the colours are cut to.
+        // Halfway between two bytes, so that rounding does not change the truncated value.
         let channel = |byte: u8| (f64::from(byte) + 0.5) / 255.0;
         let colors = colors(picture).iter().map(|pixel| Color::from_array(pixel.map(channel))).collect();
         Self { colors: FloatPicture { size, colors }, has_colors: false }
     }
 
-    /// Why each wrong picture differs from this one. All are of one size.
+    /// Finds why each wrong picture differs from this one. All pictures have the same size.
     pub fn explain(&self, wrong: &[Picture]) -> Vec<Finding> {
         let picture = |mistake: Mistake| match mistake.make()? {
             Make::Pixels(change) => Some(change(&self.colors)),

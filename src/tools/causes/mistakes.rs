@@ -1,4 +1,4 @@
-//! The table of mistakes: what those who write a ray tracer get wrong, in the order in which it is tried.
+//! The table of common mistakes in ray tracers, in the order in which they are tried.
 
 use super::changes::*;
 use super::rotations::in_radians;
@@ -14,7 +14,7 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::mem::discriminant;
 
-/// A mistake. The table has words for each, with which `Display` completes "this program's picture".
+/// A mistake. `Display` writes the table's words for it, which complete "this program's picture".
 #[allow(missing_docs)]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "name", rename_all = "snake_case")]
@@ -72,7 +72,7 @@ pub enum Mistake {
     ExponentDoubled,
     ExponentHalved,
     RotationsInRadians,
-    /// Rays run through points so many half pixels to the right and up.
+    /// Rays pass through points shifted by this many half pixels to the right and up.
     Shifted {
         half_pixels: [i8; 2],
     },
@@ -90,11 +90,11 @@ pub enum Mistake {
     SchlickSwapped,
     NormalsFlipped,
     HighlightsOnlyWhereLit,
-    /// Everything nearer than the distance to the start of a secondary ray is overlooked.
+    /// Hits nearer than the distance to the start of a secondary ray are ignored.
     Epsilon {
         distance: f64,
     },
-    /// Less is overlooked than in the program of the edition.
+    /// The distance is smaller than in the edition's program.
     SmallerEpsilon {
         distance: f64,
     },
@@ -116,7 +116,7 @@ pub enum Mistake {
     SinglePrecision,
 }
 
-/// Faces of a cube map on opposite sides.
+/// Pairs of opposite faces of a cube map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OppositeFaces {
@@ -126,24 +126,24 @@ pub enum OppositeFaces {
     UpAndDown,
     /// Front and back.
     FrontAndBack,
-    /// All of these.
+    /// All three pairs.
     All,
 }
 
 /// How the picture of a mistake is made.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Make {
-    /// From the finished picture.
+    /// By changing the finished picture.
     Pixels(fn(&FloatPicture) -> Picture),
-    /// By another camera; none where that shows nothing else.
+    /// By another camera. `None` if it shows the same.
     Camera(fn(Camera, Screen, [usize; 2]) -> Option<Camera>),
-    /// By other effects, which are the same where the mistake cannot show.
+    /// By other effects. They are unchanged if the mistake cannot show.
     Effects(fn(&mut Effects, &Scene)),
-    /// Of a scene that is changed, which says whether the change can show.
+    /// By changing the scene. Returns true if the change can show.
     Scene(fn(&mut Scene) -> bool),
-    /// Of the scene that another text means; none where that is the same.
+    /// By reading the scene's text differently. `None` if that gives the same scene.
     Text(fn(&Scene, &str) -> Option<Scene>),
-    /// By a student with this switch, where it can show.
+    /// By a student's tracer with this mistake. Returns true if the mistake can show.
     Student(fn(&Setting) -> bool),
 }
 
@@ -158,7 +158,7 @@ const fn shifted(x: i8, y: i8) -> Mistake {
     Shifted { half_pixels: [x, y] }
 }
 
-/// Every mistake, in words, and how it is made: the cheap ones first.
+/// Every mistake, its description, and how it is made. Cheap ones come first.
 #[rustfmt::skip]
 const TABLE: &[(Mistake, &str, Make)] = &[
     (Unchanged, "", Pixels(FloatPicture::to_picture)),
@@ -203,7 +203,7 @@ const TABLE: &[(Mistake, &str, Make)] = &[
     (OneBounceMore, "with one bounce more",
         Make::Effects(|effects, scene| change_bounces(effects, scene, u32::saturating_add))),
     (WeightIgnored, "without -weight", Make::Effects(|effects, _| effects.min_weight = 0.0)),
-    // Where nothing casts a shadow on another, reversed lights look the same, which are less common.
+    // Without shadows on other objects, reversed lights look the same. They are less common.
     (NoEpsilon { rays: SelfHitting::Shadow }, "where every surface shadows itself, as without an epsilon",
         Student(|setting| setting.has_shadows())),
     (NoAmbient, "without ambient light", Make::Scene(put_out_ambient)),
@@ -352,13 +352,13 @@ const TABLE: &[(Mistake, &str, Make)] = &[
 ];
 
 impl Mistake {
-    /// Every mistake that is tried on the picture of a scene, the cheap ones first.
+    /// Returns every mistake tried on the picture of a scene. Cheap ones come first.
     pub fn all() -> impl Iterator<Item = Self> {
-        // A camera of the other handedness turns the picture, too.
+        // A camera of the other handedness rotates the picture, too.
         TABLE.iter().map(|&(mistake, ..)| mistake).filter(|&mistake| mistake != Turned)
     }
 
-    /// Every mistake that is tried on a finished picture. `has_colors`: whether more is known than its bytes.
+    /// Returns every mistake tried on a finished picture. `has_colors` is true if more than the bytes is known.
     pub(super) fn of_pixels(has_colors: bool) -> impl Iterator<Item = Self> {
         let needs_colors =
             |mistake| matches!(mistake, Rounded | RoundedUp | Wrapped | Times256 | GammaEncoded);
@@ -371,12 +371,12 @@ impl Mistake {
         TABLE.iter().find(|(mistake, ..)| *mistake == self)
     }
 
-    /// How its picture is made.
+    /// Returns how the picture is made.
     pub(super) fn make(self) -> Option<Make> {
         self.entry().map(|&(.., make)| make)
     }
 
-    /// What is changed.
+    /// Returns the kind of change.
     pub fn kind(self) -> &'static str {
         match self.make() {
             _ if self == Unchanged => "unchanged",
@@ -387,12 +387,12 @@ impl Mistake {
         }
     }
 
-    /// Whether pixels of the finished picture change their places.
+    /// Returns true if pixels of the finished picture move.
     pub(super) fn moves_pixels(self) -> bool {
         matches!(self, UpsideDown | Mirrored | Turned)
     }
 
-    /// Whether both are one mistake to another degree.
+    /// Returns true if both are the same mistake in different degrees.
     pub(super) fn is_akin(self, other: Self) -> bool {
         let kind = |mistake| match mistake {
             BytesGammaEncoded => discriminant(&GammaEncoded),
@@ -402,7 +402,7 @@ impl Mistake {
         kind(self) == kind(other)
     }
 
-    /// Whether it shows in a layer at all.
+    /// Returns true if the mistake can show in a layer.
     pub(super) fn shows_in(self, layer: Layer) -> bool {
         match (self, layer) {
             (NearWhite, _) => matches!(layer, Layer::Depth { .. }),
@@ -415,7 +415,7 @@ impl Mistake {
 }
 
 impl Make {
-    /// The request as the mistake has it; none of another kind, and where it cannot show.
+    /// Returns the request with the mistake. `None` if the mistake is of another kind or cannot show.
     pub fn request(self, scene: &Scene, request: &Request) -> Option<Request> {
         match self {
             Self::Camera(change) => {
@@ -432,7 +432,7 @@ impl Make {
         }
     }
 
-    /// The scene of this text as the mistake has it; none of another kind, and where it cannot show.
+    /// Returns the scene with the mistake. `None` if the mistake is of another kind or cannot show.
     pub fn scene(self, scene: &Scene, text: &str) -> Option<Scene> {
         match self {
             Self::Scene(change) => {
@@ -445,7 +445,7 @@ impl Make {
     }
 }
 
-/// A mistake as JSON shows it, where it has a name.
+/// A mistake in JSON, with its name if it has one.
 #[derive(Serialize)]
 struct Kinded {
     kind: &'static str,
@@ -468,14 +468,14 @@ impl fmt::Display for Mistake {
     }
 }
 
-/// What a student's mistake is made in.
+/// The scene and the request in which a student's mistake is made.
 pub struct Setting<'a> {
     pub scene: &'a Scene,
     pub request: &'a Request,
 }
 
 impl Setting<'_> {
-    /// The bounces that secondary rays can make.
+    /// Returns the number of bounces that secondary rays can make.
     pub fn bounces(&self) -> u32 {
         if has_secondary_rays(self.scene) { self.request.effects.bounces } else { 0 }
     }
@@ -529,13 +529,13 @@ impl Setting<'_> {
         self.scene.materials.iter().any(is_meant)
     }
 
-    /// Whether secondary rays overlook less than this distance.
+    /// Returns true if secondary rays ignore hits up to less than this distance.
     fn overlooks_less_than(&self, distance: f64) -> bool {
         let epsilon = self.scene.model.epsilon;
         (self.has_shadows() || self.bounces() > 0) && epsilon.is_none_or(|epsilon| epsilon < distance)
     }
 
-    /// Whether secondary rays overlook more than this distance.
+    /// Returns true if secondary rays ignore hits up to more than this distance.
     fn overlooks_more_than(&self, distance: f64) -> bool {
         let epsilon = self.scene.model.epsilon;
         (self.has_shadows() || self.bounces() > 0) && epsilon.is_some_and(|epsilon| epsilon > distance)

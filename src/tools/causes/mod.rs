@@ -1,8 +1,7 @@
-//! Why a picture differs from this program's: what those who write a ray tracer get wrong is tried, one mistake
-//! after the other.
+//! Finds why a picture differs from this program's, by trying common mistakes in ray tracers one after the other.
 //!
-//! Each [`Mistake`] makes a wrong picture of its own: from the finished picture, from another request or another scene,
-//! or by a student's tracer with a switch for each mistake. The one that makes the picture in question is the cause.
+//! Each [`Mistake`] produces a wrong picture: by changing the finished picture, the request or the scene, or by a
+//! student's tracer with a switch for each mistake. The mistake that produces the examined picture is the cause.
 
 mod changes;
 mod finding;
@@ -35,25 +34,26 @@ use mistakes::{Make, Setting};
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-/// This program's picture, and what it was rendered from.
+/// This program's picture, with its renderer and request.
 pub struct Original<'a> {
     prepared: Prepared<'a>,
     watch: Watch<'a>,
     structure: Structure,
-    /// Its window is the part of the picture by which causes are judged.
+    /// The request. Its window is the part of the picture used to judge causes.
     request: Request,
     /// The whole picture.
     colors: FloatPicture,
 }
 
 impl<'a> Original<'a> {
-    /// Renders the request's first layer, or else its colours, with this structure; none where there is no memory for it.
-    /// The renderer must have kept the meshes.
+    /// Renders the request's first layer, or its colours if there is none, with this structure. `None` if memory is too
+    /// small. The renderer must have kept the meshes.
     pub fn new(renderer: &'a Renderer, structure: Structure, request: &Request) -> Option<Self> {
         Self::watched(renderer, structure, request, &|_| ControlFlow::Continue(()))
     }
 
-    /// The same for a search that soon ends, with any result, when the watch cancels it. None also if it does so before.
+    /// Renders like [`new`](Self::new), and lets `watch` cancel. After that the search ends soon, with an unspecified
+    /// result. `None` also if it is cancelled during this call.
     pub fn watched(
         renderer: &'a Renderer,
         structure: Structure,
@@ -62,20 +62,19 @@ impl<'a> Original<'a> {
     ) -> Option<Self> {
         let layer = request.layers.first().copied().unwrap_or(Layer::Color);
         let request = Request { layers: vec![layer], window: None, ..request.clone() };
-        // The tracer casts all rays, also those that the renderer need not cast.
+        // The tracer casts all rays, even those that the renderer can skip.
         let rays = request.camera_rays();
         let prepared = renderer.prepare_as(structure, Rays::cast(rays), Tracing::Fast).ok()?;
         let colors = rendered(&prepared, &request, watch)?;
         Some(Self { prepared, watch, structure, request, colors })
     }
 
-    /// Whether the watch has cancelled the search.
+    /// Returns true if the watch has cancelled the search.
     fn is_cancelled(&self) -> bool {
         (self.watch)(Progress { done: 0, rows: 0, rays: 0 }).is_break()
     }
 
-    /// The picture that is made by the mistake; none where it is a mistake that this scene or this request cannot
-    /// show.
+    /// Returns the picture with the mistake. `None` if this scene or request cannot show the mistake.
     pub fn picture(&self, mistake: Mistake) -> Option<Picture> {
         let Self { prepared, request, watch, .. } = self;
         if self.is_cancelled() || !mistake.shows_in(self.layer()) {
@@ -99,7 +98,7 @@ impl<'a> Original<'a> {
         }
     }
 
-    /// The picture of another scene with the same meshes.
+    /// Returns the picture of another scene with the same meshes.
     fn picture_of(&self, scene: Scene, request: &Request) -> Option<Picture> {
         let renderer = self.renderer().with_scene(scene).ok()?;
         let prepared = renderer.prepare_for(self.structure, request, Tracing::Fast).ok()?;
@@ -121,7 +120,7 @@ impl<'a> Original<'a> {
         }
     }
 
-    /// The window of a whole picture.
+    /// Returns the part of a whole picture in the window.
     fn in_window(&self, picture: Picture) -> Picture {
         match self.request.window {
             None => picture,
@@ -130,7 +129,7 @@ impl<'a> Original<'a> {
     }
 }
 
-/// The request's only layer; none where there is no memory for it, or where the watch cancels.
+/// Renders the request's only layer. `None` if memory is too small or the watch cancels.
 fn rendered(prepared: &Prepared, request: &Request, watch: Watch) -> Option<FloatPicture> {
     let mut picture = FloatPicture::with_room(request.layer_size(request.layers.first()?)).ok()?;
     let mut take_row = |_: usize, row: &[Color]| {

@@ -1,23 +1,23 @@
-//! The transforms around the primitives, which the world has applied to them.
+//! The transforms applied to the primitives of the world.
 
 use crate::scene::mesh::Mesh;
 use crate::scene::{Object, Scene};
 use crate::world::{Placement, Primitive, World, placements};
 use glam::{DMat3, DVec3};
 
-/// The matrix that took each primitive to the world.
+/// The matrices that transformed the primitives to world space.
 #[derive(Debug)]
 pub struct ObjectSpaces<'a> {
     world: &'a World,
-    /// Of triangles, shapes and planes: the index of the first that a matrix took to the world.
+    /// Runs of triangles, shapes and planes: the index of the first primitive, and the matrix of the run.
     runs: [Vec<(usize, DMat3)>; 3],
 }
 
-/// How many triangles a box has.
+/// The number of triangles in a box.
 const BOX_TRIANGLES: usize = 12;
 
 impl<'a> ObjectSpaces<'a> {
-    /// The world is that of the scene and its meshes.
+    /// Collects the matrices. `world` must be built from `scene` and `meshes`.
     pub fn new(scene: &Scene, meshes: &[Mesh], world: &'a World) -> Self {
         let mut spaces = Self { world, runs: Default::default() };
         let mut counts = [0; 3];
@@ -29,13 +29,13 @@ impl<'a> ObjectSpaces<'a> {
         spaces
     }
 
-    /// The normal in the primitive's own space, of any length.
+    /// Returns the normal in the primitive's own space, with any length.
     pub fn normal(&self, primitive: u32, normal: DVec3) -> DVec3 {
-        // The inverse transpose took it to the world.
+        // The inverse transpose transformed it to world space.
         self.matrix(primitive).transpose() * normal
     }
 
-    /// The matrix that took a primitive to the world.
+    /// Returns the matrix that transformed a primitive to world space.
     pub fn matrix(&self, primitive: u32) -> DMat3 {
         let (kind, index) = match self.world.primitive(primitive) {
             Primitive::Triangle(index) => (0, index),
@@ -48,7 +48,7 @@ impl<'a> ObjectSpaces<'a> {
     }
 }
 
-/// The kind of the primitives that become of an object, and their number.
+/// Returns the kind and the number of an object's primitives.
 fn primitives(placement: &Placement, meshes: &[Mesh]) -> Option<(usize, usize)> {
     match *placement.object {
         Object::Triangle { .. } => Some((0, 1)),

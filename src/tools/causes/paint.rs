@@ -1,4 +1,4 @@
-//! The pictures of a student's tracer, with the request's samples and filter.
+//! Renders the pictures of a student's tracer with the request's samples and filter.
 
 use super::Original;
 use super::mistakes::Mistake;
@@ -20,8 +20,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The colours of the first layer by a student with this mistake, or none. The renderer must have kept the meshes. The
-/// rest is black as soon as `is_over` says so.
+/// Renders the first layer with a student's tracer that has this mistake, if any. The renderer must have kept the
+/// meshes. Pixels are black after `is_over` returns true.
 pub fn colors(
     renderer: &Renderer,
     request: &Request,
@@ -53,7 +53,7 @@ pub fn colors(
     }
 }
 
-/// The picture by a student with this mistake, or none; none where there is no memory for it.
+/// Renders the picture of a student's tracer with this mistake, if any. `None` if memory is too small.
 pub fn picture(original: &Original, mistake: Option<Mistake>) -> Option<Picture> {
     let Original { prepared, request, .. } = original;
     let renderer = prepared.renderer();
@@ -63,7 +63,7 @@ pub fn picture(original: &Original, mistake: Option<Mistake>) -> Option<Picture>
     Some(if mistake == Some(Mistake::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
 }
 
-/// The bytes of colours whose product with 255 is rounded to single precision.
+/// Converts colours to bytes, with their product with 255 rounded to single precision.
 fn cut_singles(colors: &FloatPicture) -> Picture {
     let mut bytes = Vec::with_capacity(colors.colors.len() * CHANNELS);
     let cut = |color: &Color| color.as_vec3().to_array().map(|channel| (255.0 * channel) as u8);
@@ -72,11 +72,11 @@ fn cut_singles(colors: &FloatPicture) -> Picture {
     Picture::from_rgb(width, height, bytes)
 }
 
-/// How many rows are painted at once. They are kept until the film has taken them.
+/// The number of rows painted at a time. They are kept until the film has taken them.
 const ROWS: usize = 64;
 
-/// Paints the window of a picture. The rays run through points that are `shift` pixels to the right of the samples
-/// and above them. The rest is black as soon as `is_over` says so.
+/// Paints the window of a picture. The rays pass through points `shift` pixels to the right of the samples and above
+/// them. Pixels are black after `is_over` returns true.
 pub fn paint(
     camera: &Camera,
     request: &Request,
@@ -126,7 +126,7 @@ pub fn paint(
     Ok(if request.is_reduced { blurred(&picture) } else { picture })
 }
 
-/// A picture, blurred and reduced.
+/// Returns the picture, blurred and reduced.
 fn blurred(picture: &FloatPicture) -> FloatPicture {
     let [width, height] = picture.size;
     let (mut blur, mut colors) = (Blur::new(height), vec![]);
@@ -137,12 +137,12 @@ fn blurred(picture: &FloatPicture) -> FloatPicture {
     FloatPicture { size: reduced(picture.size), colors }
 }
 
-/// The range with the pixels around it whose samples contribute to it.
+/// Returns the range extended by the pixels whose samples contribute to it.
 fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize> {
     range.start.saturating_sub(support)..(range.end + support).min(end)
 }
 
-/// Puts the last row first.
+/// Reverses the order of the rows.
 fn turn_over(colors: &mut [Color], width: usize) {
     colors.reverse();
     colors.chunks_exact_mut(width).for_each(<[Color]>::reverse);
@@ -160,7 +160,7 @@ mod tests {
     use crate::trace::{Effects, Shadows};
     use std::path::Path;
 
-    /// The picture of one of this project's scenes by the renderer, and by the textbook's tracer without a mistake.
+    /// Renders one of the project's scenes with the renderer, and with the student's tracer without a mistake.
     fn both(scene: &str, request: &Request) -> [Picture; 2] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();

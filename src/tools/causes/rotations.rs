@@ -1,16 +1,16 @@
-//! Rotations by angles in another unit.
+//! Rotations with angles in radians.
 
 use super::transform_order::{with_objects_of, words};
 use crate::scene::Scene;
 
-/// The scene of this text with the angles of rotations in radians; none where nothing is rotated.
+/// Returns the scene of this text with rotation angles read as radians. `None` if nothing is rotated.
 pub fn in_radians(scene: &Scene, text: &str) -> Option<Scene> {
     let mut words: Vec<String> = words(text).into_iter().map(str::to_owned).collect();
     let mut changes = false;
     for at in 0..words.len() {
         let number = match words[at].as_str() {
             "XRotate" | "YRotate" | "ZRotate" => 0,
-            // An axis comes first.
+            // The axis precedes the angle.
             "Rotate" => 3,
             _ => continue,
         };

@@ -1,8 +1,8 @@
-//! Speckles: where a ray hits the very surface that it leaves, a point lies in its own shadow, or mirrors itself.
+//! Speckles (shadow acne): a ray hits the surface that it leaves, so a point shadows or mirrors itself.
 //!
-//! Which points do depends on every rounding, so that no picture of them can be made. But a pixel has few colours that
-//! come about this way, one for each choice of the rays that hit what they leave. The pixels that have one of them are
-//! strewn among others that are right, whereas those of another mistake make regions.
+//! The affected points depend on every rounding, so their picture cannot be reproduced. But a pixel can have only few
+//! such colours, one for each choice of the rays that hit their own surface. Pixels with such a colour are scattered
+//! among correct ones, whereas other mistakes affect whole regions.
 
 use super::Original;
 use super::changes::has_secondary_rays;
@@ -19,40 +19,40 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Fewer pixels may look like it by chance.
+/// Fewer pixels may match by chance.
 const MIN_PIXELS: f64 = 3.0;
-/// The share of the differing pixels away from edges that must be speckles.
+/// The smallest share of speckles among the differing pixels away from edges.
 const MIN_SHARE: f64 = 0.6;
-/// The same where most pixels show it, so that they are less mixed with others.
+/// The smallest share if most pixels are affected, because they are then less mixed with others.
 const MIN_SHARE_OF_DENSE: f64 = 0.95;
-/// The share of all differing pixels that must be away from edges.
+/// The smallest share of the differing pixels that must be away from edges.
 const MIN_SHARE_OF_ALL: f64 = 0.1;
-/// Of the pairs of neighbours of which one differs at least, the share whose differences are unlike. Among pixels that
-/// differ at random with probability p it is 2 (1 - p) / (2 - p); in a region of any size it is small.
+/// The smallest share of pairs with unlike differences, among pairs of neighbours with at least one differing pixel. If
+/// pixels differ at random with probability p, this share is 2 (1 - p) / (2 - p). In a region it is small.
 const MIXED: f64 = 0.3;
-/// The same where nearly all of them are speckles.
+/// The smallest share if nearly all of these pixels are speckles.
 const MIN_MIXED: f64 = 0.1;
-/// So many pixels are looked at, evenly spread over those that differ.
+/// The largest number of pixels examined, evenly spread over the differing ones.
 const MAX_PIXELS: usize = 1 << 12;
-/// So many choices of rays are tried for a pixel.
+/// The largest number of choices of rays tried for a pixel.
 const MAX_CHOICES: usize = 256;
-/// The rays of a pixel for which there is a choice.
+/// The largest number of rays of a pixel that have a choice.
 const MAX_RAYS: u32 = 32;
-/// With more bounces a pixel has so many rays that speckles are not looked for.
+/// With more bounces, a pixel has too many rays to look for speckles.
 const MAX_BOUNCES: u32 = 6;
-/// The share of the speckles that rays of one kind make, where they alone are named.
+/// If one kind of rays makes this share of the speckles, only this kind is named.
 const MOST: f64 = 0.9;
 
 /// The speckles of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Speckles {
-    /// How many pixels they are.
+    /// The number of pixels affected.
     pub pixels: usize,
-    /// The rays that hit what they leave.
+    /// The rays that hit the surface that they leave.
     pub rays: SelfHitting,
 }
 
-/// The speckles in which `a` differs from `b`, if they are what distinguishes `a`. Both are whole pictures.
+/// Returns the speckles in `a` if they explain its difference from `b`. Both are whole pictures.
 pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckles> {
     if !can_show(original) || original.is_cancelled() {
         return None;
@@ -96,7 +96,7 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckle
     Some(Speckles { pixels: (share * away_from_edges.len() as f64) as usize, rays })
 }
 
-/// Whether speckles would be found. Where several samples share a pixel, it is a mixture of many colours.
+/// Returns true if speckles could be found. A pixel with several samples mixes too many colours.
 pub fn can_show(original: &Original) -> bool {
     let Original { request, .. } = original;
     let scene = &original.renderer().scene;
@@ -111,9 +111,9 @@ pub fn can_show(original: &Original) -> bool {
         && !request.is_reduced
 }
 
-/// Whether a camera ray has this colour if some of the rays that it causes hit what they leave.
+/// Returns true if a camera ray has this colour when some of its descendant rays hit the surface that they leave.
 fn is_made(student: &Student, ray: &Ray, color: Rgb, rays: SelfHitting) -> bool {
-    // A bit for each ray that may, in the order in which they start.
+    // One bit for each ray with a choice, in the order in which they start.
     let mut chosen = 0;
     for _ in 0..MAX_CHOICES {
         let passed = AtomicU32::new(0);
@@ -128,7 +128,7 @@ fn is_made(student: &Student, ray: &Ray, color: Rgb, rays: SelfHitting) -> bool 
         if chosen != 0 && nearly(bytes, color) {
             return true;
         }
-        // The next choice is that of the last ray that was not chosen, without those after it.
+        // The next choice sets the last ray not chosen, and clears those after it.
         let passed = passed.into_inner().min(MAX_RAYS);
         let Some(last) = (0..passed).rev().find(|ray| chosen >> ray & 1 == 0) else { return false };
         chosen = chosen & ((1 << last) - 1) | 1 << last;
@@ -139,9 +139,9 @@ fn is_made(student: &Student, ray: &Ray, color: Rgb, rays: SelfHitting) -> bool 
 /// The pixels that differ by more than one level.
 struct Differing {
     all: usize,
-    /// As indices from the top left.
+    /// Indices from the top left.
     away_from_edges: Vec<usize>,
-    /// Of the pairs of neighbours away from edges of which one differs at least, the share whose differences are unlike.
+    /// The share of unlike pairs, among pairs of neighbours away from edges with at least one differing pixel.
     mixed: f64,
 }
 
@@ -174,7 +174,7 @@ impl Differing {
     }
 }
 
-/// Whether two differences differ by more than half of the larger one, and more than by roundings.
+/// Returns true if two differences differ by more than half of the larger one and by more than rounding.
 fn are_unlike(one: [i32; 3], other: [i32; 3]) -> bool {
     let largest = |all: [i32; 3]| all.into_iter().map(i32::abs).max().unwrap_or(0);
     let apart = largest([0, 1, 2].map(|i| one[i] - other[i]));

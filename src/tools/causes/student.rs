@@ -1,8 +1,8 @@
-//! The student's tracer: Whitted's recursion as a textbook has it, one ray at a time, with a switch for each mistake.
+//! The student's tracer: Whitted's recursion as in a textbook, one ray at a time, with a switch for each mistake.
 //!
-//! The laws of light are the tracer's own functions, and a mistake is a switch around a call. Without a mistake the
-//! colours are the tracer's. It asks a function for what a ray hits, so that it runs on a caster or on brute force, in
-//! either precision.
+//! It uses the tracer's own functions for the laws of light. A mistake is a switch around a call. Without a mistake the
+//! colours equal the tracer's. Rays are intersected through a trait, so it runs with a caster or by brute force, in
+//! single or double precision.
 
 use super::mistakes::Mistake;
 use super::object_space::ObjectSpaces;
@@ -25,28 +25,28 @@ use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 use serde::Serialize;
 
-/// The way in which a ray leaves a surface.
+/// How a ray leaves a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Departure {
-    /// It is mirrored.
+    /// Mirrored.
     Reflected,
-    /// It goes through the surface.
+    /// Through the surface.
     Refracted,
-    /// It goes to a light.
+    /// Towards a light.
     Shadow,
-    /// It has passed a transparent surface on the way to a light.
+    /// Towards a light, after crossing a transparent surface.
     Onwards,
 }
 
-/// Which rays hit the surface that they leave.
+/// The rays that hit the surface that they leave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SelfHitting {
-    /// Those to the lights.
+    /// Rays to lights.
     Shadow,
-    /// Reflected and refracted ones.
+    /// Reflected and refracted rays.
     Secondary,
-    /// All.
+    /// All rays.
     All,
 }
 
@@ -60,29 +60,30 @@ impl Departure {
     }
 }
 
-/// Deeper recursion is not tried, for the sake of the stack.
+/// Deeper recursion is not tried, because it could overflow the stack.
 pub(crate) const MAX_BOUNCES: u32 = 100;
 
 /// A ray from a surface, and the primitive that it cannot hit again.
 pub type Start = (Ray, Option<u32>);
 
-/// Chooses where a ray leaves a surface, given its direction; none where it is to leave as usual.
+/// Chooses the start of a ray that leaves a surface in a direction. `None` for the usual start.
 pub type Starts<'a> = &'a (dyn Fn(Departure, &SurfacePoint, DVec3) -> Option<Start> + Sync);
 
-/// Finds what rays hit.
+/// Finds the hits of rays.
 pub trait Hits: Sync {
     /// The world that is hit.
     fn world(&self) -> &World;
 
-    /// Returns what a ray hits first that leaves the primitive `leaves`, which it does not hit again unless it is round.
+    /// Returns the nearest hit of a ray that leaves the primitive `leaves`. The ray cannot hit it again unless it is
+    /// round.
     fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible>;
 
-    /// Returns the t of what a ray hits first.
+    /// Returns the t of a ray's nearest hit.
     fn distance(&self, ray: &Ray, visible: Visible) -> f64 {
         self.world().hit(ray, visible).t
     }
 
-    /// Returns the surface that a ray hits first, with the normal by which it is seen.
+    /// Returns the surface at a ray's nearest hit, with its shading normal.
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
         let surface = self.world().visible_surface(ray, visible);
         let normal = self.world().smooth_normal(&surface).unwrap_or(surface.normal);
@@ -105,27 +106,27 @@ pub struct Student<'a> {
     pub hits: &'a dyn Hits,
     pub effects: Effects,
     pub mistake: Option<Mistake>,
-    /// What the matrices of the scene have done to the normals.
+    /// The transforms applied to the primitives, for mistakes with normals.
     pub spaces: &'a ObjectSpaces<'a>,
-    /// The lights as the scene has them.
+    /// The lights as written in the scene.
     pub lights: &'a [Light],
-    /// Where rays leave surfaces, if anywhere else.
+    /// Where rays leave surfaces, if not at the usual points.
     pub starts: Option<Starts<'a>>,
 }
 
-/// A ray with its history since it left the camera.
+/// A ray and its history since the camera.
 struct Way {
     ray: Ray,
-    /// The primitive that it leaves.
+    /// The primitive that the ray leaves.
     leaves: Option<u32>,
-    /// The product of the lengths of the colours along the way.
+    /// The product of the lengths of the colours along the path.
     weight: f64,
     bounces: u32,
-    /// The index of refraction of the medium around it.
+    /// The index of refraction of the surrounding medium.
     index: f64,
 }
 
-/// A surface as a ray arrives at it.
+/// A surface where a ray arrives.
 struct Arrival<'m> {
     way: &'m Way,
     surface: &'m SurfacePoint,
@@ -147,13 +148,13 @@ impl Student<'_> {
         self.clamped_by(Mistake::SamplesClamped, self.trace(&way))
     }
 
-    /// Returns what a camera ray hits first: its distance and its surface.
+    /// Returns the distance and the surface of a camera ray's nearest hit.
     pub fn seen(&self, ray: &Ray) -> Option<(f64, SurfacePoint)> {
         let visible = self.hits.nearest(ray, None)?;
         Some((self.hits.distance(ray, visible), self.surface(ray, visible)))
     }
 
-    /// Returns the colour along a ray: that of the surface by itself, and those of the refracted and the mirrored ray.
+    /// Returns the colour along a ray: the surface's own colour, plus the colours of the refracted and mirrored rays.
     fn trace(&self, way: &Way) -> Color {
         let color = match self.hits.nearest(&way.ray, way.leaves) {
             Some(visible) => {
@@ -197,7 +198,7 @@ impl Student<'_> {
         }
     }
 
-    /// Mixes a material's parts at a point. A texture passes its weight on to its children, which come before it.
+    /// Mixes a material's parts at a point. A texture passes its weight on to its children, which precede it.
     fn mix(&self, id: MaterialId, point: DVec3, mixture: &mut Mixture) {
         let mut weights = vec![0.0; id + 1];
         weights[id] = 1.0;
@@ -220,7 +221,7 @@ impl Student<'_> {
         let in_texture = || texture.world_to_texture.map.transform_point3(point);
         match (self.mistake, texture.pattern) {
             (Some(Mistake::CheckerboardCut), Pattern::Checkerboard) => {
-                // The coordinates are cut to whole numbers, towards zero.
+                // The coordinates are truncated towards zero.
                 let cells = in_texture().to_array().map(|q| q as i64);
                 f64::from(cells.iter().filter(|&cell| cell % 2 != 0).count() % 2 == 0)
             }
@@ -231,7 +232,7 @@ impl Student<'_> {
         }
     }
 
-    /// Returns the colour of a surface by itself: ambient light, and the lights that are visible from the point.
+    /// Returns the surface's own colour: ambient light, and the lights visible from the point.
     fn shade(&self, arrival: &Arrival) -> Color {
         let Arrival { way, surface, material } = arrival;
         let model = &self.world().model;
@@ -250,7 +251,7 @@ impl Student<'_> {
         for (index, light) in self.world().lights.iter().enumerate() {
             let light = incident(light, surface.position);
             let cosine = normal.dot(light.direction);
-            // As in the course's program, a ray starts even where the light has no effect.
+            // As in the course's program, a shadow ray starts even where the light has no effect.
             let has_ray = self.effects.shadows != Shadows::None;
             let start = has_ray.then(|| self.departing(Departure::Shadow, surface, light.direction));
             if material.shows(model.highlight, &light, cosine) {
@@ -271,7 +272,7 @@ impl Student<'_> {
         }
     }
 
-    /// Returns the light of a source that a surface reflects to the viewer.
+    /// Returns the part of a light that a surface reflects to the viewer.
     fn reflect(&self, material: &PointMaterial, light: &Incident, index: usize, view: &View) -> Color {
         let highlight = self.world().model.highlight;
         let View { cosine, normal, .. } = *view;
@@ -289,7 +290,7 @@ impl Student<'_> {
         light.color * (normal.dot(to_light).max(0.0) * material.phong.diffuse + highlights)
     }
 
-    /// Returns the length of the vector to a light, which may not have been divided by it.
+    /// Returns the length of the vector to a light. It is not 1 if the mistake is a missing normalisation.
     fn length_to(&self, light: &Incident, index: usize) -> f64 {
         match (self.mistake, self.lights.get(index)) {
             (Some(Mistake::DirectionsNotNormalised), Some(Light::Directional { direction, .. })) => {
@@ -300,11 +301,11 @@ impl Student<'_> {
         }
     }
 
-    /// Returns how much of a light passes what is between it and a surface, per channel. Where the shadow ray leaves a
-    /// transparent object, this is the object's colour to the power of the way inside (Beer's law).
+    /// Returns the fraction of a light that reaches a surface, per channel. Where the shadow ray leaves a transparent
+    /// object, this is the object's colour to the power of the distance inside (Beer's law).
     ///
-    /// The surfaces that the light lies on are left behind at the light if the ray was within an object before. So it
-    /// does not matter which of them the ray meets by its roundings. One that is opaque lets nothing through.
+    /// Surfaces that contain the light's position are crossed at the light if the ray was inside an object before. So
+    /// it does not matter which of them the ray hits by rounding. An opaque one blocks the light.
     fn passed(
         &self,
         (mut ray, mut leaves): Start,
@@ -326,7 +327,7 @@ impl Student<'_> {
         };
         let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
         let mut is_within = surface.normal.dot(light.direction) < 0.0;
-        // Since the last surface, up to where the ray starts now.
+        // The distance from the last surface to the current start of the ray.
         let mut way = 0.0;
         for _ in 0..self.world().most_crossings() {
             let Some(visible) = self.hits.nearest(&ray, leaves) else { break };
@@ -358,7 +359,7 @@ impl Student<'_> {
         }
     }
 
-    /// Returns the transparent colour of a primitive where the light with this index lies on it.
+    /// Returns the transparent colour of a primitive at the position of a light on it.
     fn tint_at_light(&self, primitive: u32, index: usize) -> Color {
         let world = self.world();
         let Some(&Light::Point { position, .. }) = world.lights.get(index) else { return Color::ZERO };
@@ -366,7 +367,7 @@ impl Student<'_> {
         material_at(&world.materials, material, &position.into(), LEVEL, &mut mixture).phong.transparent
     }
 
-    /// Returns the mirrored ray and what its colour is multiplied by, if one is followed.
+    /// Returns the mirrored ray and the factor of its colour, if the ray is followed.
     fn mirrored_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
         let Arrival { way, surface, material } = arrival;
         let color = match self.world().model.split {
@@ -385,7 +386,7 @@ impl Student<'_> {
         Some((tint(color, is_untinted), next))
     }
 
-    /// Returns the refracted ray and what its colour is multiplied by, if one is followed.
+    /// Returns the refracted ray and the factor of its colour, if the ray is followed.
     fn refracted_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
         let Arrival { way, surface, material } = arrival;
         let color = match self.world().model.split {
@@ -398,7 +399,7 @@ impl Student<'_> {
         let against = if is_entering { normal } else { -normal };
         let indices = self.indices(way, material.phong, is_entering);
         let sine = || {
-            // A smooth normal is not the triangle's.
+            // An interpolated normal differs from the triangle's.
             let is_smooth = self.world().model.normals != MeshNormals::Flat && surface.triangle.is_some();
             let primitive = surface.primitive.filter(|_| !is_smooth);
             self.world().precise_sine((way.ray.origin, direction), primitive, normal)
@@ -420,7 +421,7 @@ impl Student<'_> {
         (way.bounces < self.effects.bounces && weight > self.effects.min_weight).then_some(weight)
     }
 
-    /// Returns how much of the light is mirrored at a surface; all at one that is opaque.
+    /// Returns the fraction of light mirrored at a surface. It is 1 for an opaque surface.
     fn mirrored(&self, arrival: &Arrival) -> f64 {
         let material = arrival.material.phong;
         if material.transparent == Color::ZERO {
@@ -428,7 +429,7 @@ impl Student<'_> {
         }
         let cosine = arrival.way.ray.direction.dot(arrival.surface.normal);
         let part = mirrored_part(cosine.abs(), self.indices(arrival.way, material, cosine < 0.0));
-        // All is mirrored where nothing is refracted.
+        // With total internal reflection all light is mirrored.
         if self.makes(Mistake::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part }
     }
 
@@ -441,7 +442,7 @@ impl Student<'_> {
         }
     }
 
-    /// Returns a ray from a surface. It starts a few roundings off it, on the side to which it goes.
+    /// Returns a ray that leaves a surface. It starts a few roundings off it, on the side to which it goes.
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> Start {
         if let Some(start) = self.starts.and_then(|starts| starts(why, surface, direction)) {
             return start;
@@ -465,7 +466,7 @@ impl Student<'_> {
         }
     }
 
-    /// Returns the sum of two colours, in the precision of the computation.
+    /// Returns the sum of two colours in the precision of the tracer.
     fn sum(&self, one: Color, other: Color) -> Color {
         match self.mistake {
             Some(Mistake::SinglePrecision) => (one.as_vec3() + other.as_vec3()).as_dvec3(),
@@ -478,21 +479,21 @@ impl Student<'_> {
     }
 }
 
-/// Textures have the same bytes with all instructions.
+/// Textures give the same bytes with all instruction sets.
 const LEVEL: Level = Level::baseline();
 
-/// Returns a ray that starts on the other side of the surface, and so meets it at once.
+/// Returns a ray that starts on the other side of the surface, and so hits it at once.
 pub fn from_other_side(surface: &SurfacePoint, direction: DVec3) -> Start {
     let origin = offset_origin(surface.position, surface.normal, -direction, surface.extent);
     (Ray::new(origin, direction), None)
 }
 
-/// Returns d + 2 (d.n) n in place of the mirrored direction d - 2 (d.n) n.
+/// Returns d + 2 (d.n) n instead of the mirrored direction d - 2 (d.n) n.
 fn reflected_by_sum(direction: DVec3, normal: DVec3) -> DVec3 {
     (direction + 2.0 * direction.dot(normal) * normal).normalize()
 }
 
-/// Returns the factor of the light along a secondary ray.
+/// Returns the factor of a secondary ray's colour.
 fn tint(color: Color, is_untinted: bool) -> Color {
     let bound = Color::splat(BRIGHTEST);
     if is_untinted { Color::ONE } else { color.clamp(-bound, bound) }
@@ -510,7 +511,7 @@ mod tests {
     use std::fs;
     use std::path::{Path, PathBuf};
 
-    /// The project's scenes, with those of other editions.
+    /// Returns the project's scenes, including other editions.
     fn scenes() -> Vec<PathBuf> {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
         let files = |folder: PathBuf| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());

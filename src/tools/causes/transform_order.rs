@@ -1,4 +1,4 @@
-//! Transformations multiplied in the other order.
+//! Transformations multiplied in the opposite order.
 
 use crate::math::rounded::RoundedAffine;
 use crate::scene::edition::Edition;
@@ -6,7 +6,7 @@ use crate::scene::lexer::Lexer;
 use crate::scene::parser::read_in;
 use crate::scene::{Object, ObjectId, Scene, is_transformation};
 
-/// The scene of this text with the transformations of each list in the opposite order; none where no list has two.
+/// Returns the scene of this text with each list of transformations reversed. `None` if no list has two.
 pub fn with_lists_reversed(scene: &Scene, text: &str) -> Option<Scene> {
     let words = words(text);
     let mut rest = words.as_slice();
@@ -23,9 +23,9 @@ pub fn with_lists_reversed(scene: &Scene, text: &str) -> Option<Scene> {
     if changes { with_objects_of(scene, &reversed.join(" ")) } else { None }
 }
 
-/// The scene with the objects of a text in which only transformations are others.
+/// Returns `scene` with the objects of a text in which only transformations differ.
 pub(super) fn with_objects_of(scene: &Scene, text: &str) -> Option<Scene> {
-    // They are the same in each edition that can read the text.
+    // The objects are the same in every edition that can read the text.
     let reading = Edition::ALL.into_iter().find_map(|edition| read_in(edition, text).ok())?;
     let Scene { objects, root, .. } = reading.scene;
     Some(Scene { objects, root, ..scene.clone() })
@@ -38,7 +38,7 @@ pub(super) fn words(text: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Takes the transformations that come next, each with its values.
+/// Takes the next transformations, each with its values.
 fn split_list<'w, 't>(words: &mut &'w [&'t str]) -> Vec<&'w [&'t str]> {
     let mut list = Vec::new();
     while words.first().is_some_and(|word| is_transformation(word)) {
@@ -49,7 +49,7 @@ fn split_list<'w, 't>(words: &mut &'w [&'t str]) -> Vec<&'w [&'t str]> {
     list
 }
 
-/// How many of the words are a transformation's values: numbers, or all up to the closing brace.
+/// Returns the number of words in a transformation's values: numbers, or everything up to the closing brace.
 fn values(words: &[&str]) -> usize {
     match words.first() {
         Some(&"{") => words.iter().position(|&word| word == "}").map_or(words.len(), |end| end + 1),
@@ -57,7 +57,7 @@ fn values(words: &[&str]) -> usize {
     }
 }
 
-/// The scene whose nested transforms are multiplied from the innermost to the outermost; none where none is nested.
+/// Returns the scene with nested transforms multiplied from the innermost to the outermost. `None` if none are nested.
 pub fn with_nesting_reversed(scene: &Scene) -> Option<Scene> {
     let mut objects = Vec::new();
     let (mut children, mut is_nested) = (Vec::new(), false);

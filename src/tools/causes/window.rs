@@ -1,4 +1,4 @@
-//! Parts of pictures, by which causes are judged where there is no time to render whole ones.
+//! Parts of pictures, used to judge causes when rendering whole pictures takes too long.
 
 use crate::picture::{FloatPicture, Picture};
 use crate::render::Window;
@@ -7,7 +7,7 @@ use crate::tools::compare::{Rgb, colors};
 
 /// The shortest side of a window, in pixels.
 const MIN_SIDE: usize = 8;
-/// How many windows of a picture are looked at.
+/// The largest number of windows in a picture.
 const MAX_WINDOWS: usize = 3;
 
 /// A window, and the wrong pictures whose difference it shows.
@@ -18,8 +18,8 @@ pub struct TellingWindow {
     pub pictures: Vec<usize>,
 }
 
-/// The windows of so many camera rays at most in which wrong pictures are judged. A picture belongs to a window that
-/// holds at least half as many of its differing pixels as any other does. A few pictures may belong to none.
+/// Chooses windows of at most `rays` camera rays to judge wrong pictures in. A picture is assigned to a window with at
+/// least half as many of its differing pixels as any other window. A few pictures may have no window.
 pub fn telling_windows(
     wrong: &[Picture],
     reference: &Picture,
@@ -40,7 +40,7 @@ pub fn telling_windows(
     let mut windows = Vec::new();
     while !rest.is_empty() && windows.len() < MAX_WINDOWS {
         let shown = |tile: usize| rest.iter().filter(|&&picture| shows(picture, tile)).count();
-        // Of equally good tiles the last is taken.
+        // The last of several equally good tiles is taken.
         let Some(tile) = (0..lattice.tiles()).max_by_key(|&tile| shown(tile)) else { break };
         let (pictures, others) = rest.iter().copied().partition(|&picture| shows(picture, tile));
         windows.push(TellingWindow { window: lattice.window(tile), pictures });
@@ -53,7 +53,7 @@ pub fn telling_windows(
 /// Tiles that cover a picture, row by row from the top left.
 struct Lattice {
     side: usize,
-    /// Of the picture.
+    /// The size of the picture.
     size: [usize; 2],
 }
 
@@ -73,7 +73,7 @@ impl Lattice {
         Window { x, y, width, height }
     }
 
-    /// How many pixels differ in each tile.
+    /// Returns the number of differing pixels in each tile.
     fn differing(&self, a: &Picture, b: &Picture) -> Vec<usize> {
         let mut counts = vec![0; self.tiles()];
         let pairs = colors(a).iter().zip(colors(b)).enumerate();
@@ -85,19 +85,19 @@ impl Lattice {
     }
 }
 
-/// The window of a picture.
+/// Returns the part of a picture in a window.
 pub fn part(picture: &Picture, window: Window) -> Picture {
     let pixels: Vec<Rgb> = part_of_rows(colors(picture), picture.width() as usize, window);
     Picture::from_rgb(window.width as u32, window.height as u32, pixels.into_flattened())
 }
 
-/// The window of a picture of colours.
+/// Returns the part of a picture of colours in a window.
 pub fn part_of_colors(picture: &FloatPicture, window: Window) -> FloatPicture {
     let colors = part_of_rows(&picture.colors, picture.size[0], window);
     FloatPicture { size: [window.width, window.height], colors }
 }
 
-/// The window lies in the picture.
+/// Copies the window's pixels. The window must lie in the picture.
 fn part_of_rows<T: Copy>(pixels: &[T], width: usize, window: Window) -> Vec<T> {
     let rows = pixels.chunks_exact(width).skip(window.y).take(window.height);
     rows.flat_map(|row| &row[window.x..][..window.width]).copied().collect()
@@ -107,7 +107,7 @@ fn part_of_rows<T: Copy>(pixels: &[T], width: usize, window: Window) -> Vec<T> {
 mod tests {
     use super::*;
 
-    /// A black picture of 90 by 50 pixels with these white ones.
+    /// Returns a black picture of 90 by 50 pixels with these pixels white.
     fn picture(white: &[[usize; 2]]) -> Picture {
         let mut pixels = vec![[0; 3]; 90 * 50];
         white.iter().for_each(|&[x, y]| pixels[y * 90 + x] = [255; 3]);

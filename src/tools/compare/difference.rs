@@ -1,4 +1,4 @@
-//! The measures of a difference, and the block that shows them.
+//! Measures the difference of two pictures, and prints it as a block.
 
 use super::edges::EdgeMap;
 use super::{Flip, Rgb, colors, common_size, largest_channel_difference, sum_of_squares};
@@ -9,24 +9,24 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 
-/// How A differs from B. `Display` prints a block like that of the statistics.
+/// The difference of A from B. `Display` prints a block in the form of the statistics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The first pixel with the largest difference, rows from the top; none if the pictures are equal.
+    /// The first pixel with the largest difference, rows from the top. `None` if the pictures are equal.
     pub largest: Option<LargestDifference>,
-    /// In levels, over all channels of all pixels.
+    /// The root mean square error over all channels, in levels.
     pub root_mean_square_error: f64,
-    /// The mean error of LDR-FLIP, from 0 to 1; none where it is left out, since it takes longer than all the rest.
+    /// The mean error of LDR-FLIP, from 0 to 1. `None` if skipped: it takes longer than everything else.
     pub mean_flip: Option<f64>,
-    /// How many of the pixels that differ lie on an edge of B or beside one.
+    /// The number of differing pixels on an edge of B or next to one.
     pub differing_near_edges: u64,
-    /// How many pixels have this number of levels as the largest difference of a channel.
+    /// The number of pixels for each largest channel difference, in levels.
     pixels_by_levels: [u64; 256],
 }
 
-/// A pixel whose difference no other pixel exceeds.
+/// The pixel with the largest difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LargestDifference {
     /// Column and row from the top left.
@@ -40,12 +40,12 @@ pub struct LargestDifference {
 }
 
 impl Comparison {
-    /// Compares picture `a` with the reference `b`. Different sizes are an error.
+    /// Compares the picture `a` with the reference `b`. Fails if the sizes differ.
     pub fn new(a: &Picture, b: &Picture) -> Result<Self, Diagnostic> {
         Self::new_unless(a, b, &|| false)
     }
 
-    /// Compares them, but takes no more than a moment, with any result, as soon as `is_over` says so.
+    /// Compares like [`new`](Self::new), but returns soon with an unspecified result after `is_over` returns true.
     pub fn new_unless(
         a: &Picture,
         b: &Picture,
@@ -62,7 +62,7 @@ impl Comparison {
         Ok(pictures.par_iter().map(|a| Self::without_flip(a, b, &edges)).collect())
     }
 
-    /// The pictures are of one size.
+    /// Compares pictures of the same size.
     fn without_flip(a: &Picture, b: &Picture, edges: &EdgeMap) -> Self {
         let mut comparison = Self::of_equals([b.width(), b.height()]);
         let mut squares = 0;
@@ -86,7 +86,7 @@ impl Comparison {
         }
     }
 
-    /// Counts a pixel that differs.
+    /// Counts a differing pixel.
     fn add(&mut self, index: usize, a: Rgb, b: Rgb, edges: &EdgeMap) {
         let width = self.size[0] as usize;
         let [x, y] = [index % width, index / width];
@@ -98,29 +98,29 @@ impl Comparison {
         }
     }
 
-    /// In each picture.
+    /// Returns the number of pixels in each picture.
     pub fn pixels(&self) -> u64 {
         self.size.map(u64::from).into_iter().product()
     }
 
-    /// Those that differ at all.
+    /// Returns the number of differing pixels.
     pub fn pixels_that_differ(&self) -> u64 {
         self.pixels_differing_by_more_than(0)
     }
 
-    /// Those with a channel that differs by more than `levels`.
+    /// Returns the number of pixels with a channel that differs by more than `levels`.
     pub fn pixels_differing_by_more_than(&self, levels: u8) -> u64 {
         self.pixels_by_levels.iter().skip(usize::from(levels) + 1).sum()
     }
 
-    /// The peak signal-to-noise ratio in dB; infinite if the pictures are equal.
+    /// Returns the peak signal-to-noise ratio in dB. It is infinite if the pictures are equal.
     pub fn psnr(&self) -> f64 {
         20.0 * libm::log10(255.0 / self.root_mean_square_error)
     }
 }
 
 impl Comparison {
-    /// The lines of the block, each a label and what is said of it.
+    /// Returns the lines of the block as labels and values.
     fn lines(&self) -> impl Iterator<Item = (&'static str, String)> {
         let [width, height] = self.size;
         let counted = |count| format!("{count} ({})", percent(count, self.pixels()));
@@ -138,7 +138,7 @@ impl Comparison {
         lines.into_iter().chain(flip).chain([edges])
     }
 
-    /// The block, with one more line at its end if there is a cause of the difference to tell.
+    /// Returns the block. If the cause of the difference is known, it is the last line.
     pub fn block(&self, cause: Option<&dyn fmt::Display>) -> String {
         let cause = cause.map(|cause| ("cause", cause.to_string()));
         let lines = self.lines().chain(cause);
@@ -161,7 +161,8 @@ impl fmt::Display for LargestDifference {
     }
 }
 
-/// Four decimals, so that one pixel in a million shows; `NULL` of nothing, as in the statistics.
+/// Formats a percentage with four decimals, so that one pixel in a million shows. Returns `NULL` if `whole` is 0, as in
+/// the statistics.
 fn percent(part: u64, whole: u64) -> String {
     match whole {
         0 => "NULL".to_owned(),
@@ -173,7 +174,7 @@ fn percent(part: u64, whole: u64) -> String {
 mod tests {
     use super::*;
 
-    /// 5 by 4 pixels: grey on the left, white in the last column.
+    /// Returns a picture of 5 by 4 pixels: grey on the left, white in the last column.
     fn reference() -> Picture {
         let rows = [[100; 12].as_slice(), &[255; 3]].concat().repeat(4);
         Picture::from_rgb(5, 4, rows)

@@ -1,4 +1,4 @@
-//! A picture that shows where two others differ.
+//! A picture that shows where two pictures differ.
 
 use super::{Rgb, colors, common_size, largest_channel_difference};
 use crate::diagnostic::Diagnostic;
@@ -9,19 +9,19 @@ const GAP: usize = 4;
 /// The colour of the columns between the panels.
 const GAP_COLOR: Rgb = [90; 3];
 
-/// A, B and their difference from left to right.
+/// A, B and their difference, from left to right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DifferencePicture {
-    /// Three panels of the size of A, four grey columns between them. A channel of the third is the
-    /// absolute difference of the first two, times the amplification.
+    /// Three panels of the size of A, separated by four grey columns. The third panel shows the absolute difference per
+    /// channel, times the amplification.
     pub picture: Picture,
-    /// The largest power of two with which no difference leaves the range of a byte, so that the
-    /// largest difference is between half and full brightness; 1 if there is none.
+    /// The largest power of two for which all differences fit into a byte. The largest difference is then between half
+    /// and full brightness. 1 if there is no difference.
     pub amplification: u8,
 }
 
 impl DifferencePicture {
-    /// Draws the three panels. Different sizes are an error.
+    /// Draws the three panels. Fails if the sizes differ.
     pub fn new(a: &Picture, b: &Picture) -> Result<Self, Diagnostic> {
         let size = common_size(a, b)?;
         let pairs = colors(a).iter().zip(colors(b));
@@ -42,13 +42,13 @@ fn amplification(largest: u8) -> u8 {
     }
 }
 
-/// A black picture with room for the panels and the gaps.
+/// Returns a black picture with room for the panels and the gaps.
 fn canvas([width, height]: [u32; 2]) -> Result<Picture, BadSize> {
     let total = width.checked_mul(3).and_then(|panels| panels.checked_add(2 * GAP as u32));
     Picture::new(total.ok_or(BadSize { width: usize::MAX, height: height as usize })?, height)
 }
 
-/// One row of the canvas from the rows of A and B.
+/// Draws one row of the canvas from the rows of A and B.
 fn draw_row(row: &mut [u8], a: &[Rgb], b: &[Rgb], amplification: u8) {
     let differences = a.iter().zip(b).map(|(a, b)| {
         [0, 1, 2].map(|channel: usize| a[channel].abs_diff(b[channel]).saturating_mul(amplification))

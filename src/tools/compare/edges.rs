@@ -1,18 +1,17 @@
-//! Where a picture has edges: silhouettes, shadow borders, the lines of a texture.
+//! Finds the edges in a picture: silhouettes, shadow borders, the lines of a texture.
 
 use super::{Rgb, colors, largest_channel_difference};
 use crate::picture::Picture;
 
-/// The part of a picture's range of levels that a step between neighbours must exceed to be an edge.
-/// Shading across a surface stays below it: to exceed it, brightness would have to go from end to
-/// end in eight pixels.
+/// The fraction of a picture's range of levels, as 1 / n, that a step between neighbours must exceed to be an edge.
+/// Shading across a surface stays below it: otherwise brightness would span the whole range within eight pixels.
 const EDGE_PART: i32 = 8;
 
-/// The pixels that differ from one of their four neighbours by more than an eighth of the picture's
-/// range, from the smallest byte in the picture to the largest.
+/// The pixels that differ from a horizontal or vertical neighbour by more than an eighth of the picture's range, from
+/// its smallest byte to its largest.
 ///
-/// The threshold is relative so that a dark or pale picture has the edges of the same picture with
-/// full contrast: bytes that are all multiplied or shifted by a constant give the same edges.
+/// The threshold is relative. So a dark or pale picture has the same edges as with full contrast: multiplying or
+/// shifting all bytes by a constant does not change them.
 pub struct EdgeMap {
     width: usize,
     height: usize,
@@ -35,7 +34,7 @@ impl EdgeMap {
         map
     }
 
-    /// Both of two neighbours are edges if the step between them is large.
+    /// Marks both of two neighbours as edges if the step between them is large.
     fn mark(&mut self, pixels: &[Rgb], range: i32, neighbours: [usize; 2]) {
         let [a, b] = neighbours.map(|at| pixels[at]);
         if i32::from(largest_channel_difference(a, b)) * EDGE_PART > range {
@@ -43,7 +42,7 @@ impl EdgeMap {
         }
     }
 
-    /// Whether the pixel, or one of the eight around it, is an edge.
+    /// Returns true if the pixel, or one of the eight around it, is an edge.
     pub fn is_near_edge(&self, x: usize, y: usize) -> bool {
         let columns = x.saturating_sub(1)..(x + 2).min(self.width);
         let mut rows = y.saturating_sub(1)..(y + 2).min(self.height);
@@ -51,7 +50,7 @@ impl EdgeMap {
     }
 }
 
-/// From the smallest byte to the largest.
+/// Returns the difference between the largest and the smallest byte.
 fn range(picture: &Picture) -> i32 {
     let bytes = picture.pixels();
     let [smallest, largest] =
@@ -110,7 +109,7 @@ mod tests {
         let mut levels = [0; 49];
         levels[..2].fill(255);
         levels[7..9].fill(255);
-        // The edges are columns 0 to 2 of rows 0 to 2 but for the corners (0, 0) and (2, 2).
+        // The edges are columns 0 to 2 of rows 0 to 2, except the corners (0, 0) and (2, 2).
         let map = EdgeMap::new(&grey(7, &levels.chunks(7).collect::<Vec<_>>()));
         let near: Vec<(usize, usize)> =
             (0..49).map(|i| (i % 7, i / 7)).filter(|&(x, y)| map.is_near_edge(x, y)).collect();

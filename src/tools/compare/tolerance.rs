@@ -1,19 +1,19 @@
-//! How much difference passes a check.
+//! The largest difference that passes a check.
 
 use super::Comparison;
 use serde::Serialize;
 
-/// At most `pixels` pixels may differ by more than `levels` levels. The default demands equality.
+/// At most `pixels` pixels may differ by more than `levels` levels. The default requires equality.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tolerance {
-    /// The difference of a channel that any pixel may have.
+    /// The largest channel difference permitted for all pixels.
     pub levels: u8,
-    /// How many pixels may differ by more.
+    /// The number of pixels that may differ by more.
     pub pixels: u64,
 }
 
 impl Tolerance {
-    /// Whether the difference is no larger than this.
+    /// Returns true if the difference is within the tolerance.
     pub fn accepts(&self, comparison: &Comparison) -> bool {
         comparison.pixels_differing_by_more_than(self.levels) <= self.pixels
     }

@@ -1,23 +1,23 @@
-//! The answer to a target: which setting to choose, as a command line.
+//! The answer to a target: the setting to choose, as a command line.
 
 use super::{ErrorReport, Measurement, Setting};
 
-/// The targets that are answered if none is asked for, in levels.
+/// The targets answered if the user gives none, in levels.
 pub const USUAL_TARGETS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 
-/// Which setting to choose for a target.
+/// The setting chosen for a target.
 #[derive(Clone, Debug)]
 pub struct Answer<'a> {
-    /// The largest root mean square error that is wanted, in levels.
+    /// The target: the largest permitted root mean square error, in levels.
     pub target: f64,
-    /// The cheapest setting that reaches it, or else the one that comes nearest.
+    /// The cheapest setting that reaches the target, or the nearest one if none does.
     pub chosen: &'a Measurement,
-    /// The command line of the setting: the program, and then each flag with its values.
+    /// The command line of the setting: the program, then each flag with its values.
     pub command: Vec<String>,
 }
 
 impl<'a> Answer<'a> {
-    /// The choice among all that flags can ask for, whatever its samples and its filter; none if nothing was measured.
+    /// Chooses among all settings that flags can express, with any samples and filter. `None` if nothing was measured.
     pub fn new(
         report: &'a ErrorReport,
         target: f64,
@@ -30,7 +30,7 @@ impl<'a> Answer<'a> {
         Some(Self { target, chosen, command: command(&chosen.setting) })
     }
 
-    /// Whether the setting reaches the target.
+    /// Returns true if the setting reaches the target.
     pub fn is_reached(&self) -> bool {
         self.chosen.error <= self.target
     }

@@ -1,4 +1,4 @@
-//! The measurements as comma-separated values (RFC 4180), a line for each.
+//! Writes the measurements as comma-separated values (RFC 4180), one line each.
 
 use super::{ErrorReport, MeasuredFilter, Measurement, filter_flag};
 use crate::base::escape::csv_field;
@@ -8,7 +8,7 @@ const HEAD: &str = "filter,shows,setting,flags,CPU seconds least,CPU seconds med
                     slope of the sampling,CPU seconds of the sampling to one level,pixels changed by the grid,\
                     numerical error above a tenth,above a tenth in single precision\r\n";
 
-/// The table's lines, filter by filter. A number that there is none of is left out.
+/// Returns the table's lines, filter by filter. Missing numbers are left empty.
 pub fn csv(report: &ErrorReport) -> String {
     let lines = report.groups.iter().flat_map(|group| {
         let rows = group.measurements.iter().zip(group.front());

@@ -3,7 +3,8 @@
 /// A measured point: a cost and an error.
 pub type Point = [f64; 2];
 
-/// Which points no other beats: none costs as little with a smaller error, or less with as small an error.
+/// Returns which points are on the Pareto front: no other point is cheaper with at most the same error, or as cheap
+/// with a smaller one.
 pub fn front(points: &[Point]) -> Vec<bool> {
     let beats = |[cost, error]: Point, [other_cost, other_error]: Point| {
         cost <= other_cost && error <= other_error && (cost < other_cost || error < other_error)
@@ -11,8 +12,8 @@ pub fn front(points: &[Point]) -> Vec<bool> {
     points.iter().map(|&point| !points.iter().any(|&other| beats(other, point))).collect()
 }
 
-/// The exponent p of error = c samples^p with the least squares of its logarithm. None for fewer than two points that
-/// differ in their samples. Points without an error have no logarithm and are left out.
+/// Returns the exponent p of error = c samples^p, fitted by least squares in logarithms. `None` if fewer than two
+/// points have different numbers of samples. Points without an error have no logarithm and are ignored.
 pub fn slope(points: &[Point]) -> Option<f64> {
     let logarithms: Vec<Point> =
         points.iter().filter(|[x, y]| *x > 0.0 && *y > 0.0).map(|point| point.map(libm::log)).collect();
@@ -27,8 +28,8 @@ pub fn slope(points: &[Point]) -> Option<f64> {
     (squares > 0.0).then(|| products / squares)
 }
 
-/// The cost of an error along a curve, whose points are in the order of their costs: between two points both are
-/// interpolated in their logarithms. None where the curve does not reach the error.
+/// Returns the cost of an error along a curve, by logarithmic interpolation. Points must be in the order of their
+/// costs. `None` if the curve does not reach the error.
 pub fn cost_of(error: f64, points: &[Point]) -> Option<f64> {
     let reached = points.iter().position(|point| point[1] <= error)?;
     let [cost, found] = points[reached];

@@ -1,4 +1,4 @@
-//! The page of a report: one file that needs nothing else. Its text stands in `templates/error_report.html`.
+//! The page of a report: a single self-contained file. Its text is in `templates/error_report.html`.
 
 use super::plot::{against_samples, against_time, marker};
 use super::{Answer, ErrorReport, MeasuredFilter, Measurement, SamplingKind, filter_flag};
@@ -8,10 +8,10 @@ use crate::tools::embedded::file;
 use crate::tools::explain::color_scale::cubehelix;
 use askama::Template;
 
-/// The difference, in levels, that is white in the maps.
+/// The difference, in levels, shown as white in the maps.
 const BRIGHTEST: u8 = 64;
 
-/// Returns the page. `command` is the command line that was measured.
+/// Returns the page. `command` is the measured command line.
 pub fn page(report: &ErrorReport, command: &str, answers: &[Answer<'_>]) -> String {
     Page { report, command, answers }.to_string()
 }
@@ -38,7 +38,7 @@ fn data(picture: &Picture) -> String {
     format!("data:image/png;base64,{}", file(picture))
 }
 
-/// Returns a map of the differences of two pictures of one size.
+/// Returns a map of the differences of two pictures of the same size.
 fn error_data(picture: &Picture, reference: &Picture) -> String {
     let differences =
         colors(picture).iter().zip(colors(reference)).map(|(a, b)| largest_channel_difference(*a, *b));

@@ -1,4 +1,4 @@
-//! The plan: which settings are measured for a scene, and in which order. Only what the scene can show is among them.
+//! The plan: the settings to measure for a scene, and their order. It contains only settings that the scene can show.
 
 use super::setting::{Axis, Samples, Setting};
 use crate::caster::choose::{Resolution, Structure};
@@ -12,27 +12,27 @@ use crate::tools::causes::has_secondary_rays;
 use crate::trace::Effects;
 use crate::world::World;
 
-/// The settings of one filter, which share their reference.
+/// The settings of one filter. They share a reference.
 #[derive(Clone, Debug)]
 pub struct Group {
     /// The filter.
     pub filter: Filter,
-    /// From the cheapest of each kind on.
+    /// The settings, each kind from the cheapest on.
     pub settings: Vec<Setting>,
 }
 
-/// The numbers of samples of each pattern.
+/// The numbers of samples for each pattern.
 pub const COUNTS: [u32; 5] = [1, 4, 16, 64, 256];
 
 /// The estimated errors of adaptive settings, in levels, and their largest number of samples.
 const ADAPTIVE_ERRORS: [f64; 5] = [8.0, 4.0, 2.0, 1.0, 0.5];
 const ADAPTIVE_MOST: u32 = 256;
 
-/// The samples with which bounces, weights and octaves are measured, and structures.
+/// The samples used to measure bounces, weights and octaves, and the samples used to measure structures.
 const EFFECTS_SAMPLES: Samples = Samples::Fixed(Pattern::Jittered, 64);
 const STRUCTURE_SAMPLES: Samples = Samples::Fixed(Pattern::Jittered, 4);
 
-/// The filters that are usual.
+/// The usual filters.
 const FILTERS: [Filter; 4] = [
     Filter::PIXEL,
     Filter::Tent { radius: 1.0 },
@@ -42,10 +42,11 @@ const FILTERS: [Filter; 4] = [
 
 const WEIGHTS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
-/// A list of all primitives is traced for at most so many tests of rays against primitives.
+/// The largest number of ray-primitive tests for which the list of all primitives is measured.
 const MOST_TESTS: u64 = 50_000_000_000;
 
-/// The settings to measure, those with the request's own filter first. What the request asks for, `own`, is right.
+/// Returns the settings to measure, starting with the request's own filter. `own` is the request's setting, which
+/// defines the reference.
 pub fn plan(scene: &Scene, world: &World, request: &Request, own: Setting) -> Vec<Group> {
     let mut first = samples(own);
     if !first.iter().any(|setting| setting.samples == own.samples) {
@@ -61,7 +62,7 @@ pub fn plan(scene: &Scene, world: &World, request: &Request, own: Setting) -> Ve
     std::iter::once(Group { filter: request.filter, settings: first }).chain(others).collect()
 }
 
-/// All kinds and numbers of samples.
+/// Returns all kinds and numbers of samples.
 fn samples(base: Setting) -> Vec<Setting> {
     let fixed = [Pattern::Random, Pattern::Uniform, Pattern::Jittered]
         .into_iter()
@@ -70,7 +71,7 @@ fn samples(base: Setting) -> Vec<Setting> {
     fixed.chain(adaptive).map(|samples| Setting { samples, ..base }).collect()
 }
 
-/// Fewer bounces and larger weights than are asked for, where there are mirrors or glass.
+/// Returns settings with fewer bounces and larger weights than requested, if there are mirrors or glass.
 fn secondary(scene: &Scene, own: Setting) -> Vec<Setting> {
     let Effects { bounces, min_weight, .. } = own.effects;
     if bounces == 0 || !has_secondary_rays(scene) {
@@ -86,7 +87,7 @@ fn secondary(scene: &Scene, own: Setting) -> Vec<Setting> {
         .collect()
 }
 
-/// Fewer octaves than the scene has, where it has noise.
+/// Returns settings with fewer octaves than the scene has, if it has noise.
 fn octaves(scene: &Scene, own: Setting) -> Vec<Setting> {
     let mut materials = scene.materials.clone();
     let most = materials.iter_mut().filter_map(octaves_of).map(|octaves| *octaves).max().unwrap_or(0);
@@ -95,7 +96,7 @@ fn octaves(scene: &Scene, own: Setting) -> Vec<Setting> {
     powers.map(|n| Setting { axis: Axis::Octaves, samples, octaves: Some(n), ..own }).collect()
 }
 
-/// The octaves of a material's noise.
+/// Returns the octaves of a material's noise.
 fn octaves_of(material: &mut Material) -> Option<&mut u32> {
     let (Material::Texture(Texture { pattern, .. }) | Material::Painted(_, Paint::Pattern(pattern, _))) =
         material
@@ -110,7 +111,7 @@ fn octaves_of(material: &mut Material) -> Option<&mut u32> {
     }
 }
 
-/// The same scene with at most so many octaves of each noise.
+/// Returns the scene with each noise limited to `most` octaves.
 pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
     let mut changed = scene.clone();
     for octaves in changed.materials.iter_mut().filter_map(octaves_of) {
@@ -119,7 +120,7 @@ pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
     changed
 }
 
-/// The other structures that rays can be traced through. There is nothing to build for a world of planes alone.
+/// Returns the other structures for tracing rays. For a world of planes only, there is nothing to build.
 fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
     let count = world.finite_count();
     if count == 0 {

@@ -1,4 +1,4 @@
-//! Plots with two logarithmic axes, as SVG within a page. Their text stands in `templates/plot.html`.
+//! Plots with two logarithmic axes, as SVG within a page. Their text is in `templates/plot.html`.
 
 use super::curve::Point;
 use super::{LEVEL, MeasuredFilter, SamplingKind};
@@ -25,7 +25,7 @@ impl Series {
     }
 }
 
-/// A line behind the points.
+/// A line drawn behind the points.
 struct Line {
     class: String,
     points: Vec<Point>,
@@ -76,7 +76,7 @@ pub fn against_samples(group: &MeasuredFilter) -> String {
     let Some(axes) = Axes::of(&series) else { return String::new() };
     let fit = |series: &Series| {
         let slope = group.slope(series.kind)?;
-        // The fitted line runs through the mean of the logarithms, which the middle point is close to.
+        // The fitted line passes through the mean of the logarithms, which the middle point approximates.
         let fitted: Vec<Point> = series.points().copied().filter(|[n, _]| *n >= 4.0).collect();
         let mean = |axis: usize| {
             fitted.iter().map(|point| libm::log(point[axis])).sum::<f64>() / fitted.len() as f64
@@ -90,7 +90,7 @@ pub fn against_samples(group: &MeasuredFilter) -> String {
     Plot { title, across, axes, series, lines, rings: vec![] }.to_string()
 }
 
-/// The points of each kind that have an error, in the order of the first coordinate.
+/// Returns the points of each kind that have an error, in the order of the first coordinate.
 fn series(group: &MeasuredFilter, x: impl Fn(&super::Measurement) -> Option<f64>) -> Vec<Series> {
     let of = |kind: SamplingKind| {
         let points = group.curve(kind).filter_map(|one| {
@@ -104,7 +104,7 @@ fn series(group: &MeasuredFilter, x: impl Fn(&super::Measurement) -> Option<f64>
     SamplingKind::ALL.into_iter().map(of).filter(|series| !series.points.is_empty()).collect()
 }
 
-/// The powers of ten between which both coordinates lie.
+/// The ranges of the two axes, as powers of ten.
 struct Axes {
     low: Point,
     high: Point,
@@ -117,20 +117,20 @@ impl Axes {
         all().next()?;
         let low = [0, 1].map(|axis| all().map(|point| libm::log10(point[axis])).fold(f64::MAX, f64::min));
         let high = [0, 1].map(|axis| all().map(|point| libm::log10(point[axis])).fold(f64::MIN, f64::max));
-        // Half a decade is the least, and a little room around the points.
+        // The range is extended by a little room around the points.
         let room = [0, 1].map(|axis: usize| (0.06 * (high[axis] - low[axis])).max(0.1));
         let (low, high) = ([0, 1].map(|k: usize| low[k] - room[k]), [0, 1].map(|k: usize| high[k] + room[k]));
         Some(Self { low, high })
     }
 
-    /// Returns the place of a point in the plot.
+    /// Returns the position of a point in the plot.
     fn at(&self, point: &Point) -> Point {
         let share =
             |axis: usize| (libm::log10(point[axis]) - self.low[axis]) / (self.high[axis] - self.low[axis]);
         [LEFT + share(0) * (RIGHT - LEFT), SPACE + (1.0 - share(1)) * (BOTTOM - SPACE)]
     }
 
-    /// The numbers 1, 2 and 5 times a power of ten that lie on an axis.
+    /// Returns the numbers 1, 2 and 5 times a power of ten on an axis.
     fn ticks(&self, axis: usize) -> Vec<f64> {
         let powers = self.low[axis].floor() as i32..=self.high[axis].ceil() as i32;
         let numbers = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(power)));
@@ -138,7 +138,7 @@ impl Axes {
     }
 }
 
-/// Returns the shape that marks a kind of sampling, which tells it apart without its colour.
+/// Returns the shape that marks a kind of sampling, so that kinds can be distinguished without colour.
 pub fn marker(kind: SamplingKind) -> &'static str {
     match kind {
         SamplingKind::Random => "M-4 -4L4 4M-4 4L4 -4",

@@ -1,48 +1,48 @@
-//! The reference: two independent pictures of many samples, so that their own noise cancels.
+//! The reference: two independent pictures with many samples, so that their own noise cancels.
 
 use crate::picture::{Color, FloatPicture, Picture};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 
-/// The number of jittered samples per pixel of each half.
+/// The number of jittered samples per pixel in each half.
 pub const SAMPLES: u32 = 1024;
 
 /// The number of levels of a byte above zero.
 const LEVELS: f64 = 255.0;
 
-/// The samplers of the two halves. Their seeds differ from that of the pictures that are measured.
+/// Returns the samplers of the two halves. Their seeds differ from the measured pictures' seed.
 pub fn samplers(measured: Drand48) -> [Sampler; 2] {
     let mut seeds = (1..).map(Drand48::seeded).filter(|&seed| seed != measured);
     [(); 2].map(|()| Sampler::new(Pattern::Jittered, SAMPLES, seeds.next().unwrap_or(measured)))
 }
 
-/// A picture that others are measured by.
+/// A picture used as a reference.
 #[derive(Clone, Debug)]
 pub struct Reference {
     halves: [FloatPicture; 2],
-    /// Their mean.
+    /// The mean of the halves.
     pub picture: Picture,
     /// The root mean square error of one half, in levels.
     pub noise: f64,
 }
 
 impl Reference {
-    /// The halves must be of one size.
+    /// Creates a reference. The halves must have the same size.
     pub fn new(halves: [FloatPicture; 2]) -> Self {
         let [first, second] = &halves;
         let colors = first.colors.iter().zip(&second.colors).map(|(a, b)| (shown(*a) + shown(*b)) / 2.0);
         let mean = FloatPicture { size: first.size, colors: colors.collect() };
         let differences = first.colors.iter().zip(&second.colors).map(|(a, b)| shown(*a) - shown(*b));
         let sum: f64 = differences.map(Color::length_squared).sum();
-        // The variance of a difference is the sum of both.
+        // The variance of a difference is the sum of both variances.
         let noise = levels(sum / 2.0, first);
         let picture = mean.to_picture();
         Self { halves, picture, noise }
     }
 
-    /// The root mean square error of a picture of the same size, in levels, over all channels of all pixels: that of
-    /// MSE = mean((I - R1) (I - R2)), in which the independent errors of R1 and R2 cancel on average. It is 0 where the
-    /// error is so small that they leave less than nothing of it.
+    /// Returns the root mean square error of a picture of the same size, in levels, over all channels of all pixels. It
+    /// is the root of MSE = mean((I - R1) (I - R2)), where the independent errors of R1 and R2 cancel on average.
+    /// Returns 0 if their remaining noise makes the mean negative.
     pub fn error(&self, picture: &FloatPicture) -> f64 {
         let [first, second] = &self.halves;
         let colors = picture.colors.iter().zip(&first.colors).zip(&second.colors);
@@ -54,14 +54,14 @@ impl Reference {
     }
 }
 
-/// A colour as a picture file shows it, apart from rounding: clamped, and black if it is not a number.
+/// Returns a colour as a picture file shows it, except for rounding: clamped, and black if it is not a number.
 pub fn shown(color: Color) -> Color {
     Color::from_array(
         color.to_array().map(|channel| if channel.is_nan() { 0.0 } else { channel.clamp(0.0, 1.0) }),
     )
 }
 
-/// The root of the mean over all channels of a picture, in levels.
+/// Returns the root of a sum divided by the number of a picture's channels, in levels.
 pub fn levels(sum: f64, picture: &FloatPicture) -> f64 {
     LEVELS * (sum / (3 * picture.colors.len()) as f64).sqrt()
 }
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn the_noise_of_the_reference_cancels() {
-        // The halves are off by opposite signs in half of the pixels, and by the same in the others.
+        // The errors of the halves have opposite signs in half of the pixels, and equal signs in the others.
         let reference = Reference::new([picture(&[0.6, 0.6, 0.4, 0.4]), picture(&[0.6, 0.4, 0.6, 0.4])]);
         assert!((reference.noise - 255.0 * (0.08f64 / 2.0 / 4.0).sqrt()).abs() < 1e-9);
         assert!(reference.error(&picture(&[0.5; 4])) < 1e-5);

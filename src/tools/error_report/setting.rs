@@ -1,4 +1,4 @@
-//! A setting of the renderer, as the flags of a command line.
+//! A setting of the renderer, and its command-line flags.
 
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request};
@@ -9,16 +9,16 @@ use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::edition::Edition;
 use crate::trace::{Effects, Shadows};
 
-/// How samples are placed.
+/// The placement of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Samples {
-    /// So many in every pixel.
+    /// A fixed number in every pixel.
     Fixed(Pattern, u32),
-    /// More where they are needed.
+    /// Adaptive sampling.
     Adaptive(Adaptive),
 }
 
-/// The kinds of sampling, each of which has a curve of its own.
+/// The kinds of sampling. Each has its own curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplingKind {
     /// `-random_samples`.
@@ -32,10 +32,10 @@ pub enum SamplingKind {
 }
 
 impl SamplingKind {
-    /// All of them.
+    /// All kinds of sampling.
     pub const ALL: [Self; 4] = [Self::Random, Self::Uniform, Self::Jittered, Self::Adaptive];
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -46,7 +46,7 @@ impl SamplingKind {
     }
 }
 
-/// What a setting is there to show.
+/// The parameter that a setting varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// The samples.
@@ -55,12 +55,12 @@ pub enum Axis {
     Secondary,
     /// Fewer octaves of noise.
     Octaves,
-    /// Another structure that rays are traced through, which must not change the picture.
+    /// Another acceleration structure, which must not change the picture.
     Structure,
 }
 
 impl Axis {
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Samples => "samples",
@@ -71,27 +71,27 @@ impl Axis {
     }
 }
 
-/// What is measured.
+/// A setting to measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// What it is there to show.
+    /// The parameter that the setting varies.
     pub axis: Axis,
-    /// Where the samples are.
+    /// The placement of samples.
     pub samples: Samples,
-    /// How they are combined.
+    /// The reconstruction filter.
     pub filter: Filter,
-    /// What is modelled.
+    /// The effects modelled.
     pub effects: Effects,
-    /// The largest number of octaves of a noise, if it is not that of the scene.
+    /// The largest number of octaves of noise. `None` for the scene's own.
     pub octaves: Option<u32>,
-    /// What rays are traced through.
+    /// The acceleration structure.
     pub structure: Structure,
-    /// The edition of the course whose flags are named.
+    /// The edition of the course whose flags are used.
     pub edition: Edition,
 }
 
 impl Setting {
-    /// What a request asks for, in the flags of an edition.
+    /// Returns the setting of a request, with the flags of an edition.
     pub fn of(request: &Request, structure: Structure, edition: Edition) -> Self {
         let fixed = Samples::Fixed(request.sampler.pattern(), request.sampler.count());
         let (filter, effects) = (request.filter, request.effects);
@@ -99,7 +99,7 @@ impl Setting {
         Self { axis: Axis::Samples, samples, filter, effects, octaves: None, structure, edition }
     }
 
-    /// The request for the colours, with these random numbers.
+    /// Returns the request for the colours with this setting and these random numbers.
     pub fn request(&self, base: &Request, rng: Drand48) -> Request {
         let (sampler, adaptive) = match self.samples {
             Samples::Fixed(pattern, count) => (Sampler::new(pattern, count, rng), None),
@@ -109,7 +109,7 @@ impl Setting {
         Request { sampler, adaptive, filter, effects, layers: vec![Layer::Color], ..base.clone() }
     }
 
-    /// How its samples are placed.
+    /// Returns the kind of sampling.
     pub fn kind(&self) -> SamplingKind {
         match self.samples {
             Samples::Fixed(Pattern::Random | Pattern::Displaced, _) => SamplingKind::Random,
@@ -119,7 +119,7 @@ impl Setting {
         }
     }
 
-    /// The number of samples in every pixel; none if they are adaptive.
+    /// Returns the number of samples per pixel. `None` if they are adaptive.
     pub fn count(&self) -> Option<u32> {
         match self.samples {
             Samples::Fixed(_, count) => Some(count),
@@ -127,12 +127,12 @@ impl Setting {
         }
     }
 
-    /// What tells it from the others of its axis.
+    /// Returns the part of the setting that differs from others of its axis.
     pub fn label(&self) -> String {
         let (samples, secondary) = (self.samples_flag(), self.secondary_flags());
         match self.axis {
             Axis::Samples => samples,
-            // Without bounces this is often the default, and differs from what was asked for.
+            // This is often the default without bounces, and differs from the request.
             Axis::Secondary if !secondary.starts_with(" -bounces") => {
                 format!("{samples} -bounces {}{secondary}", self.effects.bounces)
             }
@@ -144,14 +144,14 @@ impl Setting {
         }
     }
 
-    /// What tells it from those of all axes and filters.
+    /// Returns the part of the setting that distinguishes it from all others, including the filter.
     pub fn label_with_filter(&self) -> String {
         let (label, samples) = (self.label(), self.samples_flag());
         let rest = label.strip_prefix(&samples).unwrap_or_default();
         format!("{samples} {}{rest}", filter_flag(self.filter))
     }
 
-    /// All its flags, separated by spaces; none where there is no flag for what it does.
+    /// Returns all its flags, separated by spaces. `None` if flags cannot express it.
     pub fn flags(&self) -> Option<String> {
         let Effects { shadows, shade_back, .. } = self.effects;
         let shadows = match shadows {
@@ -172,7 +172,7 @@ impl Setting {
         }
     }
 
-    /// The bounces and the weight, each unless it is the default.
+    /// Returns the flags for bounces and weight, except defaults.
     fn secondary_flags(&self) -> String {
         let Effects { bounces, min_weight, .. } = self.effects;
         let mut flags = String::new();
@@ -186,14 +186,14 @@ impl Setting {
     }
 }
 
-/// Flags that are separated by spaces, each with its values.
+/// Splits a string of flags. Each part is a flag with its values.
 pub fn separate(flags: &str) -> Vec<String> {
     let mut parts = flags.split(" -");
     let first = parts.next().map(str::to_owned);
     first.into_iter().chain(parts.map(|part| format!("-{part}"))).collect()
 }
 
-/// The flag of a filter.
+/// Returns the flag of a filter.
 pub fn filter_flag(filter: Filter) -> String {
     match filter {
         Filter::Box { radius } => format!("-box_filter {radius}"),

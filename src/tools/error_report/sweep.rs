@@ -15,58 +15,58 @@ use rayon::ThreadPool;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// What measurements are made with.
+/// The threads, the clock and the watch used for measurements.
 #[derive(Clone, Copy)]
 pub struct Bench<'a> {
-    /// The threads of the references.
+    /// The threads that render references.
     pub many: &'a ThreadPool,
-    /// The one thread whose time is measured.
+    /// The single thread whose time is measured.
     pub one: &'a ThreadPool,
-    /// The processor's time so far.
+    /// Returns the CPU time so far.
     pub clock: &'a (dyn Fn() -> Duration + Sync),
-    /// Is told the progress, and may end the sweep.
+    /// Receives the progress, and may end the sweep.
     pub watch: &'a (dyn Fn(SweepProgress) -> ControlFlow<()> + Sync),
 }
 
-/// How far a sweep has come.
+/// The progress of a sweep.
 #[derive(Clone, Copy, Debug)]
 pub struct SweepProgress<'a> {
-    /// The part that is done, from 0 to 1.
+    /// The completed fraction, from 0 to 1.
     pub share: f64,
-    /// What is done now.
+    /// The current activity.
     pub doing: &'a str,
 }
 
-/// A setting is repeated until it took this time, but at least [`FEWEST`] and at most [`MOST`] times.
+/// A setting is repeated until it has taken this time, but at least [`FEWEST`] and at most [`MOST`] times.
 const ENOUGH: Duration = Duration::from_millis(200);
 const FEWEST: usize = 2;
 const MOST: usize = 15;
 
-/// About how often a setting is rendered.
+/// The approximate number of times that a setting is rendered.
 const RENDERINGS: f64 = 4.0;
 
-/// About the number of samples of an adaptive setting.
+/// The approximate number of samples of an adaptive setting.
 const ADAPTIVE_SAMPLES: f64 = 16.0;
 
 /// Measures the settings of a scene.
 pub struct Sweep<'a> {
     renderer: &'a Renderer,
     request: &'a Request,
-    /// What the command line asks for.
+    /// The setting of the command line.
     own: Setting,
     bench: Bench<'a>,
-    /// Whether other filters are measured, too.
+    /// True if other filters are measured, too.
     all_filters: bool,
-    /// What is done and what there is to do, in samples of each pixel.
+    /// The completed and the total work, in samples per pixel.
     done: f64,
     all: f64,
-    /// The time of the references, of the settings and of the numerical error.
+    /// The times spent on references, settings and the numerical error.
     times: [Duration; 3],
 }
 
 impl<'a> Sweep<'a> {
-    /// The request is that of the command line, and `own` is its setting. The renderer must have kept the scene's meshes,
-    /// and must have no threads of its own.
+    /// Creates a sweep. `request` comes from the command line, and `own` is its setting. The renderer must have kept
+    /// the scene's meshes and must have no threads of its own.
     pub fn new(renderer: &'a Renderer, request: &'a Request, own: Setting, bench: Bench<'a>) -> Self {
         Self {
             renderer,
@@ -80,12 +80,12 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Measures the filter that is asked for, and no others.
+    /// Restricts the sweep to the requested filter.
     pub fn of_one_filter(self) -> Self {
         Self { all_filters: false, ..self }
     }
 
-    /// Measures. If the watch ends it, what is finished is reported.
+    /// Measures all settings. If the watch ends the sweep, the report has the finished ones.
     pub fn run(mut self) -> Result<ErrorReport, Diagnostic> {
         let mut plan = plan(&self.renderer.scene, self.renderer.world(), self.request, self.own);
         plan.truncate(if self.all_filters { plan.len() } else { 1 });
@@ -119,12 +119,12 @@ impl<'a> Sweep<'a> {
         made
     }
 
-    /// Two halves, on many threads.
+    /// Returns the work for two halves on many threads.
     fn reference_work(&self) -> f64 {
         2.0 * f64::from(reference::SAMPLES) / self.bench.many.current_num_threads() as f64
     }
 
-    /// None if it was ended.
+    /// Renders the reference for a filter. `None` if the watch ended the sweep.
     fn reference(&mut self, filter: Filter) -> Result<Option<Reference>, Diagnostic> {
         let own = Request { adaptive: None, filter, layers: vec![Layer::Color], ..self.request.clone() };
         let mut halves = Vec::new();
@@ -143,7 +143,7 @@ impl<'a> Sweep<'a> {
         Ok(halves.try_into().ok().map(Reference::new))
     }
 
-    /// What roundings do to the request's samples.
+    /// Measures the effect of rounding on the request's samples.
     fn numerical(&self) -> Result<Option<Numerical>, Diagnostic> {
         let request = Request { layers: vec![Layer::Color], ..self.request.clone() };
         self.bench.many.install(|| {
@@ -152,7 +152,7 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// Those that were finished.
+    /// Measures the settings. Returns those that were finished.
     fn measurements(
         &mut self,
         settings: &[Setting],
@@ -176,14 +176,14 @@ impl<'a> Sweep<'a> {
         Ok(measurements)
     }
 
-    /// None if it was ended.
+    /// Measures a setting. `None` if the watch ended the sweep.
     fn measure(
         &mut self,
         setting: &Setting,
         reference: &Reference,
     ) -> Result<Option<Measurement>, Diagnostic> {
         let of_other_octaves = setting.octaves.map(|most| with_octaves(&self.renderer.scene, most));
-        // The same objects stand in the same places, so that this scene makes a world, too.
+        // The changed scene has the same objects, so a world can be built for it.
         let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let request = setting.request(self.request, self.request.sampler.rng());
@@ -202,8 +202,8 @@ impl<'a> Sweep<'a> {
         Ok(Some(Measurement { setting, times, rays, error, flip, off, changed: None, picture: bytes }))
     }
 
-    /// Renders on one thread, again and again: the picture, the rays that were cast for it, and how long it took each
-    /// time. None if it was ended.
+    /// Renders repeatedly on one thread. Returns the picture, the number of rays cast, and the time of each run. `None`
+    /// if the watch ended the sweep.
     fn repeat(
         &self,
         setting: &Setting,
@@ -224,8 +224,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Renders with the progress from what is done to so much more: the picture, and the rays that were cast for it.
-    /// None if it was ended.
+    /// Renders, and reports progress from the completed work up to `work` more. Returns the picture and the number of
+    /// rays cast. `None` if the watch ended the sweep.
     fn render(
         &self,
         threads: &ThreadPool,
@@ -256,7 +256,7 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// About the samples of each pixel until a setting is measured.
+/// Returns the approximate work to measure a setting, in samples per pixel.
 fn work(setting: &Setting) -> f64 {
     let samples = match setting.samples {
         Samples::Fixed(_, count) => f64::from(count),

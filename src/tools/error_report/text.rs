@@ -1,4 +1,4 @@
-//! A report for a terminal of 100 columns: the answer first, then what nothing beats.
+//! Writes a report for a terminal of 100 columns: the answer first, then the Pareto front.
 
 use super::setting::separate;
 use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
@@ -6,14 +6,14 @@ use crate::base::shell::Shell;
 use crate::stats::RULE;
 use std::fmt::Write;
 
-/// The most rows of the front that are shown.
+/// The largest number of rows of the front.
 const MOST_ROWS: usize = 12;
 
-/// The most columns of a line.
+/// The largest number of columns in a line.
 const COLUMNS: usize = 100;
 
-/// The answers, one as a command or several as rows, and the front of all filters. The page and the table have the rest.
-/// `shell` reads the command.
+/// Returns the answers and the front of all filters. One answer is written as a command for `shell`, several as rows.
+/// The page and the table have everything else.
 pub fn text(report: &ErrorReport, answers: &[Answer<'_>], shell: Shell) -> String {
     let mut lines = vec![RULE.to_owned(), "SPEED AGAINST ERROR".to_owned()];
     match answers {
@@ -42,11 +42,11 @@ fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>, shell: Shell) {
     lines.extend(to_paste(command, shell));
 }
 
-/// The lines of a command, which `shell` reads as they stand.
+/// Returns the lines of a command in the syntax of `shell`.
 fn to_paste(command: &[String], shell: Shell) -> Vec<String> {
     match shell {
         Shell::Posix => wrapped(command, "    ", "      ", " \\"),
-        // No end of a line that goes on is common to cmd.exe and PowerShell.
+        // cmd.exe and PowerShell have no common syntax for continued lines.
         Shell::Windows => vec![command.join(" ")],
     }
 }
@@ -62,7 +62,7 @@ fn add_answers(lines: &mut Vec<String>, answers: &[Answer<'_>]) {
     }
 }
 
-/// The front, thinned evenly where it has too many rows.
+/// Adds the front, thinned evenly if it has too many rows.
 fn add_front(lines: &mut Vec<String>, report: &ErrorReport) {
     let front = report.front();
     if front.is_empty() {
@@ -82,7 +82,7 @@ fn add_row(lines: &mut Vec<String>, start: &str, one: &Measurement) {
     lines.extend(wrapped(&flags, &start, &" ".repeat(start.len()), ""));
 }
 
-/// What roundings do.
+/// Describes the effect of rounding.
 fn numerical(numerical: &Numerical) -> [String; 3] {
     let Numerical { size: [width, height], samples, program, single } = numerical;
     let line = |name: &str, found: &Departure| {
@@ -117,7 +117,8 @@ fn add_notes(lines: &mut Vec<String>, report: &ErrorReport) {
     );
 }
 
-/// Words in lines, those after the first with another indentation. `end` stands behind a line that goes on.
+/// Wraps words into lines. `first` and `next` are the indentation of the first and the other lines. `end` is appended
+/// to each continued line.
 fn wrapped(words: &[String], first: &str, next: &str, end: &str) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = first.to_owned();

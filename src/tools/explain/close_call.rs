@@ -1,4 +1,4 @@
-//! Decisions that other roundings could turn: where another tracer may rightly differ.
+//! Close calls: decisions that different rounding could reverse, so another correct tracer may differ.
 
 use super::objects::ObjectPart;
 use crate::math::ray::Ray;
@@ -10,7 +10,7 @@ use crate::world::{Primitive, World};
 use serde::Serialize;
 use std::fmt;
 
-/// What is close.
+/// The kind of a close call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CloseCallKind {
@@ -20,57 +20,57 @@ pub enum CloseCallKind {
     Tangent,
     /// The ray is parallel to a plane.
     Parallel,
-    /// The ray meets something as near as what it sees.
+    /// The ray hits something at the same distance as the visible hit.
     SameT,
-    /// The ray meets something where it starts.
+    /// The ray hits something at its origin.
     Start,
-    /// The ray meets something at the light.
+    /// The ray hits something at the light.
     End,
     /// The cosine between a normal and a direction is about 0.
     Cosine,
-    /// The point lies in a boundary of a checkerboard's squares.
+    /// The point lies on a boundary between a checkerboard's squares.
     Boundary,
-    /// The ray meets a surface at the critical angle of total internal reflection.
+    /// The ray hits a surface at the critical angle of total internal reflection.
     Critical,
 }
 
-/// A decision that a few roundings could turn.
+/// A decision that a few roundings could reverse.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CloseCall {
-    /// What is close.
+    /// The kind.
     pub kind: CloseCallKind,
-    /// The object that it is about, if it is about one.
+    /// The object involved, if any.
     pub object: Option<ObjectPart>,
 }
 
-/// Cosines up to this are about 0. The scalar product of two rounded unit vectors is right to within half of it.
+/// Cosines up to this are about 0. The scalar product of two rounded unit vectors is accurate to within half of it.
 const COSINE_BOUND: f64 = 8.0 * UNIT_ROUNDOFF;
 
-/// Two t closer to each other than so many roundings of the coordinates involved count as the same.
+/// Two values of t closer than this many roundings of the coordinates involved count as equal.
 const SAME_T_ROUNDINGS: f64 = 16.0;
 
-/// What lies so close to the origin of a ray may be the surface that it leaves: secondary rays start up to 128
-/// roundings from it.
+/// A hit this close to the origin of a ray may be the surface that it leaves: secondary rays start up to 128 roundings
+/// from it.
 const START_ROUNDINGS: f64 = 256.0;
 
-/// Whether a cosine is about 0.
+/// Returns true if a cosine is about 0.
 pub fn is_about_zero(cosine: f64) -> bool {
     cosine.abs() <= COSINE_BOUND
 }
 
-/// What a ray starts from and sees.
+/// The start and the visible hit of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct RayEnds {
-    /// The primitive that it leaves, which is not looked at.
+    /// The primitive that the ray leaves. It is not examined.
     pub leaves: Option<u32>,
-    /// The primitive that it sees first, and at which t.
+    /// The primitive that the ray hits first, and its t.
     pub sees: Option<(u32, f64)>,
 }
 
-/// The most close calls of a ray that are told of.
+/// The largest number of close calls reported for a ray.
 const MAX_CLOSE_CALLS: usize = 1 << 8;
 
-/// The first primitives of the world with which a ray has a close call. Every primitive is looked at, one by one.
+/// Returns the first primitives of the world with which a ray has a close call. Examines every primitive.
 pub fn close_primitives(world: &World, ray: &Ray, seen: RayEnds) -> Vec<(CloseCallKind, u32)> {
     let search = Search { world, ray, seen, shear: Shear::new(ray) };
     let count = world.finite_count() + world.planes.len();
@@ -90,7 +90,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn close_call(&self, id: u32) -> Option<CloseCallKind> {
-        // The line, as far as other roundings could let the ray reach.
+        // The part of the line that the ray could reach with different rounding.
         let far = self.seen.sees.map_or(self.ray.t_max, |(_, t)| t);
         let margin = self.roundings(START_ROUNDINGS, if far.is_finite() { far } else { 0.0 });
         let reach = Ray { t_min: self.ray.t_min - margin, t_max: far + margin, ..*self.ray };
@@ -126,7 +126,7 @@ impl Search<'_> {
         plane.intersect(reach).and_then(|t| self.same_t(t, id))
     }
 
-    /// So many roundings of the coordinates where the ray is at `t`.
+    /// Returns `count` roundings of the coordinates at the ray's `t`.
     fn roundings(&self, count: f64, t: f64) -> f64 {
         let largest = self.ray.origin.abs().max_element() + self.world.max_abs_coord + t.abs();
         count * UNIT_ROUNDOFF * largest
@@ -144,7 +144,7 @@ impl Search<'_> {
         }
     }
 
-    /// Whether any t of a triangle's corners lies on the ray, or one before and one behind it.
+    /// Returns true if the range of t of a triangle's corners overlaps the ray.
     fn overlaps(&self, reach: &Ray, triangle: usize) -> bool {
         let corners = self.world.corners(triangle);
         let t = corners.map(|corner| (corner - reach.origin).dot(reach.direction));

@@ -1,10 +1,10 @@
-//! A scale of colours from black to white whose brightness grows evenly.
+//! A colour scale from black to white with evenly increasing brightness.
 
 use std::f64::consts::TAU;
 
-/// The colour of a value from 0 (black) to 1 (white): Green's cubehelix, "A colour scheme for the display of
-/// astronomical intensity images", Bulletin of the Astronomical Society of India 39, 2011, section 3, with its
-/// default parameters. Values outside count as the nearest end.
+/// Returns the colour of a value from 0 (black) to 1 (white): Green's cubehelix, "A colour scheme for the display of
+/// astronomical intensity images", Bulletin of the Astronomical Society of India 39, 2011, section 3, with its default
+/// parameters. Values outside the range are clamped.
 pub fn cubehelix(value: f64) -> [u8; 3] {
     const START: f64 = 0.5;
     const ROTATIONS: f64 = -1.5;

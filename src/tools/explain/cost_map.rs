@@ -1,14 +1,14 @@
-//! A map of what each pixel costs.
+//! A map of the cost of each pixel.
 
 use super::color_scale::cubehelix;
 use super::digits::{self, set};
 use crate::picture::{BadSize, Picture};
 use crate::render::layer::Cost;
 
-/// What each pixel of a picture has cost.
+/// The cost of each pixel of a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CostMap {
-    /// What is counted.
+    /// The quantity counted.
     pub cost: Cost,
     /// Width and height in pixels.
     pub size: [usize; 2],
@@ -22,20 +22,20 @@ const GAP: usize = 4;
 const SCALE: usize = 12;
 
 impl CostMap {
-    /// The counts of all pixels together.
+    /// Returns the sum of all counts.
     pub fn total(&self) -> u64 {
         self.counts.iter().sum()
     }
 
-    /// The first of the pixels that cost most, by column and row from the top left, and its count.
+    /// Returns the first of the most expensive pixels, by column and row from the top left, and its count.
     pub fn most_expensive(&self) -> ([usize; 2], u64) {
         let most = self.counts.iter().copied().max().unwrap_or(0);
         let index = self.counts.iter().position(|&count| count == most).unwrap_or(0);
         ([index % self.size[0].max(1), index / self.size[0].max(1)], most)
     }
 
-    /// Draws the map in false colours, from black for 0 to white for the most expensive pixel. To its right stands the
-    /// scale, with the largest count at its top, half of it in the middle, and 0 at the bottom.
+    /// Draws the map in false colours, from black for 0 to white for the most expensive pixel. The scale to its right
+    /// is labelled with the largest count at its top, half of it in the middle, and 0 at the bottom.
     pub fn draw(&self) -> Result<Picture, BadSize> {
         let [width, height] = self.size;
         let (_, most) = self.most_expensive();

@@ -1,16 +1,16 @@
-//! What a cost map says in words.
+//! The text of a cost map.
 
 use super::CostMap;
 use crate::caster::Fullness;
 use crate::stats::RULE;
 use std::fmt;
 
-/// A cost map in words. `Display` prints a block like that of the statistics.
+/// A cost map and its grid. `Display` prints a block in the form of the statistics.
 #[derive(Clone, Debug)]
 pub struct CostReport {
     /// The map.
     pub map: CostMap,
-    /// How full the grid's cells are; none without a grid.
+    /// The occupancy of the grid's cells. `None` without a grid.
     pub cells: Option<Fullness>,
 }
 

@@ -7,8 +7,8 @@ pub const ADVANCE: usize = 4;
 /// Rows of a digit.
 pub const HEIGHT: usize = 5;
 
-/// Three columns and five rows for each digit from 0 to 9, row by row from the top left, the first in the highest of
-/// 15 bits.
+/// The pixels of each digit from 0 to 9: three columns and five rows, row by row from the top left. The first pixel is
+/// the highest of 15 bits.
 const GLYPHS: [u16; 10] = [
     0b111_101_101_101_111,
     0b010_110_010_010_111,
@@ -22,13 +22,13 @@ const GLYPHS: [u16; 10] = [
     0b111_101_111_001_111,
 ];
 
-/// The width of a number in pixels.
+/// Returns the width of a number in pixels.
 pub fn width(number: u64) -> usize {
     number.to_string().len() * ADVANCE
 }
 
-/// Draws a number in white, with its top left corner in column `x` and row `y` from the top. What does not fit into the
-/// picture is cut off.
+/// Draws a number in white, with its top left corner in column `x` and row `y` from the top. Parts outside the picture
+/// are cut off.
 pub fn draw(picture: &mut Picture, [x, y]: [usize; 2], number: u64) {
     for (place, digit) in number.to_string().bytes().enumerate() {
         let glyph = GLYPHS[usize::from(digit - b'0')];
@@ -40,7 +40,7 @@ pub fn draw(picture: &mut Picture, [x, y]: [usize; 2], number: u64) {
     }
 }
 
-/// Colours the pixel in column `x` and row `y` from the top, if there is one.
+/// Colours the pixel in column `x` and row `y` from the top, if it exists.
 pub fn set(picture: &mut Picture, [x, y]: [usize; 2], color: [u8; 3]) {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     if x < width && y < height {

@@ -1,4 +1,4 @@
-//! Where the work of a picture goes, and what is behind a pixel.
+//! Explains the cost of a picture and the computation of a pixel.
 
 mod close_call;
 pub mod color_scale;

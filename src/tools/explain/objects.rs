@@ -1,4 +1,4 @@
-//! Which object of the scene's text a primitive of the world comes from.
+//! Finds the object in the scene's text that a primitive of the world belongs to.
 
 use crate::base::escape::escape;
 use crate::diagnostic::Diagnostic;
@@ -17,10 +17,10 @@ use std::fmt;
 pub struct ObjectPart {
     /// The keyword of the object, and the name of its file if it has one.
     pub name: String,
-    /// Where the object stands.
+    /// The position of the object.
     #[serde(flatten)]
     pub at: Position,
-    /// Which of the object's triangles, counted from 0; none for what is a single primitive.
+    /// The index of the triangle in the object. `None` if the object is a single primitive.
     pub triangle: Option<u32>,
 }
 
@@ -31,40 +31,40 @@ pub struct TextureWeight {
     pub name: &'static str,
     /// Its index among the scene's materials.
     pub material: MaterialId,
-    /// Where it stands.
+    /// The position of the texture.
     pub at: Option<Position>,
-    /// Its two materials.
+    /// The indices of its two materials.
     pub children: [MaterialId; 2],
-    /// The weight of the first; the second has the rest.
+    /// The weight of the first material. The second has the rest.
     pub first: f64,
 }
 
-/// A material that has no parts itself, as a part of a mixture.
+/// A material without parts, as a component of a mixture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialPart {
     /// Its index among the scene's materials.
     pub material: MaterialId,
-    /// Where it stands.
+    /// The position of the material.
     pub at: Option<Position>,
-    /// Its share of the mixture. All shares add up to 1.
+    /// Its share of the mixture. All shares sum to 1.
     pub weight: f64,
-    /// The material by itself.
+    /// The material itself.
     pub phong: Phong,
 }
 
-/// How a surface's material comes about at a point.
+/// How a surface's material is mixed at a point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mixing {
-    /// The textures that have weight, the outermost first.
+    /// The textures with nonzero weight, outermost first.
     pub textures: Vec<TextureWeight>,
-    /// The materials that have weight, the first in the scene first.
+    /// The materials with nonzero weight, in the order of the scene.
     pub parts: Vec<MaterialPart>,
 }
 
 /// Looks objects up.
 ///
-/// The numbering of primitives is the world's own affair. So a second world is built from a copy of the scene in which
-/// the material of every object is its own id. Runs that do not ask pay nothing for it.
+/// The numbering of primitives is internal to the world. So a second world is built from a copy of the scene in which
+/// the material of every object is the object's own id. Runs without lookups do not pay for it.
 #[derive(Debug)]
 pub struct Objects<'r> {
     scene: &'r Scene,
@@ -72,7 +72,7 @@ pub struct Objects<'r> {
 }
 
 impl<'r> Objects<'r> {
-    /// The objects of a renderer that has kept its meshes.
+    /// Creates the lookup for a renderer that has kept its meshes.
     pub fn new(renderer: &'r Renderer) -> Result<Self, Diagnostic> {
         let scene = &renderer.scene;
         let mut copy = scene.clone();
@@ -84,7 +84,7 @@ impl<'r> Objects<'r> {
         Ok(Self { scene, labelled: World::new(&copy, renderer.meshes())? })
     }
 
-    /// The object that a primitive belongs to.
+    /// Returns the object that a primitive belongs to.
     pub fn of(&self, primitive: u32) -> Option<ObjectPart> {
         let (run, id) = self.labelled.material_run(primitive);
         let object = self.scene.objects.get(id)?;
@@ -97,12 +97,12 @@ impl<'r> Objects<'r> {
         Some(ObjectPart { name, at: *self.scene.positions.objects.get(id)?, triangle })
     }
 
-    /// Where a material stands in the scene's text.
+    /// Returns the position of a material in the scene's text.
     pub fn material_position(&self, material: MaterialId) -> Option<Position> {
         self.scene.positions.materials.get(material).copied()
     }
 
-    /// The textures and materials that have weight in a material at a point.
+    /// Returns the textures and materials with nonzero weight in a material at a point.
     pub fn mixing(&self, material: MaterialId, point: &RoundedPoint) -> Mixing {
         let mut weights = vec![0.0; material + 1];
         weights[material] = 1.0;

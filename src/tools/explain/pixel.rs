@@ -1,4 +1,4 @@
-//! Everything behind one pixel: its samples, each traced by itself, and the sum that becomes the picture's bytes.
+//! Explains a pixel: traces each of its samples, and sums them to the picture's bytes.
 
 use super::close_call::{CloseCall, CloseCallKind, RayEnds, close_primitives, is_about_zero};
 use super::objects::{MaterialPart, Objects};
@@ -34,48 +34,48 @@ pub struct Explainer<'p, 'r> {
     objects: Objects<'p>,
 }
 
-/// Why no pixel can be explained.
+/// The reason why a pixel cannot be explained.
 #[derive(Clone, Debug)]
 pub enum ExplainError {
-    /// The picture has no such pixel.
+    /// The picture does not contain the pixel.
     Outside,
-    /// It takes too long, or was cancelled.
+    /// It took too long, or was cancelled.
     Stopped,
 }
 
-/// A pixel with all that contributes to it. `Display` prints it.
+/// A pixel with everything that contributes to it. `Display` prints it.
 #[derive(Clone, Debug, Serialize)]
 pub struct PixelTree {
     /// Column and row from the top left, (0, 0).
     pub pixel: [usize; 2],
-    /// Whether there is a grid, whose cells are counted.
+    /// True if there is a grid, whose cells are counted.
     pub has_grid: bool,
-    /// How the scene's language calls what a material does.
+    /// The terms of the scene's language for materials.
     #[serde(skip)]
     pub words: MaterialWords,
-    /// The first of the samples that have weight.
+    /// The first samples with nonzero weight.
     pub samples: Vec<SampleTree>,
-    /// How many more there are.
+    /// The number of further samples.
     pub more_samples: u64,
-    /// The rays that are not kept, of all samples.
+    /// The rays of all samples that are not kept.
     pub left_out: LeftOut,
     /// The pixel's colour: the sum of the weighted colours over the sum of the weights.
     pub color: Color,
-    /// The bytes of the picture.
+    /// The bytes in the picture.
     pub bytes: [u8; CHANNELS],
 }
 
-/// How a language of scenes calls what a material does.
+/// The terms of a scene language for materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaterialWords {
     /// Mirrors have a reflective colour, glass a transparent one, and highlights a specular one with an exponent.
     Reflective,
-    /// The specular colour is that of mirrors, glass and highlights, which have a shininess.
+    /// The specular colour applies to mirrors, glass and highlights, which have a shininess.
     Specular,
 }
 
 impl MaterialWords {
-    /// Those of the scenes with this model.
+    /// Returns the terms used in scenes with this model.
     fn of(model: &Model) -> Self {
         match model.highlight {
             Highlight::Blinn => Self::Reflective,
@@ -87,32 +87,33 @@ impl MaterialWords {
 /// A sample with the rays behind it.
 #[derive(Clone, Debug, Serialize)]
 pub struct SampleTree {
-    /// The pixel that it is a sample of: column and row from the top left.
+    /// The pixel that contains the sample: column and row from the top left.
     pub pixel: [usize; 2],
-    /// Which of that pixel's samples it is, from 0.
+    /// The index of the sample in that pixel, from 0.
     pub number: usize,
-    /// From that pixel's centre to the right and up, in pixels.
+    /// The offset from that pixel's centre to the right and up, in pixels.
     pub offset: DVec2,
-    /// What it weighs in the sum.
+    /// Its weight in the sum.
     pub weight: f64,
-    /// Its colour.
+    /// The colour of the sample.
     pub color: Color,
-    /// The camera's ray and all that follow from it, each after the one that it left; the first of them where there are
-    /// too many.
+    /// The camera ray and all its descendants. Each comes after its parent. If there are too many, only the first ones
+    /// are kept.
     pub rays: Vec<RayNode>,
     /// The rays that are not kept.
     pub left_out: LeftOut,
 }
 
-/// How many rays of a pixel are kept.
+/// The largest number of rays kept for a pixel.
 const MAX_RAYS: usize = 1 << 12;
-/// How many of these, of their rays to lights and of what those cross: a line of text and 400 bytes each.
+/// The largest number of these rays, their shadow rays and the surfaces these cross. Each takes a line of text and 400
+/// bytes.
 const MAX_LINES: usize = 1 << 17;
-/// How many samples of a pixel are kept.
+/// The largest number of samples kept for a pixel.
 const MAX_SAMPLES: usize = 1 << 12;
 
 impl<'p, 'r> Explainer<'p, 'r> {
-    /// For a scene whose renderer has kept its meshes.
+    /// Creates an explainer for a scene whose renderer has kept its meshes.
     pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, Diagnostic> {
         let renderer = prepared.renderer();
         let uses_mesh = |object: &Object| match *object {
@@ -125,11 +126,11 @@ impl<'p, 'r> Explainer<'p, 'r> {
         Ok(Self { prepared, objects: Objects::new(renderer)? })
     }
 
-    /// Explains a pixel, by column and row from the top left, of the colours that a request shows. An error where the
-    /// picture has no such pixel, or where it is time to stop.
+    /// Explains the colour of a pixel, given by column and row from the top left. Fails if the picture does not contain
+    /// the pixel, or if `stop` ends the work.
     ///
-    /// Samples are added up in the film's order, so that the colour is the rendered one to the last bit. The first rays
-    /// and samples are kept, and the others counted.
+    /// Samples are added in the film's order, so the colour equals the rendered one to the last bit. The first rays and
+    /// samples are kept, and the others are counted.
     pub fn pixel(
         &self,
         request: &Request,
@@ -189,8 +190,8 @@ impl<'p, 'r> Explainer<'p, 'r> {
         Ok(PixelTree { pixel: [x, y], has_grid, words, samples, more_samples, left_out, color, bytes })
     }
 
-    /// The samples of the pixel `own` that have weight for `target`: number, offset, the filter's weight, and the part of
-    /// the pixel that they stand for. Rows count from the bottom.
+    /// Returns the samples of the pixel `own` with nonzero weight for `target`: index, offset, filter weight, and the
+    /// part of the pixel that each represents. Rows count from the bottom.
     fn samples(
         &self,
         request: &Request,
@@ -207,7 +208,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         })
     }
 
-    /// Traces a camera ray and notes everything about the rays for which there is room.
+    /// Traces a camera ray and records its descendants as long as there is room.
     fn trace(
         &self,
         request: &Request,
@@ -223,7 +224,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let mut memory = Memory::new(Patience::until(&is_over, lights));
         let color = tracer.color(ray, &mut memory, &mut recorder);
         let (mut rays, left_out) = recorder.finish();
-        // What a ray leaves is what the ray before it sees.
+        // A ray leaves the primitive that its parent hits.
         let mut left = vec![None; rays.len()];
         for place in 0..rays.len() {
             if stop.is_over() {
@@ -237,7 +238,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         (color, rays, left_out)
     }
 
-    /// Finds out what the tracer itself does not need to know.
+    /// Adds information that the tracer itself does not need.
     fn annotate(&self, node: &mut RayNode, leaves: Option<u32>, stop: &Stop) {
         let world = self.prepared.caster().world;
         let sees = node.hit.map(|hit| (hit.primitive, hit.t));
@@ -255,7 +256,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
             .with_rounded_point(&surface.point, |point| self.objects.mixing(surface.point.material, point));
         surface.textures = mixing.textures;
         if mixing.parts.len() > 1 {
-            // The tracer keeps highlights apart, since they have exponents of their own.
+            // The tracer keeps highlights separate, because they have their own exponents.
             let specular = |part: &MaterialPart| part.weight * part.phong.specular;
             surface.material.specular = mixing.parts.iter().map(specular).sum();
             surface.parts = mixing.parts;
@@ -278,7 +279,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         }
     }
 
-    /// What the diffuse colour at a point comes from, if not from the material itself.
+    /// Returns the source of the diffuse colour at a point, if it is not the material itself.
     fn paint(&self, point: &SurfacePoint, world: &World) -> Option<String> {
         let scene = &self.prepared.renderer().scene;
         match scene.materials.get(point.material)? {
@@ -291,7 +292,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         }
     }
 
-    /// Whether a checkerboard decides by roundings which material the surface has.
+    /// Returns true if rounding decides which material of a checkerboard the surface has.
     fn is_in_boundary(&self, surface: &Surface, world: &World) -> bool {
         let materials = &self.prepared.renderer().scene.materials;
         surface.textures.iter().any(|texture| match materials.get(texture.material) {
@@ -317,7 +318,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let sees = sees.map(|hit| (hit.primitive, hit.t));
         shadow.close_calls = self.close_calls(&shadow.ray, RayEnds { leaves: Some(leaves), sees });
         if shadow.crossed.is_empty() {
-            // A light on a surface is behind it, whether or not the ray's roundings let it meet the surface.
+            // A light on a surface is behind it, even if rounding lets the ray miss the surface.
             let at_light =
                 world.primitives_at_light(light).first().map(|place| (place.primitive, shadow.ray.t_max));
             let blocker = sees.or(at_light);
@@ -333,13 +334,13 @@ impl<'p, 'r> Explainer<'p, 'r> {
 }
 
 impl PixelTree {
-    /// The work for all samples.
+    /// Returns the work for all samples.
     pub fn counts(&self) -> Counts {
         let rays = self.samples.iter().flat_map(|sample| &sample.rays);
         rays.fold(self.left_out.counts, |sum, node| sum.merge(node.all_counts()))
     }
 
-    /// The names of the channels whose byte a few roundings could change.
+    /// Returns the names of the channels whose byte a few roundings could change.
     pub fn close_channels(&self) -> impl Iterator<Item = &'static str> {
         let channels = ["red", "green", "blue"].into_iter().zip(self.color.to_array());
         channels.filter(|&(_, channel)| is_about_to_change(channel)).map(|(name, _)| name)

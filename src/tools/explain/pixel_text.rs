@@ -1,4 +1,4 @@
-//! The tree of rays behind a pixel in words.
+//! Writes the tree of rays behind a pixel as text.
 
 use super::objects::{MaterialPart, ObjectPart};
 use super::pixel::{MaterialWords, PixelTree, SampleTree};
@@ -13,15 +13,15 @@ use crate::trace::{PathEnd, Secondary};
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result};
 
-/// From this depth on, lines are not indented any further: a mirror hall may be thousands of rays deep.
+/// The largest depth that is indented: in a mirror hall, rays may be nested thousands of levels deep.
 const DEEPEST: usize = 20;
 
-/// How many rays of the first sample are shown.
+/// The largest number of rays shown for the first sample.
 const SHOWN_RAYS: usize = 512;
-/// How many of the other samples are shown, in a line each.
+/// The largest number of other samples shown, in a line each.
 const SHOWN_SAMPLES: usize = 1024;
 
-/// Lines that are indented alike.
+/// Lines with the same indentation.
 struct Lines<'f, 'g> {
     f: &'f mut Formatter<'g>,
     indent: usize,
@@ -53,7 +53,7 @@ impl Display for PixelTree {
         let mut line = |label: &str, value: String| writeln!(f, "  {label:<27}{value}");
         line("samples", (self.samples.len() as u64 + self.more_samples).to_string())?;
         line("counted", counted(self.counts(), self.has_grid))?;
-        // All digits, since the bytes are cut from them.
+        // All digits are shown, because the bytes are truncated from them.
         line("sum", format!("({r}, {g}, {b})"))?;
         line("bytes", format!("({red}, {green}, {blue})"))?;
         for name in self.close_channels() {
@@ -63,7 +63,7 @@ impl Display for PixelTree {
     }
 }
 
-/// What the text of a pixel depends on beside its rays.
+/// The settings for the text of a pixel.
 #[derive(Clone, Copy)]
 struct Style {
     has_grid: bool,
@@ -87,7 +87,7 @@ fn write_sample(sample: &SampleTree, style: Style, lines: &mut Lines) -> Result 
     lines.line(format_args!("the sample's colour {}", Triple(*color)))
 }
 
-/// A sample in one line.
+/// Writes a sample in one line.
 fn write_briefly(sample: &SampleTree, lines: &mut Lines) -> Result {
     let rays = sample.rays.len() as u64 + sample.left_out.rays;
     lines.line(format_args!("{}: colour {}, rays {}", Head(sample), Triple(sample.color), Grouped(rays)))
@@ -97,7 +97,7 @@ fn write_more(count: u64, what: &str, lines: &mut Lines) -> Result {
     if count == 0 { Ok(()) } else { lines.line(format_args!("and {} more {what}", Grouped(count))) }
 }
 
-/// Which sample it is.
+/// The heading that identifies a sample.
 struct Head<'s>(&'s SampleTree);
 
 impl Display for Head<'_> {
@@ -183,7 +183,7 @@ fn write_surface(surface: &Surface, words: MaterialWords, lines: &mut Lines) -> 
 struct Colors<'p> {
     phong: &'p Phong,
     has_exponent: bool,
-    /// What the diffuse colour comes from, if not from the material itself.
+    /// The source of the diffuse colour, if it is not the material itself.
     paint: &'p Option<String>,
     words: MaterialWords,
 }
@@ -214,7 +214,7 @@ impl Display for Colors<'_> {
     }
 }
 
-/// A material with the line where it stands.
+/// A material with its line in the scene's text.
 struct NamedMaterial(MaterialId, Option<Position>);
 
 impl Display for NamedMaterial {
@@ -224,7 +224,7 @@ impl Display for NamedMaterial {
     }
 }
 
-/// A number of a material that matters only where this colour of it is not black.
+/// A number of a material that is shown only if this colour is not black.
 struct Power(&'static str, Color, f64);
 
 impl Display for Power {
@@ -251,7 +251,7 @@ fn write_lights(surface: &Surface, to_viewer: DVec3, style: Style, lines: &mut L
 fn write_light(number: usize, light: &Lighting, words: MaterialWords, lines: &mut Lines) -> Result {
     let Lighting { incident, cosine, passed, parts: [diffuse, specular], .. } = light;
     let cosine = Short(*cosine);
-    // By the law of the later editions there are highlights there, too.
+    // In later editions, highlights appear there, too.
     let may_shine = words == MaterialWords::Specular && *specular != Color::ZERO;
     if light.cosine <= 0.0 && !may_shine {
         return lines.line(format_args!("light {number} is behind the surface, cosine {cosine}"));
@@ -263,7 +263,8 @@ fn write_light(number: usize, light: &Lighting, words: MaterialWords, lines: &mu
     lines.line(format_args!("light {number}: diffuse {diffuse}, specular {specular}, cosine {cosine}"))
 }
 
-/// Writes the vectors of the lighting formula: towards the light and, if there is a highlight, that of its cosine.
+/// Writes the vectors of the lighting formula: the direction to the light and, if there is a highlight, the direction
+/// used for its cosine.
 fn write_directions(
     surface: &Surface,
     light: &Lighting,
@@ -324,7 +325,7 @@ fn write_shadow(light: &Lighting, shadow: &Shadow, has_grid: bool, lines: &mut L
     shadow.close_calls.iter().try_for_each(|call| lines.line(call))
 }
 
-/// An object, or whatever is there.
+/// An object, or "a surface" if it is unknown.
 struct Named<'o>(&'o Option<ObjectPart>);
 
 impl Display for Named<'_> {
@@ -349,7 +350,7 @@ fn name(kind: Secondary) -> &'static str {
     }
 }
 
-/// Why there is no ray of a kind.
+/// The reason why there is no secondary ray of a kind.
 struct Why(Secondary, PathEnd, MaterialWords);
 
 impl Display for Why {

@@ -12,90 +12,90 @@ use crate::trace::{Event, Observer, PathEnd, Secondary, is_critical};
 use crate::world::SurfacePoint;
 use serde::Serialize;
 
-/// A ray that was followed, with what it met.
+/// A ray that was followed, and its hit.
 #[derive(Clone, Debug, Serialize)]
 pub struct RayNode {
-    /// How it left the surface where it starts; none for the camera ray.
+    /// How the ray left the surface at its origin. `None` for the camera ray.
     pub kind: Option<Secondary>,
-    /// How many reflections and refractions lie between it and the camera.
+    /// The number of reflections and refractions between it and the camera.
     pub bounces: usize,
     /// The ray.
     pub ray: Ray,
-    /// The triangle that it leaves, which it does not meet again.
+    /// The triangle that the ray leaves and cannot hit again.
     #[serde(skip)]
     pub exclude: Option<u32>,
-    /// What its colour is multiplied by on the way to the picture.
+    /// The factor of its colour in the picture.
     pub filter: Color,
-    /// What it weighs.
+    /// The weight of the ray.
     pub weight: f64,
-    /// What it sees.
+    /// The nearest hit.
     #[serde(skip)]
     pub hit: Option<Hit>,
-    /// The work of finding that.
+    /// The work of finding the hit.
     pub counts: Counts,
-    /// The surface that it sees; none where it sees the background.
+    /// The surface at the hit. `None` if the ray reaches the background.
     pub surface: Option<Surface>,
-    /// The face of the cube map that it sees where it meets nothing.
+    /// The face of the cube map that the ray reaches if it hits nothing.
     #[serde(skip)]
     pub cube_face: Option<&'static str>,
-    /// The colour of the surface by itself, or the background's.
+    /// The surface's own colour, or the background's.
     pub color: Color,
     /// The secondary rays that were not followed.
     pub ends: Vec<NotFollowed>,
-    /// The rays that start where it ends, by their places in the tree.
+    /// The indices of the rays that start at its hit.
     pub children: Vec<usize>,
-    /// Decisions about it that other roundings could change.
+    /// Decisions about the ray that different rounding could reverse.
     pub close_calls: Vec<CloseCall>,
 }
 
 /// A secondary ray that was not followed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NotFollowed {
-    /// How it would have left the surface.
+    /// How the ray would have left the surface.
     pub kind: Secondary,
-    /// Why it was not followed.
+    /// The reason why it was not followed.
     #[serde(flatten)]
     pub end: PathEnd,
 }
 
-/// A surface that a ray has met, and how it is lit.
+/// A surface that a ray hits, and its lighting.
 #[derive(Clone, Debug, Serialize)]
 pub struct Surface {
-    /// The object that it belongs to.
+    /// The object with the surface.
     pub object: Option<ObjectPart>,
-    /// Where on the ray.
+    /// The position on the ray.
     pub t: f64,
-    /// Where in the world.
+    /// The point in the world.
     pub point: SurfacePoint,
-    /// Where its material stands in the scene's text.
+    /// The position of its material in the scene's text.
     pub material_at: Option<Position>,
     /// The material, with its textures evaluated.
     pub material: Phong,
-    /// What the diffuse colour comes from, if not from the material itself.
+    /// The source of the diffuse colour, if it is not the material itself.
     #[serde(skip)]
     pub paint: Option<String>,
     /// The textures of the material, each with the weight of its first child.
     pub textures: Vec<TextureWeight>,
-    /// The materials that the textures mix; none where there is only one.
+    /// The materials mixed by the textures. Empty if there is only one.
     pub parts: Vec<MaterialPart>,
-    /// The ambient part of the colour; none where the surface is seen from within and black there.
+    /// The ambient part of the colour. `None` if the surface is seen from inside and black there.
     pub ambient: Option<Color>,
     /// The lights, in the order of the scene.
     pub lights: Vec<Lighting>,
 }
 
-/// What a light contributes to a surface's colour.
+/// The contribution of a light to a surface's colour.
 #[derive(Clone, Debug, Serialize)]
 pub struct Lighting {
-    /// What arrives where nothing is in the way.
+    /// The light that arrives without obstruction.
     pub incident: Incident,
-    /// Between the normal on the viewer's side and the direction to the light.
+    /// The cosine between the normal on the viewer's side and the direction to the light.
     pub cosine: f64,
-    /// How much of the light passes what is in the way.
+    /// The fraction of the light that passes obstructions.
     pub passed: Color,
-    /// The diffuse and the specular part of what an unobstructed light shows.
+    /// The diffuse and the specular part for an unobstructed light.
     pub parts: [Color; 2],
-    /// The ray towards the light; none without shadows.
+    /// The ray towards the light. `None` without shadows.
     pub shadow: Option<Shadow>,
 }
 
@@ -104,62 +104,62 @@ pub struct Lighting {
 pub struct Shadow {
     /// The ray, which ends at the light.
     pub ray: Ray,
-    /// The surfaces on its way, as far as it was followed; none for what casts an opaque shadow.
+    /// The surfaces that it crosses, as far as it was followed. Empty for opaque shadows.
     pub crossed: Vec<Crossing>,
-    /// What ends the way of an opaque shadow's ray.
+    /// The obstruction that ends an opaque shadow's ray.
     pub blocker: Option<LightBlocker>,
-    /// The work of finding that.
+    /// The work of finding the obstructions.
     pub counts: Counts,
-    /// Decisions about it that other roundings could change.
+    /// Decisions about the ray that different rounding could reverse.
     pub close_calls: Vec<CloseCall>,
 }
 
-/// What ends the way of an opaque shadow's ray.
+/// The obstruction that ends an opaque shadow's ray.
 #[derive(Clone, Debug, Serialize)]
 pub struct LightBlocker {
-    /// The object that is in the way.
+    /// The obstructing object.
     pub object: Option<ObjectPart>,
-    /// Where on the ray.
+    /// The position on the ray.
     pub t: f64,
 }
 
-/// A surface on the way to a light.
+/// A surface between a point and a light.
 #[derive(Clone, Debug, Serialize)]
 pub struct Crossing {
-    /// The object that it belongs to.
+    /// The object with the surface.
     pub object: Option<ObjectPart>,
-    /// Where, on the way from the last surface.
+    /// The hit, with t measured from the last surface.
     #[serde(flatten)]
     pub hit: Hit,
-    /// Its transparent colour; black where the way ends.
+    /// Its transparent colour. Black if it blocks the light.
     pub tint: Color,
-    /// Whether the light leaves the object there, and is tinted for its way inside.
+    /// True if the light leaves the object there and is tinted for the distance inside.
     pub leaves: bool,
 }
 
-/// Records what becomes of one camera ray, as far as there is room.
+/// Records the descendants of one camera ray, as long as there is room.
 #[derive(Debug, Default)]
 pub struct Recorder {
     rays: Vec<RayNode>,
-    /// How many rays are kept.
+    /// The largest number of rays kept.
     room: usize,
-    /// Those that are not.
+    /// The rays that are not kept.
     left_out: LeftOut,
-    /// The places of the rays that wait, in step with those that wait in the tracer. A ray that is left out has none.
+    /// The indices of pending rays, in the order of the tracer's pending rays. `None` for a ray that is not kept.
     waiting: Vec<Option<usize>>,
     current: Option<usize>,
-    /// What has been counted since the last ray was finished.
+    /// The work since the last ray was finished.
     counts: Counts,
     /// The last ray towards a light, until the light's contribution is known.
     shadow: Option<Shadow>,
 }
 
-/// What is counted, but not kept.
+/// Rays that are counted but not kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
     /// Reflected and refracted rays.
     pub rays: u64,
-    /// The work for them and their rays towards the lights.
+    /// The work for them and their rays towards lights.
     pub counts: Counts,
 }
 
@@ -183,14 +183,14 @@ impl RayNode {
         }
     }
 
-    /// The work for this ray and its rays towards the lights.
+    /// Returns the work for this ray and its rays towards lights.
     pub fn all_counts(&self) -> Counts {
         let lights = self.surface.iter().flat_map(|surface| &surface.lights);
         let shadows = lights.filter_map(|light| light.shadow.as_ref());
         shadows.fold(self.counts, |sum, shadow| sum.merge(shadow.counts))
     }
 
-    /// About the number of lines that tell of this ray and of its rays towards the lights.
+    /// Returns the approximate number of text lines for this ray and its rays towards lights.
     pub(super) fn lines(&self) -> usize {
         let lights = self.surface.iter().flat_map(|surface| &surface.lights);
         1 + lights
@@ -200,14 +200,14 @@ impl RayNode {
 }
 
 impl Recorder {
-    /// Starts with a camera ray, and keeps as many rays as there is room for.
+    /// Starts a recorder with a camera ray. It keeps at most `room` rays.
     pub fn of(ray: Ray, room: usize) -> Self {
         let rays = if room > 0 { vec![RayNode::new(None, 0, ray)] } else { vec![] };
         let current = (room > 0).then_some(0);
         Self { rays, room, current, ..Self::default() }
     }
 
-    /// The rays, the camera's first and every other after the one that it left, and what was left out.
+    /// Returns the rays, with the camera ray first and each ray after its parent, and the rays left out.
     pub fn finish(mut self) -> (Vec<RayNode>, LeftOut) {
         if self.rays.is_empty() {
             self.left_out.rays += 1;
@@ -216,7 +216,7 @@ impl Recorder {
         (self.rays, self.left_out)
     }
 
-    /// Counts the work for a ray that is left out.
+    /// Counts the work for a ray that is not kept.
     fn leave_out(&mut self) {
         if self.current.is_none() {
             self.left_out.counts = self.left_out.counts.merge(std::mem::take(&mut self.counts));
@@ -227,7 +227,7 @@ impl Recorder {
         self.rays.get_mut(self.current?)
     }
 
-    /// A ray that follows, with the bounces of the current one.
+    /// Adds a descendant of the current ray, given the current number of bounces.
     fn push(&mut self, follow: impl FnOnce(usize) -> RayNode) {
         let place = self.rays.len();
         let has_room = place < self.room;

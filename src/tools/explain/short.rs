@@ -1,9 +1,9 @@
-//! Numbers with as many digits as a reader compares.
+//! Formats numbers with the number of digits that a reader compares.
 
 use glam::DVec3;
 use std::fmt;
 
-/// A number with nine significant digits, without zeros at its end.
+/// A number with nine significant digits, without trailing zeros.
 pub struct Short(pub f64);
 
 /// Three numbers in parentheses.
@@ -13,7 +13,7 @@ impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const PLAIN: std::ops::Range<f64> = 1e-4..1e9;
         let rounded: f64 = format!("{:.8e}", self.0).parse().unwrap_or(self.0);
-        // A sum with zero turns a negative zero into a positive one.
+        // Adding zero turns a negative zero into a positive one.
         let rounded = rounded + 0.0;
         if rounded == 0.0 || PLAIN.contains(&rounded.abs()) || !rounded.is_finite() {
             write!(f, "{rounded}")

@@ -1,11 +1,11 @@
-//! The end of work that takes too long.
+//! Ends work that takes too long.
 
 use crate::render::Progress;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// When to stop.
+/// A deadline that can be moved to now.
 #[derive(Debug)]
 pub struct Stop {
     deadline: Instant,
@@ -13,17 +13,17 @@ pub struct Stop {
 }
 
 impl Stop {
-    /// At this time.
+    /// Stops at this time.
     pub fn at(deadline: Instant) -> Self {
         Self { deadline, is_over: AtomicBool::new(false) }
     }
 
-    /// Now.
+    /// Stops now.
     pub fn cancel(&self) {
         self.is_over.store(true, Ordering::Relaxed);
     }
 
-    /// Whether it is time.
+    /// Returns true if the work should end.
     pub fn is_over(&self) -> bool {
         if !self.is_over.load(Ordering::Relaxed) && Instant::now() >= self.deadline {
             self.cancel();
@@ -31,7 +31,7 @@ impl Stop {
         self.is_over.load(Ordering::Relaxed)
     }
 
-    /// Ends a render when it is time. This is a [`Watch`](crate::render::Watch).
+    /// Ends a render after the deadline. This is a [`Watch`](crate::render::Watch).
     pub fn watch(&self, _: Progress) -> ControlFlow<()> {
         if self.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -1,59 +1,59 @@
-//! One picture of all names.
+//! One picture, as submitted by all names.
 
 use crate::picture::Picture;
 use crate::tools::causes::Finding;
 use crate::tools::compare::{Comparison, Tolerance, common_size};
 use std::fmt::Write;
 
-/// What was handed in.
+/// A submission.
 #[derive(Clone, Debug)]
 pub enum Submission {
     /// A picture of the reference's size.
     Picture(Picture),
-    /// There is none.
+    /// No file.
     Missing,
-    /// A file that is no such picture, and why.
+    /// A file that is not a picture of the reference's size, and the reason.
     Unusable(String),
 }
 
-/// One picture of all names.
+/// One picture, as submitted by all names.
 #[derive(Clone, Debug)]
 pub struct Column {
     /// The name of the picture.
     pub picture: String,
-    /// Why there is no reference, if there is none.
+    /// The reason why there is no reference, if there is none.
     pub problem: Option<String>,
-    /// One for each name.
+    /// The results, one for each name.
     pub cells: Vec<Cell>,
-    /// For each name, the path of the file that was taken, if it is not the picture's name.
+    /// For each name, the path of the file used, if it differs from the picture's name.
     pub found_as: Vec<Option<String>>,
 }
 
-/// One picture of one name.
+/// The result of one picture of one name.
 #[derive(Clone, Debug)]
 pub enum Cell {
-    /// It equals the reference.
+    /// The picture equals the reference.
     Equal,
-    /// It differs from the reference.
+    /// The picture differs from the reference.
     Different {
-        /// How far.
+        /// The difference.
         comparison: Box<Comparison>,
-        /// Whether the tolerance accepts it.
+        /// True if the tolerance accepts it.
         passes: bool,
-        /// Why, if that was looked for.
+        /// The cause, if one was searched for and found.
         cause: Option<Finding>,
         /// Its index among the different pictures of the column.
         picture: usize,
     },
     /// There is no picture.
     Missing,
-    /// There is no readable picture of the reference's size, and why.
+    /// There is no readable picture of the reference's size. Contains the reason.
     Unusable(String),
     /// There is no reference.
     Ungraded,
 }
 
-/// What a cell says, in a word.
+/// The verdict of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellWord {
     /// The picture is right.
@@ -69,7 +69,7 @@ pub enum CellWord {
 }
 
 impl CellWord {
-    /// The word.
+    /// Returns the verdict as text.
     pub fn word(self) -> &'static str {
         match self {
             Self::Passed => "passed",
@@ -80,7 +80,7 @@ impl CellWord {
         }
     }
 
-    /// The mark of a cell in a page.
+    /// Returns the mark of a cell in a page.
     pub fn mark(self) -> &'static str {
         match self {
             Self::Passed => "\u{2713}",
@@ -93,7 +93,7 @@ impl CellWord {
 }
 
 impl Cell {
-    /// What it says, in a word.
+    /// Returns the verdict.
     pub fn verdict(&self) -> CellWord {
         match self {
             Self::Equal | Self::Different { passes: true, .. } => CellWord::Passed,
@@ -104,7 +104,8 @@ impl Cell {
         }
     }
 
-    /// Why it is not the reference: the cause of the difference, or of the failure to read the picture.
+    /// Returns why the picture does not equal the reference: the cause of the difference, or the reason why the picture
+    /// cannot be used.
     pub fn reason(&self) -> Option<String> {
         match self {
             Self::Different { cause, .. } => cause.as_ref().map(words),
@@ -114,7 +115,7 @@ impl Cell {
     }
 }
 
-/// A cause in a few words.
+/// Describes a cause in a few words.
 fn words(finding: &Finding) -> String {
     let mut words = String::new();
     // Writing to a string cannot fail.
@@ -135,7 +136,7 @@ fn words(finding: &Finding) -> String {
 }
 
 impl Column {
-    /// A picture that nothing can be compared with, and why.
+    /// Creates a column for a picture without a reference. `problem` is the reason.
     pub fn ungraded(picture: String, problem: String, names: usize) -> Self {
         Self {
             picture,
@@ -145,7 +146,7 @@ impl Column {
         }
     }
 
-    /// What is to be said of the cell in a row: under which other name it was found, and why it is not the reference.
+    /// Returns the remarks on the cell in a row: the other name under which it was found, and why it differs.
     pub fn reason(&self, row: usize) -> Option<String> {
         let found_as = self.found_as.get(row).and_then(Option::as_ref);
         match (found_as.map(|file| format!("found as {file}")), self.cells[row].reason()) {
@@ -154,10 +155,10 @@ impl Column {
         }
     }
 
-    /// Compares what was handed in with the reference, one picture after the other. The first error ends it.
+    /// Compares submissions with the reference, one after the other. Stops at the first error.
     ///
-    /// `explain` is given the pictures that differ, without repetitions, and returns a cause for each that has one. It is
-    /// called for 64 MiB of pictures at a time, which are dropped afterwards, and not at all if all are equal.
+    /// `explain` receives the differing pictures without duplicates, and returns a cause for each that has one. It is
+    /// called for each 64 MiB of pictures, which are then dropped. It is not called if all pictures are equal.
     pub fn graded<E>(
         picture: String,
         reference: &Picture,
@@ -168,7 +169,7 @@ impl Column {
         let (mut places, mut waiting) = (Vec::new(), Vec::new());
         let (mut comparisons, mut causes) = (Vec::new(), Vec::new());
         let mut settle = |waiting: &mut Vec<Picture>| {
-            // All are of the reference's size.
+            // All pictures have the reference's size.
             comparisons.extend(Comparison::of_each(waiting, reference).unwrap_or_default());
             let mut found = if waiting.is_empty() { Vec::new() } else { explain(waiting) };
             found.resize(waiting.len(), None);
@@ -203,17 +204,17 @@ impl Column {
     }
 }
 
-/// The bytes of pictures that are held and explained at a time. A larger picture is held alone.
+/// The largest size in bytes of pictures held and explained at a time. A larger picture is held alone.
 const AT_ONCE: usize = 1 << 26;
 
-/// What becomes of a submission.
+/// The state of a submission.
 enum Place {
     Decided(Cell),
-    /// A picture that differs, by its index.
+    /// The index of a picture that differs.
     Wrong(usize),
 }
 
-/// Adds a picture that differs from the reference to those that wait, unless it is among them. `settled` is the number of
+/// Adds a picture that differs from the reference to `waiting`, unless it is already there. `settled` is the number of
 /// pictures before these.
 fn place(submission: Submission, reference: &Picture, waiting: &mut Vec<Picture>, settled: usize) -> Place {
     match submission {
@@ -237,7 +238,7 @@ fn place(submission: Submission, reference: &Picture, waiting: &mut Vec<Picture>
 mod tests {
     use super::*;
 
-    /// One pixel.
+    /// Returns a picture of one pixel.
     fn picture(level: u8) -> Picture {
         Picture::from_rgb(1, 1, vec![level; 3])
     }

@@ -1,4 +1,4 @@
-//! A table of results as comma-separated values (RFC 4180), a line for each picture of each name.
+//! Writes a table of results as comma-separated values (RFC 4180), one line for each picture of each name.
 
 use super::{Cell, Column, Table};
 use crate::base::escape::csv_field;
@@ -6,7 +6,7 @@ use crate::base::escape::csv_field;
 const HEAD: &str = "name,picture,result,pixels that differ,by more than one level,largest difference,\
                     root mean square error,reason\r\n";
 
-/// The table's lines, name by name.
+/// Returns the table's lines, name by name.
 pub fn csv(table: &Table) -> String {
     let rows = table.names.iter().enumerate();
     let lines = rows.flat_map(|(row, name)| table.columns.iter().map(move |column| line(name, column, row)));

@@ -1,7 +1,7 @@
-//! Grading: the pictures of many people, each compared with its reference, in one table.
+//! Grading: compares the pictures of many people with their references, in one table.
 //!
-//! A [`Table`] has a row for every name and a [`Column`] for every picture. A column is made at a time, so that only
-//! the pictures of one column are in memory; what the [`Page`] shows of them is kept as compressed bytes.
+//! A [`Table`] has a row for every name and a [`Column`] for every picture. Columns are made one at a time, so only one
+//! column's pictures are in memory. The pictures in the [`Page`] are kept as compressed bytes.
 
 mod column;
 mod csv;
@@ -16,38 +16,38 @@ pub use summary::summary;
 use crate::tools::compare::Tolerance;
 use std::fmt;
 
-/// The difference that a correct tracer in single precision may show: its silhouettes are up to a pixel off in a few
-/// places, and its colours by a level.
+/// The usual difference of a correct tracer in single precision: silhouettes off by up to a pixel in a few places, and
+/// colours by one level.
 const USUAL_TOLERANCE: Tolerance = Tolerance { levels: 1, pixels: 50 };
 
 /// The results of a grading.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// The difference that passes.
+    /// The tolerance for passing.
     pub tolerance: Tolerance,
-    /// Whose pictures they are, from the first row.
+    /// The names of the rows.
     pub names: Vec<String>,
-    /// One for each picture.
+    /// The columns, one for each picture.
     pub columns: Vec<Column>,
-    /// What was found that is not graded, a line each.
+    /// Notes about files that are not graded, one line each.
     pub notes: Vec<String>,
 }
 
-/// How many of some pictures pass, and what became of the others.
+/// The number of pictures that pass, and the numbers of the others by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Score {
-    /// Those that pass.
+    /// Pictures that pass.
     pub passed: usize,
-    /// Those that are wrong.
+    /// Pictures that are wrong.
     pub failed: usize,
-    /// Those that nobody has handed in.
+    /// Pictures that were not submitted.
     pub missing: usize,
-    /// Those that cannot be read or compared.
+    /// Pictures that cannot be read or compared.
     pub unusable: usize,
 }
 
 impl Score {
-    /// The score of these cells.
+    /// Returns the score of these cells.
     pub fn of<'c>(cells: impl IntoIterator<Item = &'c Cell>) -> Self {
         let mut score = Self::default();
         for cell in cells {
@@ -62,12 +62,12 @@ impl Score {
         score
     }
 
-    /// Those that have a reference.
+    /// Returns the number of pictures that have a reference.
     pub fn graded(&self) -> usize {
         self.passed + self.failed + self.missing + self.unusable
     }
 
-    /// The share of those that pass, in hundredths, cut to a whole number; 0 where nothing has a reference.
+    /// Returns the percentage of pictures that pass, rounded down. 0 if no picture has a reference.
     pub fn points(&self) -> usize {
         100 * self.passed / self.graded().max(1)
     }
@@ -84,21 +84,21 @@ impl fmt::Display for Score {
 }
 
 impl Table {
-    /// The score of the name in this row.
+    /// Returns the score of the name in this row.
     pub fn score_of_row(&self, row: usize) -> Score {
         Score::of(self.columns.iter().map(|column| &column.cells[row]))
     }
 
-    /// The score of all names.
+    /// Returns the score of all names.
     pub fn score(&self) -> Score {
         Score::of(self.columns.iter().flat_map(|column| &column.cells))
     }
 
-    /// Says how many of the failed pictures pass with the usual tolerance of one level and 50 pixels, if any does.
+    /// Returns how many of the failed pictures pass with the usual tolerance of one level and 50 pixels, if any does.
     pub fn tolerance_hint(&self) -> Option<String> {
         let cells = || self.columns.iter().flat_map(|column| &column.cells);
         let passes = |cell: &&Cell| match cell {
-            // In a tiny picture 50 pixels may be all that it shows.
+            // In a tiny picture, 50 pixels may be all that it shows.
             Cell::Different { comparison, passes: false, .. } => {
                 USUAL_TOLERANCE.accepts(comparison) && comparison.pixels() >= 200 * USUAL_TOLERANCE.pixels
             }
@@ -111,7 +111,7 @@ impl Table {
         })
     }
 
-    /// Whether all pictures have a reference and pass.
+    /// Returns true if all pictures have a reference and pass.
     pub fn passes(&self) -> bool {
         self.score().passed == self.names.len() * self.columns.len()
     }

@@ -1,4 +1,4 @@
-//! The page of a grading: one file that needs nothing else. Its text stands in `templates/grade.html`.
+//! The page of a grading: a single self-contained file. Its text is in `templates/grade.html`.
 
 use super::{Cell, Column, Score, Table};
 use crate::picture::Picture;
@@ -7,23 +7,23 @@ use crate::tools::embedded::{Embedded, file, thumbnail_file};
 use askama::Template;
 use rayon::prelude::*;
 
-/// A page under construction, which takes one column after the other.
+/// A page under construction. Columns are added one after the other.
 #[derive(Debug, Default)]
 pub struct Page {
     thumbnails: Embedded,
-    /// The pictures that a click shows.
+    /// The pictures shown after a click.
     pictures: Embedded,
     columns: Vec<Shown>,
 }
 
-/// The pictures of a column, by their indices.
+/// The indices of a column's pictures.
 #[derive(Debug, Default)]
 struct Shown {
     /// The thumbnail of the reference.
     thumbnail: Option<usize>,
     /// The reference, if any picture differs from it.
     reference: Option<usize>,
-    /// The thumbnail of each different picture, and the picture.
+    /// The indices of each different picture's thumbnail and of the picture.
     different: Vec<[usize; 2]>,
 }
 
@@ -50,7 +50,7 @@ impl Page {
         self.columns.push(Shown::default());
     }
 
-    /// Returns the page of a table with the columns that were added.
+    /// Returns the page of a table with the added columns.
     pub fn finish(&self, table: &Table) -> String {
         let (thumbnails, pictures) = (self.thumbnails.files(), self.pictures.files());
         Filled { table, columns: &self.columns, thumbnails, pictures }.to_string()
@@ -71,7 +71,7 @@ impl<'p> Filled<'p> {
         self.table.columns.iter().zip(self.columns)
     }
 
-    /// The measures of a difference.
+    /// Describes the measures of a difference.
     fn details(&self, column: &Column, comparison: &Comparison) -> String {
         let largest = comparison.largest.map_or(String::new(), |largest| largest.to_string());
         format!(

@@ -1,11 +1,11 @@
-//! The results as a block like that of the statistics.
+//! Writes the results as a block in the form of the statistics.
 
 use super::{Score, Table};
 use crate::base::escape::escape;
 use crate::stats::RULE;
 use std::fmt::Write;
 
-/// How many pictures pass: of all, of each name, and of each picture.
+/// Returns how many pictures pass: in total, for each name, and for each picture.
 pub fn summary(table: &Table) -> String {
     let mut text = format!("{RULE}\nGRADING\n");
     let tolerance = table.tolerance;

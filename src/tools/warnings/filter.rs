@@ -1,13 +1,13 @@
-//! Filters so narrow that pixels get no samples, and are black, or samples whose weights cancel.
+//! Warns about filters so narrow that pixels get no samples and are black, or get samples whose weights cancel.
 //!
-//! What counts are a pixel's own samples: those of its neighbours are farther away. Uniform samples lie at the same places
-//! in every pixel. Of jittered and adaptive samples it is certain in which stratum they lie, so that the farthest point of
-//! the strata around the centre decides. Random samples lie anywhere, but at the same places in each run, so that they
-//! are looked at one by one; that takes a small part of the time in which they are traced.
+//! Only a pixel's own samples matter, because those in its neighbours are farther away. Uniform samples have the same
+//! positions in every pixel. Jittered and adaptive samples have a known stratum, so the farthest point of the strata
+//! around the centre decides. Random samples may be anywhere, but at the same positions in each run. So they are
+//! examined one by one, which takes a small fraction of the time to trace them.
 //!
-//! Mitchell's filter is negative beyond 4/7 of its radius. Where the weights w of a pixel's samples nearly cancel, the
-//! pixel is far outside of the colours that they have: between 0 and 1 it stays within (1 - M) / 2 and (1 + M) / 2, where
-//! M is the sum of |w| divided by |the sum of w|.
+//! Mitchell's filter is negative beyond 4/7 of its radius. If the weights w of a pixel's samples nearly cancel, the
+//! pixel is far outside the range of their colours. Colours between 0 and 1 give a pixel between (1 - M) / 2 and (1 +
+//! M) / 2, where M is the sum of |w| divided by |the sum of w|.
 
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
@@ -20,17 +20,17 @@ use std::ops::Range;
 /// The pixels that are wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Lost {
-    /// All get no sample.
+    /// No pixel gets a sample.
     All,
-    /// Some get no sample, as the random numbers fall.
+    /// Some pixels may get no sample, depending on the random numbers.
     Some,
-    /// This number of them get no sample.
+    /// This number of pixels get no sample.
     Number(usize),
-    /// In some the weights of their samples nearly cancel.
+    /// In some pixels the weights of the samples nearly cancel.
     Cancelled,
 }
 
-/// The flag that asks for a filter.
+/// Returns the flag of a filter.
 pub(super) fn flag_of(filter: &Filter) -> String {
     let name = match filter {
         Filter::Box { .. } => "-box_filter",
@@ -56,15 +56,15 @@ pub fn narrow_filter(request: &Request) -> Option<Diagnostic> {
     Some(Diagnostic::warning(message).with_hint(hint))
 }
 
-/// Returns which pixels are wrong, and the smallest filter of the kind with which none is.
+/// Returns which pixels are wrong, and the smallest filter of this kind that avoids it.
 fn too_narrow(request: &Request) -> Option<(Lost, Filter)> {
     let Request { filter, sampler, .. } = *request;
     let (farthest, lost) = match sampler.pattern() {
         Pattern::Uniform => (nearest(filter, sampler.offsets(0))?, Lost::All),
         Pattern::Jittered => (surely_within(&sampler), Lost::Some),
-        // Every pixel has its sample.
+        // Every pixel contains its sample.
         Pattern::Displaced => return None,
-        // It reaches any sample.
+        // The filter reaches any sample.
         Pattern::Random if reaches(filter, DVec2::splat(0.5)) => (DVec2::ZERO, Lost::Number(0)),
         Pattern::Random => farthest_of_random(request)?,
     };
@@ -77,7 +77,7 @@ fn too_narrow(request: &Request) -> Option<(Lost, Filter)> {
     Some((lost, filter.with_size(smallest_that_adds_up(request, size))))
 }
 
-/// The smallest radius from the given one on whose weights do not cancel, in thousandths of a pixel.
+/// Returns the smallest radius, from the given one on and in thousandths of a pixel, whose weights do not cancel.
 fn smallest_that_adds_up(request: &Request, radius: f64) -> f64 {
     if !cancels(request, radius) {
         return radius;
@@ -97,12 +97,12 @@ fn smallest_that_adds_up(request: &Request, radius: f64) -> f64 {
     f64::from(enough) / 1000.0
 }
 
-/// Whether the weights of Mitchell's filter of this radius nearly cancel in a pixel, so that M is above 2.
+/// Returns true if the weights of Mitchell's filter with this radius nearly cancel in some pixel (M is above 2).
 fn cancels(request: &Request, radius: f64) -> bool {
     const MOST: f64 = 2.0;
     let Request { filter, sampler, adaptive, size: [width, height], .. } = *request;
     let is_random = matches!(sampler.pattern(), Pattern::Random | Pattern::Jittered) && adaptive.is_none();
-    // From this radius on M above 2 was not seen in a million pixels.
+    // From this radius on, M above 2 did not occur in a million pixels.
     let wide_enough = if sampler.count() > 2 { 2.0 } else { 3.0 };
     if !is_random || !matches!(filter, Filter::Mitchell { .. }) || radius >= wide_enough {
         return false;
@@ -112,7 +112,7 @@ fn cancels(request: &Request, radius: f64) -> bool {
     let reach = |range: &Range<usize>, end: usize| {
         range.start.saturating_sub(support)..(range.end + support).min(end)
     };
-    // The sums of the weights and of their magnitudes, of the columns that may get more.
+    // The sums of the weights and of their magnitudes, for the columns that may still get samples.
     let mut open: VecDeque<Vec<[f64; 2]>> = VecDeque::new();
     let mut first = columns.start;
     for column in reach(&columns, width) {
@@ -125,7 +125,7 @@ fn cancels(request: &Request, radius: f64) -> bool {
         for row in sampled {
             let near = reach(&(row..row + 1), height);
             for offset in pixels.next_offsets() {
-                // Its own pixel and at most three on either side, since the radius is below 3.
+                // The pixel itself and at most three on either side, because the radius is below 3.
                 let mut across = [0.0; 7];
                 for (weight, other) in across.iter_mut().zip(near.clone()) {
                     *weight = filter.axis_term(offset.y + row as f64 - other as f64);
@@ -145,7 +145,7 @@ fn cancels(request: &Request, radius: f64) -> bool {
         while first < columns.end && (first + support <= column || column + 1 == width) {
             let Some(sums) = open.pop_front() else { break };
             first += 1;
-            // A pixel without weights is black, as a sum of zero tells.
+            // A sum of zero means that a pixel without weights is black.
             if sums.iter().any(|[sum, magnitude]| *sum == 0.0 || *magnitude > MOST * sum.abs()) {
                 return true;
             }
@@ -154,11 +154,12 @@ fn cancels(request: &Request, radius: f64) -> bool {
     false
 }
 
-/// The smallest size of the filter that reaches a position within the pixel, where the size that it has does not.
+/// Returns the smallest size of the filter that reaches a position within the pixel. The current size must not reach
+/// it.
 fn smallest(filter: Filter, position: DVec2) -> f64 {
-    // A pixel lies within each filter of its own width, and within much narrower Gaussians.
+    // The pixel lies within every filter of its own width, and within much narrower Gaussians.
     let (mut too_small, mut enough) = (filter.size().to_bits(), 1.0_f64.to_bits());
-    // The floats above zero are in the order of their bits.
+    // Positive floats are in the order of their bits.
     while too_small + 1 < enough {
         let middle = too_small + (enough - too_small) / 2;
         if reaches(filter.with_size(f64::from_bits(middle)), position) {
@@ -170,17 +171,17 @@ fn smallest(filter: Filter, position: DVec2) -> f64 {
     f64::from_bits(enough)
 }
 
-/// Whether a sample at this position counts. The weights of a Gaussian end where they are no longer normal numbers.
+/// Returns true if a sample at this position counts. The weights of a Gaussian end at subnormal numbers.
 fn reaches(filter: Filter, position: DVec2) -> bool {
     filter.weight(position).abs() >= f64::MIN_POSITIVE
 }
 
-/// The sample that the narrowest filter of this kind reaches.
+/// Returns the sample that the narrowest filter of this kind reaches.
 fn nearest(filter: Filter, offsets: impl Iterator<Item = DVec2>) -> Option<DVec2> {
     offsets.min_by(|a, b| distance(filter, *a).total_cmp(&distance(filter, *b)))
 }
 
-/// How far a sample is from the centre, as the filter measures it.
+/// Returns the distance of a sample from the centre in the filter's own norm.
 fn distance(filter: Filter, offset: DVec2) -> f64 {
     match filter {
         Filter::Box { .. } | Filter::Mitchell { .. } => offset.abs().max_element(),
@@ -188,17 +189,17 @@ fn distance(filter: Filter, offset: DVec2) -> f64 {
     }
 }
 
-/// How far along each axis the nearest jittered sample is from the centre at most.
+/// Returns the largest possible distance along each axis of the nearest jittered sample from the centre.
 fn surely_within(sampler: &Sampler) -> DVec2 {
     let farthest = |strata: u32| {
-        // An odd number of strata has one in the middle.
+        // An odd number of strata includes a middle one.
         let halves = if strata.is_multiple_of(2) { 2.0 } else { 1.0 };
         halves / (2.0 * f64::from(strata))
     };
     DVec2::from_array(sampler.strata().map(farthest))
 }
 
-/// The farthest of the nearest samples of all pixels, and the number of pixels that the filter gives none.
+/// Returns the farthest among all pixels' nearest samples, and the number of pixels without a sample in the filter.
 fn farthest_of_random(request: &Request) -> Option<(DVec2, Lost)> {
     let Request { filter, sampler, size: [_, height], .. } = *request;
     let (mut farthest, mut lost): (Option<DVec2>, usize) = (None, 0);
@@ -234,7 +235,7 @@ mod tests {
         Request { sampler, filter, ..Request::new([40, 30]) }
     }
 
-    /// The size that is named for a filter that is far too narrow.
+    /// Returns the size suggested for a filter that is far too narrow.
     fn named(pattern: Pattern, count: u32, filter: fn(f64) -> Filter) -> f64 {
         too_narrow(&request(pattern, count, filter(1e-5))).expect("it is far too narrow").1.size()
     }
@@ -245,7 +246,7 @@ mod tests {
             FILTERS.into_iter().flat_map(|filter| [2, 4, 7, 8, 16, 64].map(|n| (filter, n)))
         {
             for pattern in [Pattern::Uniform, Pattern::Jittered, Pattern::Random] {
-                // An odd number of uniform samples has one at the centre. Cancelling weights are another matter.
+                // An odd number of uniform samples has one at the centre. Cancelling weights are tested elsewhere.
                 let is_uniform = pattern == Pattern::Uniform;
                 if is_uniform && count == 7 || !is_uniform && matches!(filter(1.0), Filter::Mitchell { .. }) {
                     continue;
@@ -262,15 +263,15 @@ mod tests {
 
     #[test]
     fn sizes_for_uniform_and_jittered_samples_by_geometry() {
-        // Four uniform samples lie a quarter of a pixel from the centre along both axes.
+        // Four uniform samples are a quarter of a pixel from the centre along both axes.
         let [square, disk, _, cubic] = FILTERS.map(|filter| named(Pattern::Uniform, 4, filter));
         assert_eq!([square, cubic], [0.25, 0.25_f64.next_up()]);
         assert_eq!(disk, (2.0 * 0.25_f64 * 0.25).sqrt().next_up());
-        // One of four jittered samples is at most at a corner of the pixel.
+        // One of four jittered samples is at most as far as a corner of the pixel.
         let [square, disk, ..] = FILTERS.map(|filter| named(Pattern::Jittered, 4, filter));
         assert_eq!(square, 0.5);
         assert!((disk - 0.5_f64.sqrt()).abs() < 1e-15);
-        // Nine have one in the stratum in the middle, eight have none there along one axis.
+        // Nine jittered samples have one in the middle stratum. Eight have none there along one axis.
         assert_eq!(named(Pattern::Jittered, 9, FILTERS[0]), 1.0 / 6.0);
         assert_eq!(named(Pattern::Jittered, 8, FILTERS[0]), 0.5);
         assert!(too_narrow(&request(Pattern::Uniform, 9, Filter::Tent { radius: 1e-6 })).is_none());
@@ -285,7 +286,7 @@ mod tests {
         assert!(too_narrow(&Request { sampler: adaptive, ..Request::new([9, 9]) }).is_none());
     }
 
-    /// The sum of the magnitudes of the weights of a pixel's samples, divided by that of their sum.
+    /// Returns the sum of the magnitudes of the weights of a pixel's samples, divided by the magnitude of their sum.
     fn amplification(request: &Request, [x, y]: [usize; 2]) -> f64 {
         let [width, height] = request.size;
         let samples = (0..width).flat_map(|column| (0..height).map(move |row| [column, row]));
@@ -369,7 +370,7 @@ mod tests {
             };
             let expected = (0..1200).filter(is_lost).count();
             assert_eq!(too_narrow(&request).map(|(lost, _)| lost), Some(Lost::Number(expected)));
-            // Those of one column and five rows.
+            // The pixels of one column and five rows.
             let window = Some(Window { x: 7, y: 3, width: 1, height: 5 });
             let expected = (7 * 30 + 22..7 * 30 + 27).filter(is_lost).count();
             let lost = too_narrow(&Request { window, ..request }).map(|(lost, _)| lost);

@@ -1,4 +1,4 @@
-//! Flags that change nothing, as far as the other flags tell.
+//! Warns about flags without effect, judged by the other flags.
 
 use super::filter::flag_of;
 use super::have;
@@ -10,8 +10,8 @@ use crate::scene::edition::Edition;
 use crate::trace::{Effects, Shadows};
 use glam::DVec2;
 
-/// Warns about `-seed` without random numbers, and about a filter that weighs only one sample. A picture of the
-/// filter shows it all the same.
+/// Warns about `-seed` without random numbers, and about a filter that weighs only one sample. A picture of the filter
+/// still shows it.
 pub fn sampling_without_effect(request: &Request) -> Vec<Diagnostic> {
     let Request { sampler, filter, .. } = *request;
     let seed = sampler
@@ -27,7 +27,7 @@ pub fn sampling_without_effect(request: &Request) -> Vec<Diagnostic> {
     seed.into_iter().chain(filter).map(Diagnostic::warning).collect()
 }
 
-/// Warns about flags of an edition that shape colours, for a request that shows none.
+/// Warns about an edition's flags that affect colours, if the request shows no colours.
 pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Diagnostic> {
     let Request { effects, sampler, adaptive, filter, .. } = *request;
     let Effects { shadows, shade_back, bounces, min_weight } = effects;

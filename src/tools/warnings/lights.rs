@@ -1,4 +1,4 @@
-//! Scenes without lights, and lights that no picture shows.
+//! Warns about scenes without lights, and about lights without effect.
 
 use crate::diagnostic::{Diagnostic, Severity, limited};
 use crate::picture::Color;

@@ -1,8 +1,7 @@
 //! Warnings: valid input that is probably a mistake.
 //!
-//! Each function looks for one kind of mistake in the scene, its meshes and the flags. Positions are those of the
-//! scene's text, whose file the caller adds. [`nothing_visible`] looks once more at a picture that shows nothing but its
-//! background.
+//! Each function looks for one kind of mistake in the scene, its meshes and the flags. Positions refer to the scene's
+//! text; the caller adds the file. [`nothing_visible`] examines a picture that shows only its background a second time.
 
 mod filter;
 mod flags;

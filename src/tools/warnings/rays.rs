@@ -1,4 +1,4 @@
-//! What `-bounces`, `-weight` and `-shade_back` make of the materials of a scene.
+//! Warns about `-bounces`, `-weight` and `-shade_back` without effect on the materials of a scene.
 
 use crate::diagnostic::Diagnostic;
 use crate::scene::material::Material;
@@ -6,9 +6,9 @@ use crate::scene::model::Highlight;
 use crate::scene::{MaterialId, Scene};
 use crate::trace::{Effects, Shadows};
 
-/// Warns about `-bounces` and `-weight` where they decide about no ray, about shadows that nothing tints, and about a
-/// light from behind that there is anyway. `says_no_bounces` is true for an explicit `-bounces 0`, since the course's
-/// commands have it with a `-weight`.
+/// Warns about `-bounces` and `-weight` that affect no ray, transparent shadows that nothing tints, and `-shade_back`
+/// where light from behind is shown anyway. `says_no_bounces` is true for an explicit `-bounces 0`, because the
+/// course's commands combine it with `-weight`.
 pub fn rays_without_effect(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Diagnostic> {
     let Effects { bounces, min_weight, shadows, shade_back } = *effects;
     let heaviest = used(scene).map(|it| it.reflected.max(it.refracted)).fold(0.0, f64::max);
@@ -46,7 +46,7 @@ pub fn rays_not_followed(scene: &Scene, effects: &Effects, says_no_bounces: bool
     Some(material.warning(scene, message).with_hint("add `-bounces 5`, or `-bounces 0` if that is meant"))
 }
 
-/// Warns about the first material that transmits light and is black from inside, as there is no `-shade_back`.
+/// Warns about the first material that transmits light and is black from inside because `-shade_back` is missing.
 pub fn black_inside(scene: &Scene, effects: &Effects) -> Option<Diagnostic> {
     let is_lit_as_outside = effects.shade_back || scene.model.highlight == Highlight::Phong;
     if effects.bounces == 0 || is_lit_as_outside {
@@ -57,8 +57,8 @@ pub fn black_inside(scene: &Scene, effects: &Effects) -> Option<Diagnostic> {
     Some(material.warning(scene, message).with_hint("add `-shade_back`"))
 }
 
-/// The secondary rays at a material: the lengths of its reflective and its transparent colour, by which the weights of
-/// rays are multiplied.
+/// The secondary rays at a material: the lengths of its reflective and its transparent colour. They multiply the
+/// weights of rays.
 #[derive(Clone, Copy)]
 struct Secondary {
     material: MaterialId,
@@ -73,7 +73,7 @@ impl Secondary {
     }
 }
 
-/// Returns the secondary rays at each material that an object has.
+/// Returns the secondary rays at each material used by an object.
 fn used(scene: &Scene) -> impl Iterator<Item = Secondary> {
     let mut all: Vec<Secondary> = Vec::with_capacity(scene.materials.len());
     for (id, material) in scene.materials.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Triangles without an area, which no ray hits.
+//! Warns about triangles without an area. No ray hits them.
 
 use super::have;
 use crate::diagnostic::{Diagnostic, limited};
@@ -8,8 +8,8 @@ use crate::scene::{Object, Position, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Warns about triangles without an area: once about those in the text of a scene, at the first of them, and once about
-/// each mesh. `meshes` are those that the scene names, in its order.
+/// Warns about triangles without an area: once for the scene's text, at the first of them, and once for each mesh.
+/// `meshes` are the scene's meshes, in its order.
 pub fn triangles_without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Diagnostic> {
     let warning = |message: String, at: Position| {
         Diagnostic::warning(message).at(at).with_hint("no ray hits a triangle whose corners lie on one line")
@@ -33,28 +33,28 @@ pub fn triangles_without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Diagnostic>
 }
 
 fn flat_count(mesh: &Mesh) -> usize {
-    /// The number of triangles that are worth another thread.
+    /// The number of triangles that justifies another thread.
     const PART: usize = 1 << 15;
     let vertex = |id: u32| &mesh.vertices[id as usize];
     let count = |part: &[[u32; 3]]| part.iter().filter(|ids| is_flat(ids.map(vertex))).count();
     mesh.triangles.par_chunks(PART).map(count).sum()
 }
 
-/// Whether the area is zero. One coordinate of the normal tells most triangles that have an area, so only that one
-/// is computed of them.
+/// Returns true if the area is zero. For most triangles with an area, one coordinate of the normal decides, so only
+/// this one is computed.
 #[inline(always)]
 fn is_flat([a, b, c]: [&DVec3; 3]) -> bool {
     (b.x - a.x) * (c.y - a.y) == (b.y - a.y) * (c.x - a.x) && has_no_normal(*b - *a, *c - *a)
 }
 
-/// Whether the cross product of two differences of corners is exactly zero.
+/// Returns true if the cross product of two differences of corners is exactly zero.
 #[cold]
 fn has_no_normal(u: DVec3, v: DVec3) -> bool {
-    // Products that differ after rounding differ.
+    // If the rounded products differ, the exact ones differ, too.
     if u.y * v.z != v.y * u.z || u.z * v.x != v.z * u.x {
         return false;
     }
-    // A power of two scales without an error and keeps the products from underflow.
+    // Scaling by a power of two is exact and keeps the products from underflow.
     let scale = |w: DVec3| match w.abs().max_element() {
         largest if largest > 0.0 && largest.is_finite() => {
             let (_, exponent) = libm::frexp(largest);
@@ -68,7 +68,7 @@ fn has_no_normal(u: DVec3, v: DVec3) -> bool {
         && are_equal_products(u.z, v.x, u.x, v.z)
 }
 
-/// Whether a b = c d without rounding.
+/// Returns true if a b = c d without rounding.
 fn are_equal_products(a: f64, b: f64, c: f64, d: f64) -> bool {
     exact_product(a, b) == exact_product(c, d)
 }
@@ -100,12 +100,12 @@ mod tests {
     fn the_smallest_area_is_one() {
         assert!(!flat([[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0_f64.next_up()]]));
         assert!(!flat([[0.0; 3], [1e-200, 0.0, 0.0], [0.0, 1e-200, 0.0]]));
-        // 1 over the least positive number is infinite.
+        // The reciprocal of the least positive number is infinite.
         let least = f64::from_bits(1);
         assert!(!flat([[0.0; 3], [least, 0.0, 0.0], [0.0, least, 0.0]]));
         assert!(!flat([[0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
         assert!(!flat([[0.0; 3], [1e100, 0.0, 0.0], [0.0, 0.0, 1e-100]]));
-        // Their rounded products are equal.
+        // The rounded products are equal.
         let (x, y) = (1.0 + f64::EPSILON, 1.0 - f64::EPSILON);
         assert!(!flat([[0.0; 3], [x, 1.0, 0.0], [1.0, y, 0.0]]));
     }

@@ -1,4 +1,4 @@
-//! Pictures that show nothing of the scene.
+//! Warns about pictures that show nothing of the scene.
 
 use crate::diagnostic::Diagnostic;
 use crate::math::robust::unit;
@@ -10,18 +10,18 @@ use crate::scene::model::Screen;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// Why no ray hits anything, as it follows these words, and advice.
+/// The reason why no ray hits anything, as the end of a sentence, and advice.
 type Reason = (&'static str, Option<String>);
 
-/// A coordinate with at most three decimals.
+/// Formats a coordinate with at most three decimals.
 fn short(x: f64) -> String {
-    // The sum turns a negative zero into zero.
+    // Adding zero turns a negative zero into zero.
     ((x * 1000.0).round() / 1000.0 + 0.0).to_string()
 }
 
-/// Warns if no ray through a pixel's centre hits anything. That takes as long as rendering such a picture, or else until
-/// the first row of pixels with a hit, so call it only for a picture that shows nothing but the background. Returns
-/// `None` if `watch` ends it.
+/// Warns if no ray through a pixel's centre hits anything. This takes as long as rendering such a picture up to the
+/// first row with a hit, so call it only for a picture that shows nothing but the background. Returns `None` if `watch`
+/// ends it.
 pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> Option<Diagnostic> {
     let warning = |(reason, hint): Reason| {
         let message = format!("no ray hits anything{reason}");
@@ -33,7 +33,7 @@ pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> 
     }
     let centers =
         Request { layers: vec![Layer::SignedNormals], camera: request.camera, ..Request::new(request.size) };
-    // Normals have unit length, and where nothing is hit they are zero.
+    // Normals have unit length. They are zero where nothing is hit.
     let mut take_row = |_: usize, row: &[Color]| match row.iter().all(|&color| color == Color::ZERO) {
         true => ControlFlow::Continue(()),
         false => ControlFlow::Break(()),
@@ -42,10 +42,10 @@ pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> 
     sees_nothing.then(|| warning(reason(prepared, &centers)))
 }
 
-/// Returns why nothing is seen, as far as the bounds of the objects tell.
+/// Returns why nothing is visible, judged by the bounds of the objects.
 fn reason(prepared: &Prepared, request: &Request) -> Reason {
     let renderer = prepared.renderer();
-    // There are gaps between the objects, or planes, where the camera looks.
+    // The camera looks at gaps between objects, or there are planes.
     let Some(bounds) = renderer.bounds().filter(|_| renderer.world().planes.is_empty()) else {
         return ("", None);
     };
@@ -60,13 +60,13 @@ fn looking_along(direction: DVec3) -> Option<String> {
     Some(format!("`direction {x} {y} {z}` looks at the middle of the scene"))
 }
 
-/// What a camera sees, in coordinates to the right, up and ahead.
+/// The visible region of a camera, in coordinates to the right, up and ahead.
 struct View {
     center: DVec3,
-    /// The products of a vector with these are its coordinates.
+    /// The axes. A vector's coordinates are its products with them.
     axes: [DVec3; 3],
     is_perspective: bool,
-    /// Half of the screen's width and height: at distance 1 for a perspective camera.
+    /// Half of the screen's width and height, at distance 1 for a perspective camera.
     half: [f64; 2],
     /// The width and height of a pixel.
     pixel: [f64; 2],
@@ -87,7 +87,7 @@ impl View {
         let (spans, axes) = match spread {
             Screen::BothSides { up_as_written } if is_perspective => {
                 let up = if up_as_written { up } else { across };
-                // `up` may lean. The coordinates along such axes are products with their dual basis.
+                // `up` may lean. Coordinates along such axes are products with the dual basis.
                 let (rise, lean) = (across.dot(up), ahead.dot(up));
                 (size.map(|n| (n - 1).max(1)), [right, across / rise, ahead - across * (lean / rise)])
             }
@@ -98,7 +98,7 @@ impl View {
         Self { center, axes, is_perspective, half, pixel }
     }
 
-    /// Returns why a box with these corners is not seen.
+    /// Returns why a box with these corners is not visible.
     fn reason(&self, corners: [DVec3; 8], middle: DVec3) -> Reason {
         let corners = corners.map(|corner| self.axes.map(|axis| axis.dot(corner - self.center)));
         let middle = middle - self.center;
@@ -136,7 +136,7 @@ impl View {
 mod tests {
     use super::*;
 
-    /// A point's coordinates are the factors of right, up as the picture has it, and ahead.
+    /// A point's coordinates are the factors of the right, up (as in the picture) and ahead vectors.
     #[test]
     fn coordinates_are_those_of_the_picture() {
         let up = DVec3::new(0.0, 2.0, -1.0);

@@ -1,4 +1,4 @@
-//! Tracers without an epsilon: some of their rays hit the surface that they leave.
+//! Tracers without an epsilon: some rays hit the surface that they leave.
 
 use super::{Case, named};
 use crate::math::ray::Ray;
@@ -11,8 +11,8 @@ use crate::trace::{Effects, Shadows};
 use crate::world::SurfacePoint;
 use glam::{DVec2, DVec3};
 
-/// Starts a ray on either side of the surface that it leaves, as it does by the roundings of a tracer without an epsilon:
-/// this share of the rays on the wrong side.
+/// Starts a ray on either side of the surface that it leaves, like the rounding of a tracer without an epsilon.
+/// `density` is the share of rays on the wrong side.
 fn rounded_start(
     density: f64,
     rays: SelfHitting,
@@ -49,7 +49,7 @@ fn speckles_are_known_at_any_density() {
         let original = case.original();
         let right = original.picture(Mistake::Unchanged).unwrap();
         let prepared = &original.prepared;
-        // Of glass few pixels are away from edges.
+        // With glass, few pixels are away from edges.
         let least = if name.contains("glass") { 0.1 } else { 0.02 };
         for density in [least, 0.1, 0.3, 0.5, 0.7, 0.8, 0.95, 1.0] {
             let starts = |why, surface: &SurfacePoint, direction| {

@@ -1,4 +1,4 @@
-//! Makes each mistake, alone and with another one, and writes the answers of the search to `tables.md`.
+//! Makes each mistake, alone and in pairs, and writes the findings of the search to `tables.md`.
 
 use super::{Case, cases, named};
 use crate::caster::choose::Structure;
@@ -53,10 +53,10 @@ is named.
 |---|---|---|
 ";
 
-/// Combinations of two mistakes for each of the first two scenes.
+/// The number of pairs of mistakes for each of the first two scenes.
 const PAIRS: usize = 15;
 
-/// A case with the pictures that its mistakes make.
+/// A case with the pictures of its mistakes.
 struct Made<'c> {
     case: &'c Case,
     original: Original<'c>,
@@ -73,7 +73,7 @@ impl<'c> Made<'c> {
         Self { case, original, right, mistakes }
     }
 
-    /// What is found where only these causes are known.
+    /// Searches with only these causes known.
     fn explain(&self, is_known: impl Fn(Mistake, &Picture) -> bool, wrong: &Picture) -> Finding {
         let known = self.mistakes.iter().filter(|(cause, picture)| is_known(*cause, picture));
         let picture = |asked: Mistake| match asked {
@@ -85,13 +85,13 @@ impl<'c> Made<'c> {
         self.original.or_speckles(found, wrong, &self.right)
     }
 
-    /// Whether the mistake makes just this picture.
+    /// Returns true if the mistake makes exactly this picture.
     fn makes(&self, cause: Mistake, picture: &Picture) -> bool {
         self.mistakes.iter().any(|(made, same)| *made == cause && same == picture)
     }
 }
 
-/// The picture with both mistakes; none where they cannot be made together.
+/// Returns the picture with both mistakes. `None` if they cannot be combined.
 fn both(case: &Case, mistakes: [Mistake; 2]) -> Option<Picture> {
     let (renderer, request) = (&case.renderer, &case.request);
     let mut scene = renderer.scene.clone();
@@ -116,7 +116,7 @@ fn both(case: &Case, mistakes: [Mistake; 2]) -> Option<Picture> {
     Some(pixels.map_or_else(|| colors.to_picture(), |change| change(&colors)))
 }
 
-/// Whether one is so much like the other that it may be named where the other is not known.
+/// Returns true if one mistake resembles the other so much that it may be named when the other is unknown.
 fn are_alike(one: Mistake, other: Mistake) -> bool {
     let pairs = [
         (Mistake::NoHighlights, Mistake::HighlightsByReflection),
@@ -161,7 +161,8 @@ fn flags(request: &Request) -> String {
     flags
 }
 
-/// A mistake, in how many scenes it is named, and what is instead where that makes the same picture.
+/// A mistake, the number of scenes in which it is named, and the mistakes named instead because they make the same
+/// picture.
 struct Row {
     made: Mistake,
     named: usize,
@@ -209,12 +210,12 @@ fn add_unknown(named_instead: &mut BTreeSet<[String; 2]>, made: &Made, wrong_nam
     }
 }
 
-/// Whether pixels are as dark as in a shadow of their own: also where the side that is seen faces away from the light.
+/// Returns true if pixels become as dark as in their own shadow, also where the visible side faces away from the light.
 fn darkens_scattered_pixels(cause: Mistake) -> bool {
     matches!(cause, Mistake::NoEpsilon { .. } | Mistake::ReflectionFromBelow | Mistake::NormalsFlipped)
 }
 
-/// What is found of two mistakes, a line of the table each.
+/// Returns the findings for pairs of mistakes, one table row each.
 fn pairs(made: &Made, wrong_names: &mut Vec<String>) -> Vec<String> {
     let causes: Vec<Mistake> = made.mistakes.iter().map(|(cause, _)| *cause).collect();
     let all = causes.iter().flat_map(|&one| causes.iter().map(move |&other| [one, other]));
@@ -271,10 +272,10 @@ fn the_page_shows_what_is_named() {
     let nothing = both.iter().filter(|line| line.ends_with("| nothing |\n")).count();
     let _ = writeln!(page, "\nOf {nothing} of these {} pictures nothing is named.", both.len());
 
-    // Nothing is so near to anything else in these scenes.
+    // In these scenes nothing is this near to anything else.
     let small = [0.0001, 0.001].map(|distance| Mistake::Epsilon { distance });
     let is_made = |cause: &Mistake| alone.iter().any(|row| row.made == *cause && row.named > 0);
-    // These show in other layers.
+    // These mistakes show in other layers.
     let is_of_colors = |cause: &Mistake| cause.shows_in(Layer::Color);
     let expected = Mistake::all().skip(1).filter(is_of_colors);
     let missing: Vec<Mistake> = expected.filter(|cause| !is_made(cause)).collect();

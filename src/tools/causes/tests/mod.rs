@@ -1,4 +1,4 @@
-//! Which cause is named of pictures whose mistakes are known.
+//! Tests the causes found for pictures with known mistakes.
 
 mod acne;
 mod confusion;
@@ -16,7 +16,7 @@ use crate::scene::texels::ImageFile;
 use crate::trace::{Effects, Shadows};
 use std::path::Path;
 
-/// A little of everything, where every mistake shows.
+/// A scene with a little of everything, where every mistake shows.
 const SCENE: &str = "
     PerspectiveCamera { center 0 2.5 8 direction 0 -.25 -1 up 0 1 0 angle 40 }
     Background { color .10980392 .3 .5 ambientLight .2 .15 .2 }
@@ -42,7 +42,7 @@ const SCENE: &str = "
         Transform { Translate -.9 .3 2 Group { numObjects 1 MaterialIndex 0
             Transform { YRotate 30 Scale .3 .5 .3 Box { min -.5 -.5 -.5 max .5 .5 .5 } } } } }";
 
-/// A scene of these, and the request of a picture of it.
+/// A scene and the request for its picture.
 struct Case {
     name: &'static str,
     renderer: Renderer,
@@ -87,13 +87,13 @@ fn cases() -> Vec<Case> {
         Case::new("scene6_12_faceted_gem.txt", picture(back)),
         Case::new("scene2_05_inside_sphere.txt", picture(back)),
         Case::new("editions/screen_2012a4.txt", picture(shadows)),
-        // Rays that are split at glass have many choices.
+        // Rays split at glass, so there are many choices.
         Case::new("editions/glass_2012a5.txt", Request { size: [40, 30], ..picture(shadows) }),
         Case::new("editions/mirrors_2019.txt", picture(shadows)),
     ]
 }
 
-/// What is named, if anything is.
+/// Returns the mistake that the finding names, if any.
 fn named(found: Finding) -> Option<Mistake> {
     match found {
         Finding::Equal { cause, .. } | Finding::Part { cause, .. } => Some(cause),

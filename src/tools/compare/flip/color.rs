@@ -9,8 +9,8 @@ const TO_XYZ: [[f64; 3]; 3] = [
     [1425312.0 / 73733382.0, 8788810.0 / 73733382.0, 70074185.0 / 73733382.0],
 ];
 
-/// Conversions from sRGB to YCxCz, in which the eye's blur is applied, and on to a space in which
-/// distances are perceived differences.
+/// Converts from sRGB to YCxCz, where the eye's blur is applied, and then to a space where distances are perceived
+/// differences.
 #[derive(Clone, Debug)]
 pub struct ColorSpace {
     /// The linear value of each byte of sRGB.
@@ -34,13 +34,13 @@ impl Default for ColorSpace {
 }
 
 impl ColorSpace {
-    /// Achromatic, red-green and blue-yellow, all of them linear in the light.
+    /// Converts to achromatic, red-green and blue-yellow coordinates, all linear in the light.
     pub fn to_ycxcz(&self, rgb: [u8; 3]) -> DVec3 {
         opponent(self.to_relative_xyz * DVec3::from_array(rgb.map(|byte| self.linear[usize::from(byte)])))
     }
 
-    /// From YCxCz to L*a*b*, whose chroma is then scaled by the lightness (the Hunt effect: colours
-    /// look more vivid in bright light). Colours beyond those of sRGB are clamped to it.
+    /// Converts YCxCz to L*a*b*, with the chroma scaled by the lightness (the Hunt effect: colours look more vivid in
+    /// bright light). Colours outside sRGB are clamped.
     pub fn to_perceived(&self, ycxcz: DVec3) -> DVec3 {
         let rgb = self.from_relative_xyz * relative_xyz(ycxcz);
         self.linear_to_perceived(rgb.clamp(DVec3::ZERO, DVec3::ONE))
@@ -52,19 +52,19 @@ impl ColorSpace {
         DVec3::new(lab.x, 0.01 * lab.x * lab.y, 0.01 * lab.x * lab.z)
     }
 
-    /// Between green and blue, the two colours of sRGB that are farthest apart.
+    /// Returns the distance between green and blue, the two most distant colours of sRGB.
     pub fn largest_difference(&self) -> f64 {
         distance(self.linear_to_perceived(DVec3::Y), self.linear_to_perceived(DVec3::Z))
     }
 }
 
-/// The HyAB distance: city block between lightness and chroma, Euclidean within chroma.
+/// Returns the HyAB distance: city block between lightness and chroma, Euclidean within chroma.
 pub fn distance(a: DVec3, b: DVec3) -> f64 {
     let difference = a - b;
     difference.x.abs() + (difference.y * difference.y + difference.z * difference.z).sqrt()
 }
 
-/// The transfer function of sRGB.
+/// Decodes a channel with the transfer function of sRGB.
 fn linear(encoded: f64) -> f64 {
     match encoded <= 0.04045 {
         true => encoded / 12.92,
@@ -72,7 +72,7 @@ fn linear(encoded: f64) -> f64 {
     }
 }
 
-/// The axes of L*a*b* from X, Y and Z; without the compression, those of YCxCz.
+/// Converts X, Y and Z to the axes of L*a*b*, or without the compression to YCxCz.
 fn opponent(xyz: DVec3) -> DVec3 {
     DVec3::new(116.0 * xyz.y - 16.0, 500.0 * (xyz.x - xyz.y), 200.0 * (xyz.y - xyz.z))
 }
@@ -83,7 +83,7 @@ fn relative_xyz(axes: DVec3) -> DVec3 {
     DVec3::new(y + axes.y / 500.0, y, y - axes.z / 200.0)
 }
 
-/// The cube root of L*a*b*, with its linear part near black.
+/// Returns the compressed value of L*a*b*: the cube root, with a linear part near black.
 fn compressed(value: f64) -> f64 {
     const DELTA: f64 = 6.0 / 29.0;
     match value > DELTA * DELTA * DELTA {

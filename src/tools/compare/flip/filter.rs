@@ -1,11 +1,11 @@
-//! The filters of FLIP, each a sum of products of a filter along rows with one along columns.
+//! The filters of FLIP. Each is a sum of separable filters along rows and columns.
 
 use std::f64::consts::PI;
 
-/// How many outputs are computed side by side.
+/// The number of outputs computed side by side.
 pub const LANES: usize = 8;
 
-/// An odd number of weights, the middle one at the pixel itself.
+/// An odd number of weights. The middle one belongs to the pixel itself.
 #[derive(Clone, Debug)]
 pub struct Convolution(Vec<f64>);
 
@@ -14,7 +14,7 @@ impl Convolution {
         Self((0..=2 * radius).map(|at| weight(at as f64 - radius as f64)).collect())
     }
 
-    /// How many weights there are on each side of the middle.
+    /// Returns the number of weights on each side of the middle.
     pub fn radius(&self) -> usize {
         self.0.len() / 2
     }
@@ -28,7 +28,7 @@ impl Convolution {
         self
     }
 
-    /// The positive weights add up to 1 after this, the negative ones to -1.
+    /// Scales the positive weights to a sum of 1 and the negative ones to a sum of -1.
     fn balanced(mut self) -> Self {
         let positive: f64 = self.0.iter().filter(|&&weight| weight > 0.0).sum();
         let negative: f64 = -self.0.iter().filter(|&&weight| weight < 0.0).sum::<f64>();
@@ -36,7 +36,7 @@ impl Convolution {
         self
     }
 
-    /// Output `x` is the sum of the weights times the values at `x`, `x + stride`, `x + 2 stride`...
+    /// Computes each output `x` as the sum of the weights times the values at `x`, `x + stride`, `x + 2 stride`...
     pub fn convolve(&self, values: &[f64], stride: usize, output: &mut [f64]) {
         let (blocks, rest) = output.as_chunks_mut::<LANES>();
         let done = blocks.len() * LANES;
@@ -46,7 +46,7 @@ impl Convolution {
         rest.iter_mut().zip(done..).for_each(|(sum, x)| [*sum] = self.sums(&values[x..], stride));
     }
 
-    /// Outputs side by side, which the compiler computes in SIMD lanes.
+    /// Computes outputs side by side, which the compiler maps to SIMD lanes.
     fn sums<const COUNT: usize>(&self, values: &[f64], stride: usize) -> [f64; COUNT] {
         let mut sums = [0.0; COUNT];
         let rows = (0..).step_by(stride).map_while(|start| values.get(start..)?.first_chunk::<COUNT>());
@@ -57,31 +57,31 @@ impl Convolution {
     }
 }
 
-/// The eye's blur, by the contrast sensitivity of each axis of YCxCz.
+/// The eye's blur, from the contrast sensitivity for each axis of YCxCz.
 #[derive(Clone, Debug)]
 pub struct SpatialFilters {
-    /// For Y and for Cx, along rows and along columns.
+    /// The filters of Y and Cx, used along rows and along columns.
     pub gaussians: [Convolution; 2],
-    /// For Cz: the sum of two filters, each along rows and along columns.
+    /// The two filters whose sum blurs Cz, each used along rows and along columns.
     pub blue_yellow: [Convolution; 2],
 }
 
 /// The spread of the Gaussians of Y and Cx, in square degrees.
 const SPREADS: [f64; 2] = [0.0047, 0.0053];
-/// Height and spread of the two Gaussians of Cz.
+/// The height and the spread of the two Gaussians of Cz.
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
-/// Of the widest Gaussian.
+/// The spread of the widest Gaussian.
 const WIDEST_SPREAD: f64 = 0.04;
 
 impl SpatialFilters {
-    /// At a viewing distance.
+    /// Creates the filters for a viewing distance.
     pub fn new(pixels_per_degree: f64) -> Self {
         let radius = (3.0 * (WIDEST_SPREAD / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
         let gaussian = |spread: f64| {
             Convolution::new(radius, |x| libm::exp(-(PI * x / pixels_per_degree).powi(2) / spread))
         };
         let normalized = |kernel: Convolution| kernel.clone().scaled(1.0 / kernel.sum());
-        // The weight of both filters of Cz together is the sum of the squares: each is applied twice.
+        // The combined weight of both filters of Cz is the sum of squares, because each is applied twice.
         let blue_yellow = BLUE_YELLOW
             .map(|(height, spread)| gaussian(spread).scaled((height * (PI / spread).sqrt()).sqrt()));
         let weight = blue_yellow.iter().map(|kernel| kernel.sum().powi(2)).sum::<f64>().sqrt();
@@ -91,18 +91,18 @@ impl SpatialFilters {
         }
     }
 
-    /// Of the widest kernel.
+    /// Returns the radius of the widest kernel.
     pub fn radius(&self) -> usize {
         self.blue_yellow[0].radius()
     }
 }
 
-/// What the eye takes for edges and points: derivatives of a blurred picture.
+/// Filters for the edges and points that the eye notices: derivatives of a blurred picture.
 #[derive(Clone, Debug)]
 pub struct FeatureFilters {
-    /// The blur across the direction of a derivative.
+    /// The blur perpendicular to the direction of a derivative.
     pub gaussian: Convolution,
-    /// The first derivative, largest at edges, and the second, largest at points.
+    /// The first derivative, largest at edges, and the second derivative, largest at points.
     pub derivatives: [Convolution; 2],
 }
 
@@ -110,7 +110,7 @@ pub struct FeatureFilters {
 const FEATURE_WIDTH: f64 = 0.082;
 
 impl FeatureFilters {
-    /// At a viewing distance.
+    /// Creates the filters for a viewing distance.
     pub fn new(pixels_per_degree: f64) -> Self {
         let deviation = 0.5 * FEATURE_WIDTH * pixels_per_degree;
         let radius = (3.0 * deviation).ceil() as usize;
@@ -123,7 +123,7 @@ impl FeatureFilters {
         }
     }
 
-    /// Of every kernel.
+    /// Returns the radius of all kernels.
     pub fn radius(&self) -> usize {
         self.gaussian.radius()
     }
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
     use crate::tools::compare::PIXELS_PER_DEGREE;
 
-    /// What a flat picture of ones becomes.
+    /// Returns the filter's result for a flat picture of ones.
     fn of_ones(kernel: &Convolution) -> f64 {
         let mut output = [0.0];
         kernel.convolve(&vec![1.0; 2 * kernel.radius() + 1], 1, &mut output);

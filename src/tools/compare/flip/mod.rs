@@ -1,8 +1,8 @@
-//! LDR-FLIP: how visible the difference of two pictures is to somebody who flips between them.
+//! LDR-FLIP: measures how visible the difference of two pictures is to an observer who flips between them.
 //!
-//! Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator
-//! for Alternating Images", HPG 2020, with the constants and the treatment of borders (the outermost
-//! pixels repeat) of its reference implementation. That one computes in f32; this one in f64.
+//! Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator for Alternating
+//! Images", HPG 2020. Uses the constants and the border handling (the outermost pixels repeat) of the reference
+//! implementation. The reference computes in f32, this module in f64.
 
 mod color;
 mod filter;
@@ -19,14 +19,14 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use tile::{FilteredTile, PictureTile, tiles};
 
-/// Of a display 0.7 m wide with 3840 pixels in a row, seen from 0.7 m: 67.02.
+/// The resolution of a display 0.7 m wide with 3840 pixels per row, seen from 0.7 m: 67.02.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 
 /// The exponent of colour differences.
 const COLOR_EXPONENT: f64 = 0.7;
-/// Colour differences below this part of the largest one fill the lower part of the error's range.
+/// Colour differences below this fraction of the largest one fill the lower part of the error's range.
 const LOWER_COLOR_PART: f64 = 0.4;
-/// The part of the error's range for the small colour differences.
+/// The part of the error's range used for small colour differences.
 const LOWER_ERROR_PART: f64 = 0.95;
 /// The exponent of feature differences is a square root.
 const FEATURE_SCALE: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -37,19 +37,19 @@ pub struct Flip {
     colors: ColorSpace,
     spatial: SpatialFilters,
     features: FeatureFilters,
-    /// From [`COLOR_EXPONENT`], between the two colours that are farthest apart.
+    /// The difference of the two most distant colours, raised to [`COLOR_EXPONENT`].
     largest_color_difference: f64,
 }
 
 impl Default for Flip {
-    /// At the distance of the reference implementation, [`PIXELS_PER_DEGREE`].
+    /// Uses the distance of the reference implementation, [`PIXELS_PER_DEGREE`].
     fn default() -> Self {
         Self::new(PIXELS_PER_DEGREE)
     }
 }
 
 impl Flip {
-    /// At a distance where `pixels_per_degree` pixels fill a degree of the field of view.
+    /// Creates the filters for a distance where `pixels_per_degree` pixels fill a degree of the field of view.
     pub fn new(pixels_per_degree: f64) -> Self {
         let colors = ColorSpace::default();
         Self {
@@ -60,16 +60,15 @@ impl Flip {
         }
     }
 
-    /// The mean error of the picture `a` against the reference `b`, from 0 to 1. Different sizes are
-    /// an error.
+    /// Returns the mean error of the picture `a` against the reference `b`, from 0 to 1. Fails if the sizes differ.
     ///
-    /// Tiles are computed in parallel and summed in a fixed order: the result does not depend on the
-    /// number of threads.
+    /// Tiles are computed in parallel and summed in a fixed order, so the result does not depend on the number of
+    /// threads.
     pub fn mean(&self, a: &Picture, b: &Picture) -> Result<f64, Diagnostic> {
         self.mean_unless(a, b, &|| false)
     }
 
-    /// The same, of which the rest is left out, with any result, as soon as `is_over` says so.
+    /// Computes [`mean`](Self::mean), but returns soon with an unspecified result after `is_over` returns true.
     pub(super) fn mean_unless(
         &self,
         a: &Picture,
@@ -83,8 +82,8 @@ impl Flip {
         Ok(sums.iter().sum::<f64>() / (width * height) as f64)
     }
 
-    /// A pixel's error depends on the pixels within the filters' radius: without a difference there
-    /// it is exactly 0.
+    /// Returns the sum of the errors in a tile. A pixel's error depends only on pixels within the filters' radius. If
+    /// they are equal, it is exactly 0.
     fn sum_of_errors(&self, a: &Picture, b: &Picture, tile: &PictureTile) -> f64 {
         let windows =
             [a, b].map(|picture| tile.window(picture.width() as usize, colors(picture), self.radius()));
@@ -95,7 +94,7 @@ impl Flip {
         (0..tile.width * tile.height).map(|pixel| self.error(&a, &b, pixel)).sum()
     }
 
-    /// The largest distance, in pixels, at which a pixel has an influence.
+    /// Returns the largest distance, in pixels, at which a pixel has an influence.
     fn radius(&self) -> usize {
         self.spatial.radius().max(self.features.radius())
     }
@@ -112,7 +111,7 @@ impl Flip {
         libm::pow(color, 1.0 - (FEATURE_SCALE * feature).sqrt())
     }
 
-    /// Maps colour differences to 0..=1, most of it for the small ones.
+    /// Maps colour differences to 0..=1, with most of the range for small ones.
     fn redistributed(&self, difference: f64) -> f64 {
         let largest = self.largest_color_difference;
         let split = LOWER_COLOR_PART * largest;

@@ -1,8 +1,7 @@
 //! Agreement with the reference implementation.
 //!
-//! The expected values are those of NVIDIA's implementation, the Python package `flip-evaluator`,
-//! version 1.7, run on the pictures that `writes_the_pictures_for_the_reference_implementation`
-//! wrote as PNG:
+//! The expected values were computed by NVIDIA's implementation, the Python package `flip-evaluator`, version 1.7, from
+//! the PNG files written by `writes_the_pictures_for_the_reference_implementation`:
 //!
 //! ```python
 //! import flip_evaluator, sys
@@ -14,11 +13,11 @@ use super::*;
 use crate::image_io::{OutputFile, read_picture};
 use std::path::Path;
 
-/// The reference implementation computes in f32: where a flat picture of ones has derivatives of
-/// 1e-7 instead of 0, the square root of the feature difference makes 3e-4 of that.
+/// The reference implementation computes in f32. Where a flat picture of ones has derivatives of 1e-7 instead of 0, the
+/// square root of the feature difference turns them into 3e-4.
 const TOLERANCE: f64 = 2e-5;
 
-/// A picture in question, its reference, and the mean error that the reference implementation finds.
+/// A picture, its reference, and the mean error computed by the reference implementation.
 struct Case {
     name: &'static str,
     size: [u32; 2],
@@ -77,7 +76,7 @@ fn ramp(x: u32, y: u32) -> [u8; 3] {
     [2 * x, 3 * y, 255 - x - y].map(|level| level.min(255) as u8)
 }
 
-/// The high bytes of a linear congruential generator.
+/// Returns the high bytes of a linear congruential generator.
 fn noise(seed: u32, x: u32, y: u32) -> [u8; 3] {
     let next = |state: u32| state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     let mixed = next(next(seed.wrapping_mul(0x9E37_79B9) ^ next(x * 65_537 + y * 257 + 1)));
@@ -99,7 +98,7 @@ fn disc(x: u32, y: u32) -> [u8; 3] {
     }
 }
 
-/// The enlarged disc with a shadow over a part of it.
+/// The enlarged disc with a shadow over part of it.
 fn shadowed(x: u32, y: u32) -> [u8; 3] {
     let color = disc(x / 2, y / 2);
     let dark = x > 120 && y > 70 && x + y < 260;
@@ -141,7 +140,7 @@ fn equal_pictures_have_no_error() {
 
 #[test]
 fn what_lies_outside_the_filters_has_no_influence() {
-    // The dot is in the first of four tiles, and the others are skipped.
+    // The dot is in the first of four tiles. The others are skipped.
     let size = 2 * 64 + 1;
     let black = Picture::new(size, size).unwrap();
     let mut bytes = black.pixels().to_vec();

@@ -4,11 +4,11 @@ use super::Flip;
 use super::filter::{Convolution, LANES};
 use glam::{DVec2, DVec3};
 
-/// Pixels per side of the largest tile, a multiple of [`LANES`]. The filters read a border around each tile, which
-/// makes smaller ones slow; larger ones leave less to skip where pictures are equal.
+/// The largest side of a tile in pixels, a multiple of [`LANES`]. The filters read a border around each tile, which
+/// makes smaller tiles slow. With larger tiles, fewer can be skipped because both pictures are equal there.
 const LARGEST: usize = 64;
 
-/// A rectangle of a picture, from its top left.
+/// A rectangle of a picture, with coordinates from the top left.
 #[derive(Clone, Copy, Debug)]
 pub struct PictureTile {
     x: usize,
@@ -17,14 +17,14 @@ pub struct PictureTile {
     pub height: usize,
 }
 
-/// Nearly equal tiles that cover a picture, row by row.
+/// Returns tiles of nearly equal size that cover a picture, row by row.
 pub fn tiles(width: usize, height: usize) -> impl Iterator<Item = PictureTile> {
     parts(height)
         .flat_map(move |(y, height)| parts(width).map(move |(x, width)| PictureTile { x, y, width, height }))
 }
 
-/// Start and length of each part of a side. Parts start at multiples of the number of SIMD lanes, so
-/// that all but the last have no rest.
+/// Returns the start and length of each part of a side. Parts start at multiples of the number of SIMD lanes, so only
+/// the last one may have a remainder.
 fn parts(side: usize) -> impl Iterator<Item = (usize, usize)> {
     let count = side.div_ceil(LARGEST);
     let start =
@@ -32,7 +32,7 @@ fn parts(side: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..count).map(move |part| (start(part), start(part + 1) - start(part)))
 }
 
-/// A tile and the pixels within a radius around it; beyond the picture, its outermost pixels repeat.
+/// A tile with the pixels within a radius around it. Beyond the border, the outermost pixels repeat.
 #[derive(Debug, PartialEq)]
 pub struct PaddedTile {
     radius: usize,
@@ -41,7 +41,7 @@ pub struct PaddedTile {
 }
 
 impl PictureTile {
-    /// The tile's part of a picture of this width.
+    /// Returns the tile's part of a picture of this width.
     pub fn window(&self, picture_width: usize, pixels: &[[u8; 3]], radius: usize) -> PaddedTile {
         let around = |start: usize, length: usize, side: usize| {
             (start..start + length + 2 * radius).map(move |at| at.saturating_sub(radius).min(side - 1))
@@ -55,22 +55,22 @@ impl PictureTile {
     }
 }
 
-/// What the eye makes of a tile: planes of one number per pixel.
+/// The filtered signals of a tile: planes of one number per pixel.
 pub struct FilteredTile {
-    /// Y and Cx, and the two parts that add up to Cz.
+    /// Y and Cx, and two parts whose sum is Cz.
     colors: [Vec<f64>; 4],
-    /// Horizontal and vertical derivative, of the first order and of the second.
+    /// The horizontal and vertical derivatives, of first and second order.
     derivatives: [[Vec<f64>; 2]; 2],
 }
 
 impl FilteredTile {
-    /// In YCxCz.
+    /// Returns the colour of a pixel in YCxCz.
     pub fn color(&self, pixel: usize) -> DVec3 {
         let [y, cx, cz, more_cz] = self.colors.each_ref().map(|plane| plane[pixel]);
         DVec3::new(y, cx, cz + more_cz)
     }
 
-    /// How much of an edge and of a point the pixel is.
+    /// Returns the strengths of a pixel's edge and point features.
     pub fn features(&self, pixel: usize) -> DVec2 {
         let magnitude = |[across, down]: &[Vec<f64>; 2]| DVec2::new(across[pixel], down[pixel]).length();
         DVec2::from_array(self.derivatives.each_ref().map(magnitude))
@@ -99,7 +99,7 @@ impl Flip {
     }
 }
 
-/// The tile's pixels after a filter along rows and one along columns.
+/// Applies a filter along rows and one along columns to the tile's pixels.
 fn separable(
     plane: &[f64],
     window: &PaddedTile,

@@ -12,7 +12,7 @@ pub struct BruteForce<'a> {
 }
 
 impl BruteForce<'_> {
-    /// All hits along a ray, each with its primitive.
+    /// Returns all hits along a ray, each with its primitive.
     fn hits<'r>(&'r self, ray: &'r Ray, exclude: Option<u32>) -> impl Iterator<Item = (f64, u32)> + 'r {
         let (shear, world) = (Shear::new(ray), self.world);
         let all = 0..(world.finite_count() + world.planes.len()) as u32;

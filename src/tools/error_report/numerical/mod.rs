@@ -1,5 +1,5 @@
-//! Numerical error, apart from that of sampling: the same samples traced by brute force in double precision with exact
-//! decisions, by this program, and by a textbook's tracer in single precision.
+//! Measures numerical error apart from sampling error. The same samples are traced by brute force in double precision
+//! with exact decisions, by this program, and by a textbook's tracer in single precision.
 
 mod brute_force;
 mod single;
@@ -14,20 +14,20 @@ use brute_force::BruteForce;
 use glam::DVec2;
 use single::SinglePrecision;
 
-/// What roundings do to the samples.
+/// The effect of rounding on the samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numerical {
-    /// Width and height of the part of the picture that was traced, in pixels.
+    /// The size of the part of the picture traced, in pixels.
     pub size: [usize; 2],
-    /// The number of jittered samples in each of its pixels.
+    /// The number of jittered samples per pixel.
     pub samples: u32,
-    /// This program.
+    /// The errors of this program.
     pub program: Departure,
-    /// A textbook's tracer in single precision.
+    /// The errors of a textbook's tracer in single precision.
     pub single: Departure,
 }
 
-/// How far colours and hits are from those of the brute force.
+/// The differences of colours and hits from brute force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Departure {
     /// The number of bytes of the picture that differ.
@@ -36,15 +36,15 @@ pub struct Departure {
     pub largest: u8,
     /// The root mean square difference of the colours, in levels.
     pub error: f64,
-    /// The number of camera rays that hit something else.
+    /// The number of camera rays that hit a different primitive.
     pub hits: u64,
 }
 
-/// No more tests of rays against primitives than these are made by each tracer, about.
+/// The approximate largest number of ray-primitive tests made by each tracer.
 const MOST_TESTS: f64 = 5e8;
 
-/// Measures the samples of the request's picture, or of a window in its middle where brute force would take too long.
-/// None where rays are followed too deep for the recursion. The renderer must have kept the meshes.
+/// Measures the samples of the request's picture, or of a window in its middle if brute force would take too long.
+/// `None` if there are too many bounces for the recursion. The renderer must have kept the meshes.
 pub fn measure(
     renderer: &Renderer,
     prepared: &Prepared,
@@ -66,7 +66,8 @@ pub fn measure(
     Ok(Some(Numerical { size: exact.size, samples: request.sampler.count(), program, single }))
 }
 
-/// The request with four samples in each pixel, or one, or only a window in the middle.
+/// Returns the request with four samples per pixel. If that takes too long, uses one sample, or only a window in the
+/// middle.
 fn affordable(renderer: &Renderer, request: &Request) -> Request {
     let world = renderer.world();
     let rays = 1 + world.lights.len() + request.effects.bounces as usize;
@@ -87,7 +88,7 @@ fn affordable(renderer: &Renderer, request: &Request) -> Request {
     }
 }
 
-/// The pictures must be of one size.
+/// Compares two pictures. They must have the same size.
 fn departure(picture: &FloatPicture, exact: &FloatPicture) -> Departure {
     let [bytes, expected] = [picture, exact].map(|picture| picture.to_bytes().0);
     let differences = bytes.iter().zip(&expected).map(|(a, b)| a.abs_diff(*b));
@@ -103,7 +104,7 @@ fn departure(picture: &FloatPicture, exact: &FloatPicture) -> Departure {
     }
 }
 
-/// How many camera rays hit other primitives.
+/// Returns the number of camera rays that hit different primitives.
 fn other_hits(renderer: &Renderer, request: &Request, exact: &dyn Hits, other: &dyn Hits) -> u64 {
     use rayon::prelude::*;
     let camera = renderer.camera(request);
@@ -173,7 +174,7 @@ mod tests {
         ] {
             let Numerical { program, single: rough, .. } = measured(scene, bounces);
             assert_eq!((program.hits, program.bytes), (0, 0), "{scene}: {program:?}");
-            // A flat surface, or another epsilon, would be an error of many levels.
+            // A flat surface, or another epsilon, would cause an error of many levels.
             assert!(rough.error < 0.5, "{scene}: {rough:?}");
         }
     }

@@ -1,4 +1,4 @@
-//! Intersections as in textbooks, in single precision: Moeller and Trumbore's test of triangles ("Fast, Minimum Storage
+//! Textbook intersections in single precision: the triangle test of Moeller and Trumbore ("Fast, Minimum Storage
 //! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
 
 use crate::math::ray::{Ray, Visible};
@@ -29,7 +29,7 @@ impl SingleRay {
         Self {
             origin: ray.origin.as_vec3(),
             direction: ray.direction.as_vec3(),
-            // An orthographic camera also sees what is behind it, and some models have an epsilon of their own.
+            // An orthographic camera also sees objects behind it, and some models have their own epsilon.
             t_min: if ray.t_min == 0.0 { EPSILON } else { ray.t_min as f32 },
             t_max: ray.t_max as f32,
         }
@@ -138,7 +138,7 @@ fn triangle(ray: &SingleRay, [a, b, c]: [Vec3; 3]) -> Option<f32> {
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| e2.dot(q) / determinant)
 }
 
-/// The first crossing of a sphere around zero on the ray.
+/// Returns the first intersection with a sphere around the origin that lies on the ray.
 fn quadratic(ray: &SingleRay, origin: Vec3, direction: Vec3, radius: f32) -> Option<f32> {
     let a = direction.length_squared();
     let b = 2.0 * direction.dot(origin);
