@@ -6,7 +6,7 @@ use super::outputs::Outputs;
 use super::signals::Signals;
 use super::{End, Outcome, refused};
 use raytracer::cli::Converting;
-use raytracer::image_io::{OutputFile, Rows, check_distinct};
+use raytracer::image_io::{OutputFile, Rows, check_distinct, convert};
 
 /// Reads the picture and writes it.
 pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
@@ -15,7 +15,7 @@ pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome
     let file = OutputFile::prepare(&output.file)?;
     let converted = match Rows::open(picture) {
         // Only one row at a time is in memory.
-        Ok(rows) => rows.convert(file, output.format)?,
+        Ok(rows) => convert(rows, file, output.format)?,
         Err(_) => file.picture(output.format, &read_picture(picture, "converted", log)?)?,
     };
     Outputs::new(vec![converted], signals)?.name_all()?;

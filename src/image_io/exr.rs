@@ -2,8 +2,8 @@
 //!
 //! The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
+use super::decoding::{Remarks, black, fill_row, no_pixels, too_short};
 use super::header::{EXR_FLOAT, EXR_START};
-use super::reader::{Remarks, black, fill_row, no_pixels, too_short};
 use crate::base::escape::{escape, quoted};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Color, Picture};

@@ -1,11 +1,13 @@
 //! The formats of picture files. The end of a name decides what is written, the first bytes decide what is read.
 
-use super::header::TGA_HEADER;
 use super::unknown_ending;
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
 use serde::Serialize;
 use std::path::Path;
+
+/// The length of the header of a TGA file, in bytes.
+pub(super) const TGA_HEADER: usize = 18;
 
 /// The meaning of a picture's colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

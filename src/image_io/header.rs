@@ -4,8 +4,6 @@ use super::format::{Content, Format};
 use super::part::Part;
 use crate::diagnostic::Diagnostic;
 
-/// The length of the header of a TGA file, in bytes.
-pub(super) const TGA_HEADER: usize = 18;
 /// The length of the headers of a BMP file, the file's own and BITMAPINFOHEADER, in bytes.
 const BMP_HEADER: usize = 14 + BMP_INFO_HEADER;
 const BMP_INFO_HEADER: usize = 40;

@@ -1,6 +1,7 @@
 //! Joins the parts of a picture row by row.
 
-use super::part::{Part, PartFile, Rows};
+use super::part::Part;
+use super::rows::{PartFile, Rows};
 use super::writer::PictureWriter;
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;

@@ -2,6 +2,7 @@
 //! when all are complete. The reader takes any common variant. Parts of a picture say where they lie, and are put
 //! together.
 
+mod decoding;
 mod distinct_files;
 mod exr;
 mod format;
@@ -11,15 +12,18 @@ mod netpbm;
 mod output;
 mod part;
 mod reader;
+mod rows;
 mod writer;
 
+pub use decoding::Remarks;
 pub use distinct_files::{ReadFile, Written, check_distinct};
 pub use format::{Content, Format};
 pub use merge::Merge;
 pub use output::{CompleteFile, NAMING, OutputFile, put_in_place};
-pub use part::{Part, PartFile, Rows};
-pub use reader::{Remarks, load_picture, read_picture, read_picture_from, read_remarked_picture};
-pub use writer::{Exceptional, PictureWriter, part_beside};
+pub use part::Part;
+pub use reader::{load_picture, read_picture, read_picture_from, read_remarked_picture};
+pub use rows::{PartFile, Rows};
+pub use writer::{Exceptional, PictureWriter, convert, part_beside};
 
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;

@@ -5,8 +5,8 @@
 //! of the file. If the rest is longer, its pixels may be shifted, and the file is refused unless line feeds written as
 //! CR LF explain every byte.
 
+use super::decoding::{Remarks, black, fill_row, level, no_pixels, too_short};
 use super::format::{BYTE_ORDER_MARK, CUT_HEADER, OTHER_TEXT};
-use super::reader::{Remarks, black, fill_row, level, no_pixels, too_short};
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{Color, Picture};

@@ -1,21 +1,10 @@
-//! Parts of pictures: files that say where in a whole picture they lie, and reading their rows one by one.
+//! The place of a part in a whole picture, which the file of the part states.
 //!
 //! A TGA file says it in its image ID, which follows the header and which viewers show as a comment; a PNG file in a
 //! text chunk called `Comment`. The place stands there too, beside TGA's fields for the origin and PNG's chunk `oFFs`,
 //! which other programs read.
 
-use super::cannot;
-use super::format::{CUT_HEADER, Content, Format, START, identify};
-use super::header::TGA_HEADER;
-use super::output::{CompleteFile, OutputFile};
-use super::reader::{open_regular, or_too_early, too_short};
-use super::writer::PictureWriter;
-use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Window};
 use std::fmt;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek};
-use std::path::{Path, PathBuf};
 
 /// The keyword of the text in a PNG file that says which part of a larger picture it is.
 pub(super) const PNG_COMMENT: &str = "Comment";
@@ -52,143 +41,6 @@ impl fmt::Display for Part {
         let Self { whole: [width, height], at: [x, y], fingerprint } = self;
         write!(f, "part of {width} x {height} at {x}, {y}; fingerprint {fingerprint:032x}")
     }
-}
-
-/// The file of a part, encoded as this program does.
-#[derive(Clone, Debug)]
-pub struct PartFile {
-    /// The path as the user gave it.
-    pub path: PathBuf,
-    /// The place in the whole that the file states.
-    pub part: Part,
-    /// The part's place in the whole.
-    pub window: Window,
-}
-
-impl PartFile {
-    /// Reads what a file says about itself. An error if it is no part, or not encoded as this program does.
-    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
-        let no_part = |problem: String| cannot("merge", path, Diagnostic::error(problem));
-        let Rows { size: [width, height], comment, .. } = Rows::open(path)?;
-        let part = comment.as_deref().and_then(Part::parse).ok_or_else(|| {
-            no_part(format!(
-                "it is a picture of {width} x {height} pixels, and no part as `-region` makes it"
-            ))
-        })?;
-        let [x, y, width, height] = [part.at[0], part.at[1], width, height].map(|n| n as usize);
-        let window = Window { x, y, width, height };
-        if !window.fits(part.whole.map(|side| side as usize)) {
-            return Err(no_part("it says that it lies outside of its picture".into()));
-        }
-        Ok(Self { path: path.to_owned(), part, window })
-    }
-}
-
-/// The rows of a TGA or PNG file as this program writes it, from the top. They take the memory of a row.
-pub struct Rows {
-    path: PathBuf,
-    /// Width and height in pixels.
-    pub(super) size: [u32; 2],
-    comment: Option<String>,
-    decoder: Decoder,
-    /// The number of rows that have not been read.
-    left: u32,
-}
-
-enum Decoder {
-    /// The rows follow uncompressed, with blue first.
-    Tga(BufReader<File>),
-    Png(Box<png::Reader<BufReader<File>>>),
-}
-
-impl Rows {
-    /// Opens a file.
-    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
-        let identified = || {
-            let (mut file, mut start) = (open_regular(path)?, vec![]);
-            file.by_ref().take(START as u64).read_to_end(&mut start)?;
-            Ok::<_, Diagnostic>((identify(path, &start)?, file))
-        };
-        let (format, file) = identified().map_err(|reason| cannot("read", path, reason))?;
-        Self::new(path, format, file)
-    }
-
-    /// Reads what precedes the rows of a file, which need not have all rows.
-    pub(super) fn new(path: &Path, format: Format, mut file: File) -> Result<Self, Diagnostic> {
-        let read = file.rewind().and_then(|()| match format {
-            Format::Tga => tga(BufReader::new(file)),
-            Format::Png => png(BufReader::new(file)),
-            Format::Bmp | Format::Ppm | Format::Pfm | Format::Exr => Ok(None),
-        });
-        match read {
-            Ok(Some((size, comment, decoder))) if !size.contains(&0) => {
-                Ok(Self { path: path.to_owned(), size, comment, decoder, left: size[1] })
-            }
-            Ok(_) => Err(cannot("merge", path, Diagnostic::error("it is not encoded as `-region` makes it"))),
-            Err(error) => Err(cannot("read", path, or_too_early(error, Diagnostic::error(CUT_HEADER)))),
-        }
-    }
-
-    /// Reads the next row as bytes of red, green and blue. The last one of a PNG file is checked with what follows it.
-    pub(super) fn next(&mut self, rgb: &mut Vec<u8>) -> Result<(), Diagnostic> {
-        rgb.resize(self.size[0] as usize * CHANNELS, 0);
-        self.left = self.left.saturating_sub(1);
-        let read = match &mut self.decoder {
-            Decoder::Tga(source) => {
-                let read = source.read_exact(rgb);
-                rgb.chunks_exact_mut(CHANNELS).for_each(|pixel| pixel.swap(0, 2));
-                read
-            }
-            Decoder::Png(reader) => {
-                let read =
-                    reader.read_row(rgb).and_then(|_| if self.left > 0 { Ok(()) } else { reader.finish() });
-                read.map_err(io::Error::from)
-            }
-        };
-        read.map_err(|error| cannot("read", &self.path, or_too_early(error, too_short(self.size))))
-    }
-
-    /// Returns the file with the picture of these rows, none of which has been read.
-    pub fn convert(mut self, file: OutputFile, format: Format) -> Result<CompleteFile, Diagnostic> {
-        let size = self.size.map(|side| side as usize);
-        let mut writer = file.begin(format, size, Content::Colors, None)?;
-        self.copy(size[1], &mut writer)?;
-        writer.complete()
-    }
-
-    /// Hands the next rows to a writer.
-    pub(super) fn copy(&mut self, rows: usize, writer: &mut PictureWriter) -> Result<(), Diagnostic> {
-        let mut row = vec![];
-        (0..rows).try_for_each(|_| {
-            self.next(&mut row)?;
-            writer.row_of_bytes(&row)
-        })
-    }
-}
-
-/// The size of a picture, its comment and its rows. `None` if the file is not encoded as this program does.
-type Found = Option<([u32; 2], Option<String>, Decoder)>;
-
-fn tga(mut source: BufReader<File>) -> io::Result<Found> {
-    let mut header = [0; TGA_HEADER];
-    source.read_exact(&mut header)?;
-    let mut id = vec![0; header[0].into()];
-    source.read_exact(&mut id)?;
-    let [_, 0, 2, 0, 0, 0, 0, 0, _, _, _, _, w0, w1, h0, h1, 24, 32] = header else { return Ok(None) };
-    let size = [[w0, w1], [h0, h1]].map(|side| u32::from(u16::from_le_bytes(side)));
-    Ok(Some((size, String::from_utf8(id).ok(), Decoder::Tga(source))))
-}
-
-fn png(source: BufReader<File>) -> io::Result<Found> {
-    let mut options = png::DecodeOptions::default();
-    options.set_skip_ancillary_crc_failures(false);
-    let reader = png::Decoder::new_with_options(source, options).read_info()?;
-    let info = reader.info();
-    let text = info.uncompressed_latin1_text.iter().find(|chunk| chunk.keyword == PNG_COMMENT);
-    let (size, comment) = ([info.width, info.height], text.map(|chunk| chunk.text.clone()));
-    let is_own =
-        !info.interlaced && (info.color_type, info.bit_depth) == (png::ColorType::Rgb, png::BitDepth::Eight);
-    Ok(is_own.then(|| (size, comment, Decoder::Png(Box::new(reader)))))
 }
 
 #[cfg(test)]

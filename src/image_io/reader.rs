@@ -3,19 +3,18 @@
 //! The message of an error is the reason alone, to which [`read_picture`] adds the file.
 
 use super::cannot;
-use super::format::{CUT_HEADER, Format, identify};
-use super::header::TGA_HEADER;
+use super::decoding::{Remarks, black, check_bytes, level, no_pixels, open_regular, or_too_early, too_short};
+use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
 use super::{exr, netpbm};
 use crate::base::escape::escape;
 use crate::base::memory::{Bytes, with_room};
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
+use crate::picture::Picture;
 use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{ColorType, ImageDecoder, Limits};
-use std::fs::{self, File};
-use std::io::{self, Cursor, Read};
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 /// Upper bound on the length of a file, in bytes.
@@ -28,15 +27,6 @@ const MAX_PNG_EXTRA_BYTES: u64 = 1 << 26;
 /// Upper bound on the pixels per byte of a file. In PNG files, which are the densest, a byte of a deflate stream
 /// encodes at most 1032 bytes, and each of these at most eight pixels.
 const MAX_PIXELS_PER_BYTE: u64 = 1032 * 8;
-
-/// Facts that a user should know about a picture that was read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Remarks {
-    /// The number of pixels that a byte does not show, because they are below 0, above 1 or not numbers.
-    pub clamped: u64,
-    /// A line end follows the last pixel.
-    pub has_line_end: bool,
-}
 
 /// Reads a picture of any common variant of TGA, PNG, BMP, PPM and its relatives, PFM or OpenEXR. The first bytes
 /// decide the format. An error names it if the file's name has the ending of another one.
@@ -75,14 +65,6 @@ pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
     let mut bytes = with_room(length as usize)?;
     file.take(length).read_to_end(&mut bytes)?;
     decode(path, &bytes, MAX_BYTES)
-}
-
-/// Opens a regular file. A pipe could block the program.
-pub(super) fn open_regular(path: &Path) -> Result<File, Diagnostic> {
-    match fs::metadata(path)?.is_file() {
-        true => Ok(File::open(path)?),
-        false => Err(Diagnostic::error("it is not a regular file")),
-    }
 }
 
 fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagnostic> {
@@ -166,35 +148,6 @@ fn undecoded(error: image::ImageError, too_early: Diagnostic) -> Diagnostic {
     }
 }
 
-/// Returns an error of reading, with other words for a file that ends too early.
-pub(super) fn or_too_early(error: io::Error, too_early: Diagnostic) -> Diagnostic {
-    if error.kind() == io::ErrorKind::UnexpectedEof { too_early } else { error.into() }
-}
-
-/// Returns a black picture, to be filled from the file.
-pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Picture, Diagnostic> {
-    let pixels = u64::from(width) * u64::from(height);
-    check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
-    Ok(Picture::new(width, height)?)
-}
-
-fn check_bytes([width, height]: [u32; 2], bytes: u64, limit: u64) -> Result<(), Diagnostic> {
-    if bytes <= limit {
-        return Ok(());
-    }
-    let [shown, limit] = [bytes, limit].map(Bytes);
-    let problem = format!("its {width} x {height} pixels take {shown}, above the limit of {limit}");
-    Err(Diagnostic::error(problem))
-}
-
-pub(super) fn no_pixels() -> Diagnostic {
-    Diagnostic::error("the picture has no pixels")
-}
-
-pub(super) fn too_short([width, height]: [u32; 2]) -> Diagnostic {
-    Diagnostic::error(format!("it is too short for {width} x {height} pixels"))
-}
-
 /// Converts decoded samples to bytes of red, green and blue.
 fn to_rgb(color_type: ColorType, samples: &[u8], rgb: &mut [u8]) {
     let [green, blue] = if color_type.has_color() { [1, 2] } else { [0, 0] };
@@ -206,18 +159,6 @@ fn to_rgb(color_type: ColorType, samples: &[u8], rgb: &mut [u8]) {
             false => samples[channel],
         });
     }
-}
-
-/// Returns the level nearest to a sample between 0 and `white`.
-pub(super) fn level(sample: u32, white: u32) -> u8 {
-    ((sample * 255 + white / 2) / white) as u8
-}
-
-/// Sets a row of bytes to these colours. Returns the number of colours beyond bytes.
-pub(super) fn fill_row(colors: &[Color], row: &mut [u8]) -> u64 {
-    truncate_to_bytes::<RED_FIRST>(colors, row);
-    let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
-    colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
 }
 
 #[cfg(test)]

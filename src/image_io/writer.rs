@@ -4,7 +4,8 @@ use super::beside;
 use super::format::{Content, Format};
 use super::header::{bmp_row, exr_row, header};
 use super::output::{CompleteFile, OutputFile};
-use super::part::{PNG_COMMENT, Part, Rows};
+use super::part::{PNG_COMMENT, Part};
+use super::rows::Rows;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{BLUE_FIRST, CHANNELS, Color, RED_FIRST, truncate_to_bytes};
 use std::io::{self, Seek, SeekFrom, Write};
@@ -195,8 +196,17 @@ impl PictureWriter {
         let CompleteFile { output, content: spool } = self.complete()?;
         let mut from = Rows::new(&output.path, format, output.written(spool.into_file())?)?;
         let mut to = OutputFile::prepare(&path_of_part)?.begin(format, [width, rows], content, Some(part))?;
-        from.copy(rows, &mut to)?;
+        to.copy(&mut from, rows)?;
         to.complete()?.put_in_place().map(|()| Some(path_of_part))
+    }
+
+    /// Takes this number of rows from a file.
+    fn copy(&mut self, from: &mut Rows, rows: usize) -> Result<(), Diagnostic> {
+        let mut row = vec![];
+        (0..rows).try_for_each(|_| {
+            from.next(&mut row)?;
+            self.row_of_bytes(&row)
+        })
     }
 
     /// Returns the file of the picture, which has all of its rows.
@@ -205,6 +215,14 @@ impl PictureWriter {
         let content = std::mem::replace(&mut *self.spool.lock(), tempfile::spooled_tempfile(0));
         Ok(CompleteFile { output: self.output, content })
     }
+}
+
+/// Returns a file with the picture of these rows, none of which has been read.
+pub fn convert(mut rows: Rows, file: OutputFile, format: Format) -> Result<CompleteFile, Diagnostic> {
+    let size = rows.size.map(|side| side as usize);
+    let mut writer = file.begin(format, size, Content::Colors, None)?;
+    writer.copy(&mut rows, size[1])?;
+    writer.complete()
 }
 
 /// Returns the file of the rows that are complete when a run is stopped: `o.partial.tga` beside `o.tga`. `None` if the

@@ -14,8 +14,7 @@ mod tally;
 mod tracing;
 
 pub use layer::{Cost, Layer};
-pub use request::{Request, View};
-pub use tracing::Tracing;
+pub use request::{Request, Tracing, View};
 
 pub use crate::picture::Window;
 

@@ -1,7 +1,6 @@
 //! The request: the layers to render, and how to render them.
 
 use super::layer::Layer;
-use super::tracing::Tracing;
 use crate::camera::Camera;
 use crate::picture::Window;
 use crate::render::grid_view::Occupancy;
@@ -13,6 +12,7 @@ use crate::scene;
 use crate::scene::material::Material;
 use crate::trace::{Effects, Shadows};
 use crate::world::World;
+use serde::Serialize;
 use std::ops::Range;
 
 #[cfg(feature = "fast")]
@@ -26,6 +26,17 @@ const PIXELS_PER_CAST_RAY: usize = 32;
 #[cfg(not(feature = "fast"))]
 fn finds_first_hits(_: &Camera, _: &World, _: [usize; 2]) -> bool {
     false
+}
+
+/// The way to trace a picture. The picture does not depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tracing {
+    /// As fast as possible. Only rays that the picture needs are traced. Only the total number of rays is counted.
+    #[default]
+    Fast,
+    /// With all steps of the course's program, which are counted.
+    Counted,
 }
 
 /// The subject of the layers of colours.

@@ -2,8 +2,8 @@
 
 use super::layer::Layer;
 use super::plan::Plan;
-use super::request::{Request, View};
-use super::tracing::{PictureTracer, Tracing};
+use super::request::{Request, Tracing, View};
+use super::tracing::PictureTracer;
 use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::picture::Color;

@@ -1,6 +1,6 @@
 //! Traces the samples of a picture, either counted or as fast as possible.
 
-use super::request::{Request, View};
+use super::request::{Request, Tracing, View};
 use crate::camera::Camera;
 use crate::caster::Caster;
 #[cfg(feature = "fast")]
@@ -13,19 +13,7 @@ use crate::trace::NoHints;
 use crate::trace::Shadows;
 use crate::trace::{Effects, Memory, Patience, RayCount, Tracer};
 use fearless_simd::dispatch;
-use serde::Serialize;
 use std::ops::Range;
-
-/// The way to trace a picture. The picture does not depend on it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Tracing {
-    /// As fast as possible. Only rays that the picture needs are traced. Only the total number of rays is counted.
-    #[default]
-    Fast,
-    /// With all steps of the course's program, which are counted.
-    Counted,
-}
 
 /// Traces the samples of a picture.
 #[derive(Clone, Debug)]

@@ -3,6 +3,7 @@
 use super::test_files::*;
 use super::*;
 use crate::image_io::{Content, OutputFile};
+use crate::picture::Color;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use std::fs;

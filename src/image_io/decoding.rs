@@ -1,0 +1,67 @@
+//! Shared by the readers of all formats: opening a file, the errors of its size and its end, and samples that become
+//! levels.
+
+use crate::base::memory::Bytes;
+use crate::diagnostic::Diagnostic;
+use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+
+/// Facts that a user should know about a picture that was read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Remarks {
+    /// The number of pixels that a byte does not show, because they are below 0, above 1 or not numbers.
+    pub clamped: u64,
+    /// A line end follows the last pixel.
+    pub has_line_end: bool,
+}
+
+/// Opens a regular file. A pipe could block the program.
+pub(super) fn open_regular(path: &Path) -> Result<File, Diagnostic> {
+    match fs::metadata(path)?.is_file() {
+        true => Ok(File::open(path)?),
+        false => Err(Diagnostic::error("it is not a regular file")),
+    }
+}
+
+/// Returns an error of reading, with other words for a file that ends too early.
+pub(super) fn or_too_early(error: io::Error, too_early: Diagnostic) -> Diagnostic {
+    if error.kind() == io::ErrorKind::UnexpectedEof { too_early } else { error.into() }
+}
+
+/// Returns a black picture, to be filled from the file.
+pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Picture, Diagnostic> {
+    let pixels = u64::from(width) * u64::from(height);
+    check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
+    Ok(Picture::new(width, height)?)
+}
+
+pub(super) fn check_bytes([width, height]: [u32; 2], bytes: u64, limit: u64) -> Result<(), Diagnostic> {
+    if bytes <= limit {
+        return Ok(());
+    }
+    let [shown, limit] = [bytes, limit].map(Bytes);
+    let problem = format!("its {width} x {height} pixels take {shown}, above the limit of {limit}");
+    Err(Diagnostic::error(problem))
+}
+
+pub(super) fn no_pixels() -> Diagnostic {
+    Diagnostic::error("the picture has no pixels")
+}
+
+pub(super) fn too_short([width, height]: [u32; 2]) -> Diagnostic {
+    Diagnostic::error(format!("it is too short for {width} x {height} pixels"))
+}
+
+/// Returns the level nearest to a sample between 0 and `white`.
+pub(super) fn level(sample: u32, white: u32) -> u8 {
+    ((sample * 255 + white / 2) / white) as u8
+}
+
+/// Sets a row of bytes to these colours. Returns the number of colours beyond bytes.
+pub(super) fn fill_row(colors: &[Color], row: &mut [u8]) -> u64 {
+    truncate_to_bytes::<RED_FIRST>(colors, row);
+    let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
+    colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
+}
