@@ -142,7 +142,7 @@ impl Scenes {
         let refused = |reason: &str| mesh_unreadable(name, *at, &[(name.clone(), reason.into())]);
         let failed = |error: std::io::Error| refused(&error.to_string());
         if stop.is_over() {
-            return Err(refused("nobody waits for it"));
+            return Err(refused("the page no longer waits for it"));
         }
         let (meshes, bytes) = left.get();
         if meshes == 0 {

@@ -138,7 +138,7 @@ impl Session {
                 let reason = "this takes longer than a page may: choose a smaller picture, or fewer samples";
                 Some(Answer::text(422, reason))
             }
-            () => has_left().then(|| Answer::text(408, "nobody waits for this answer")),
+            () => has_left().then(|| Answer::text(408, "the page no longer waits for this answer")),
         };
         let sketch = question.sketch.filter(|_| path == "/picture");
         let view = question.view.map(|shown| self.view(shown, sketch)).transpose()?;

@@ -19,7 +19,7 @@ use std::ops::Range;
 use crate::fast::finds_first_hits;
 
 /// If rasterization finds the first hits, about one ray per this number of pixels must still be cast: the rays at the
-/// edges of triangles.
+/// edges of triangles. This is an estimate, not a measurement.
 const PIXELS_PER_CAST_RAY: usize = 32;
 
 /// Returns false: without hints all rays are cast.

@@ -1,4 +1,4 @@
-//! What is no error but hardly meant: each warning in full, `-strict`, and silence where nothing is wrong.
+//! Warnings about valid input that is probably a mistake: each in full, `-strict`, and silence where nothing is wrong.
 
 use crate::support::{CAMERA, Folder, scene, sphere, unmark};
 
