@@ -30,7 +30,7 @@ pub use structure::{Fullness, StructureSize};
 
 use crate::caster::block::NONE;
 use crate::caster::bounds::Entry;
-use crate::caster::choose::Layout;
+use crate::caster::choose::{Layout, Rays};
 use crate::caster::query::{AllHits, AnyHit, Goal, Nearest, Query, RayOrigin};
 use crate::caster::structure::{AccelerationStructure, Order};
 use crate::math::instructions;
@@ -40,7 +40,7 @@ use crate::world::World;
 use fearless_simd::{Simd, dispatch};
 use fearless_simd_macros::simd;
 use glam::DVec2;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
 #[derive(Clone, Debug)]
@@ -51,6 +51,8 @@ pub struct Caster<'w> {
     pub level: Level,
     /// Contains every finite primitive; `None` if the world has no finite primitives.
     structure: Option<Arc<AccelerationStructure>>,
+    /// The structure for many rays, if [`Caster::for_rays`] may build it. Copies of the caster share it.
+    for_many_rays: Option<Arc<OnceLock<Arc<AccelerationStructure>>>>,
 }
 
 impl<'w> Caster<'w> {
@@ -64,7 +66,27 @@ impl<'w> Caster<'w> {
         let finite = world.finite_count() > 0;
         let structure =
             finite.then(|| AccelerationStructure::new(world, layout).map(Arc::new)).transpose()?;
-        Ok(Self { world, level, structure })
+        Ok(Self { world, level, structure, for_many_rays: None })
+    }
+
+    /// Lets [`Caster::for_rays`] replace a list by a grid or a tree.
+    pub fn replaceable(self) -> Self {
+        let for_many_rays = (!self.is_selective()).then(Arc::default);
+        Self { for_many_rays, ..self }
+    }
+
+    /// Returns a caster that takes the least total time for about this number of rays: this one, or if it is
+    /// replaceable and the rays pay for it, one with a grid or a tree. That structure is built once.
+    pub fn for_rays(&self, rays: Rays) -> Self {
+        let Some(shared) = &self.for_many_rays else { return self.clone() };
+        let layout = if shared.get().is_none() { Layout::chosen(self.world, rays) } else { Layout::List };
+        // Threads do not wait for each other, since the build itself runs on them. So two may build the structure.
+        if layout != Layout::List
+            && let Ok(structure) = AccelerationStructure::new(self.world, layout)
+        {
+            let _ = shared.set(Arc::new(structure));
+        }
+        Self { structure: shared.get().or(self.structure.as_ref()).cloned(), ..self.clone() }
     }
 
     /// Returns true if a ray is tested only against some of the primitives: those in the grid cells or tree boxes that

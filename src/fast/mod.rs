@@ -75,4 +75,14 @@ impl RasterHints {
         let buffer = footprint.and_then(|of| VisibilityBuffer::new(camera, caster, size, rows, of));
         Self { visibility: buffer.map(Arc::new), ..self.clone() }
     }
+
+    /// Returns the number of pixels in these rows whose camera rays must be cast.
+    pub fn unsure(&self, rows: Range<usize>) -> usize {
+        let Demand { columns, footprint, .. } = &self.demand;
+        match &self.visibility {
+            Some(buffer) => buffer.unsure(columns.clone()),
+            None if footprint.is_some() => columns.len() * rows.len(),
+            None => 0,
+        }
+    }
 }

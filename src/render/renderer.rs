@@ -115,6 +115,9 @@ impl Renderer {
             let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
             let build = |layout| Caster::with(&self.world, layout, instructions::available()[0]);
             let caster = match build(layout) {
+                Ok(caster) if structure == Structure::Any && tracing == Tracing::Fast => {
+                    Ok(caster.replaceable())
+                }
                 // The user did not request the structure that does not fit into memory, so use a list instead.
                 Err(_) if structure == Structure::Any => build(Layout::List),
                 caster => caster,

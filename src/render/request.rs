@@ -18,10 +18,6 @@ use std::ops::Range;
 #[cfg(feature = "fast")]
 use crate::fast::finds_first_hits;
 
-/// If rasterization finds the first hits, about one ray per this number of pixels must still be cast: the rays at the
-/// edges of triangles. This is an estimate, not a measurement.
-const PIXELS_PER_CAST_RAY: usize = 32;
-
 /// Returns false: without hints all rays are cast.
 #[cfg(not(feature = "fast"))]
 fn finds_first_hits(_: &Camera, _: &World, _: [usize; 2]) -> bool {
@@ -177,7 +173,8 @@ impl Request {
         self.size[0] * self.size[1] * self.samples()
     }
 
-    /// Returns the approximate number of rays to cast. If rasterization finds the first hits, only a few are left.
+    /// Returns the approximate number of rays that are certainly cast: none if rasterization finds the first hits. It
+    /// may leave some rays to be cast. They are counted when it has run.
     pub(crate) fn cast_rays(&self, camera: &Camera, world: &World) -> usize {
         let Effects { shadows, bounces, .. } = self.effects;
         let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
@@ -187,10 +184,9 @@ impl Request {
         let traces = [self.measures(), self.traces_colors(Tracing::Fast)];
         let pixels: usize = self.window_size().iter().product();
         match traces {
-            [false, false] => 0,
             [true, _] if casts_centers => pixels * self.samples(),
             [_, true] if casts_for_colors => pixels * self.samples(),
-            _ => pixels / PIXELS_PER_CAST_RAY,
+            _ => 0,
         }
     }
 }
@@ -241,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn few_rays_count_as_cast_that_rasterization_replaces() {
+    fn no_rays_count_as_cast_that_rasterization_replaces() {
         let rays_of = |text: &str, request: &Request| {
             let text = format!(
                 "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
@@ -265,16 +261,16 @@ mod tests {
         let shadows = with(Effects { shadows: Shadows::Transparent, ..Effects::default() });
         let bounces = with(Effects { bounces: 1, ..Effects::default() });
         for (text, request, rays) in [
-            (triangle, &colors, 1),
+            (triangle, &colors, 0),
             (sphere, &colors, 48),
             (triangle, &shadows, 48),
-            (triangle, &bounces, 1),
+            (triangle, &bounces, 0),
             (&mirror, &bounces, 48),
             (&glass, &bounces, 48),
-            (&mirror, &colors, 1),
+            (&mirror, &colors, 0),
             (triangle, &sampled(Layer::Color), 144),
             (triangle, &sampled(Layer::Samples { zoom: 1 }), 144),
-            (triangle, &sampled(DEPTH), 1),
+            (triangle, &sampled(DEPTH), 0),
             (sphere, &sampled(DEPTH), 144),
             (sphere, &request_of(&[DEPTH]), 48),
             (sphere, &request_of(&[Layer::Filter { zoom: 1 }]), 0),

@@ -4,6 +4,8 @@ use super::request::{Request, Tracing, View};
 use crate::camera::Camera;
 use crate::caster::Caster;
 #[cfg(feature = "fast")]
+use crate::caster::choose::Rays;
+#[cfg(feature = "fast")]
 use crate::fast::{Demand, Footprint, RasterHints};
 use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::stats::Counts;
@@ -19,10 +21,13 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct PictureTracer<'a> {
     camera: &'a Camera,
-    caster: &'a Caster<'a>,
+    caster: Caster<'a>,
     effects: Effects,
     tracing: Tracing,
     patience: Patience<'a>,
+    /// The number of samples and rows of the picture.
+    #[cfg(feature = "fast")]
+    picture: [usize; 2],
     #[cfg(feature = "fast")]
     hints: RasterHints,
     #[cfg(not(feature = "fast"))]
@@ -42,7 +47,16 @@ impl<'a> PictureTracer<'a> {
         let hints = RasterHints::new(caster.world, demand(view, request, tracing));
         #[cfg(not(feature = "fast"))]
         let (hints, _) = (NoHints, view);
-        Self { camera, caster, effects: request.effects, tracing, patience, hints }
+        Self {
+            camera,
+            caster: caster.clone(),
+            effects: request.effects,
+            tracing,
+            patience,
+            #[cfg(feature = "fast")]
+            picture: [request.camera_rays(), request.rows().len()],
+            hints,
+        }
     }
 
     /// Returns a tracer that is prepared for these rows, counted from the bottom.
@@ -51,7 +65,11 @@ impl<'a> PictureTracer<'a> {
         if self.tracing == Tracing::Counted {
             return self.clone();
         }
-        Self { hints: self.hints.in_rows(self.camera, self.caster, rows), ..self.clone() }
+        let hints = self.hints.in_rows(self.camera, &self.caster, rows.clone());
+        // The other rows have about as many unsure pixels.
+        let [camera, all_rows] = self.picture;
+        let cast = hints.unsure(rows.clone()) * all_rows / rows.len().max(1);
+        Self { caster: self.caster.for_rays(Rays { camera, cast }), hints, ..self.clone() }
     }
 
     #[cfg(not(feature = "fast"))]
@@ -147,6 +165,34 @@ mod tests {
             let request = Request { sampler, effects, layers, ..Request::new([6, 5]) };
             let demand = demand(view, &request, Tracing::Fast);
             assert_eq!((demand.footprint, demand.shadow_rays), (footprint, colors), "{request:?}");
+        }
+    }
+
+    #[test]
+    fn rays_that_rasterization_leaves_get_a_grid_if_they_are_many() {
+        let triangle = |k: usize| {
+            let [x, y] = [k % 8, k / 8].map(|n| 0.25 * n as f64 - 1.0);
+            format!("Triangle {{ vertex0 {x} {y} 0 vertex1 {} {y} 0 vertex2 {x} {} 0 }} ", x + 0.25, y + 0.25)
+        };
+        let triangles: String = (0..64).map(triangle).collect();
+        // A far vertex makes the error bounds of all depths large.
+        for (far, is_selective) in [(1.0, false), (1e9, true)] {
+            let text = format!(
+                "PerspectiveCamera {{ center 0.013 0.029 5 direction 0 0 -1 up 0 1 0 angle 25 }}
+                 Group {{ numObjects 65 Material {{ }} {triangles}
+                 Triangle {{ vertex0 0 0 -1 vertex1 {far} 0 -1 vertex2 0 {far} -1 }} }}"
+            );
+            let scene = parse(&text).unwrap();
+            let world = World::new(&scene, &[]).unwrap();
+            let camera = Camera::new(&scene.camera, [40, 40]);
+            let request = Request::new([40, 40]);
+            let has_grid = |caster: Caster| {
+                let (tracing, patience) = (Tracing::Fast, Patience::endless());
+                let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, tracing, patience);
+                tracer.rows(0..40).caster.is_selective()
+            };
+            assert_eq!(has_grid(Caster::new(&world, None).unwrap().replaceable()), is_selective, "{far}");
+            assert!(!has_grid(Caster::new(&world, None).unwrap()));
         }
     }
 }

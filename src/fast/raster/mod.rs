@@ -135,7 +135,6 @@ impl VisibilityBuffer {
     }
 
     /// Returns the number of unsure pixels in these columns of all rows, whose rays must be cast.
-    #[cfg(test)]
     pub fn unsure(&self, columns: Range<usize>) -> usize {
         let rows = self.visible_ids.chunks_exact(self.stride);
         rows.map(|row| row[columns.clone()].iter().filter(|&&id| id == UNSURE).count()).sum()
