@@ -3,6 +3,7 @@
 //! Rasterization finds the first hits of camera rays, and the primitives between a surface and a light, if they are
 //! certain. [`RasterHints`] implements [`Hints`] with these results. The tracer casts the other rays.
 
+mod enclosed;
 mod raster;
 #[cfg(test)]
 mod tests;
@@ -11,7 +12,8 @@ use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::trace::{Blocker, FirstHit, Hints};
-use crate::world::World;
+use crate::world::{SurfacePoint, World};
+use enclosed::ClosedMeshes;
 use glam::DVec3;
 use raster::ShadowMaps;
 use std::ops::Range;
@@ -28,6 +30,8 @@ pub struct Demand {
     pub columns: Range<usize>,
     /// The camera rays that go into the scene. `None` if there are none.
     pub footprint: Option<Footprint>,
+    /// True if rays may be inside transparent objects.
+    pub enters_objects: bool,
     /// The number of rays to each light, if it only matters that they are blocked or not. Otherwise 0.
     pub shadow_rays: usize,
 }
@@ -37,6 +41,7 @@ pub struct Demand {
 pub struct RasterHints {
     demand: Demand,
     shadow_maps: Arc<ShadowMaps>,
+    closed_meshes: Arc<ClosedMeshes>,
     /// The first hits of the rays through some rows.
     visibility: Option<Arc<VisibilityBuffer>>,
 }
@@ -52,8 +57,11 @@ impl Hints for RasterHints {
     }
 
     #[inline(always)]
-    fn blocker(&self, light: usize, point: DVec3) -> Blocker {
-        self.shadow_maps.blocker(light, point)
+    fn blocker(&self, light: usize, surface: &SurfacePoint, direction: DVec3) -> Blocker {
+        if self.closed_meshes.block(light, surface, direction) {
+            return Blocker::Certain;
+        }
+        self.shadow_maps.blocker(light, surface.position)
     }
 }
 
@@ -66,7 +74,9 @@ impl RasterHints {
     /// Returns hints about shadows.
     pub fn new(world: &World, demand: Demand) -> Self {
         let shadow_maps = Arc::new(ShadowMaps::new(world, demand.shadow_rays));
-        Self { demand, shadow_maps, visibility: None }
+        let enters_objects = demand.shadow_rays > 0 && demand.enters_objects && world.model.epsilon.is_none();
+        let closed_meshes = if enters_objects { ClosedMeshes::new(world) } else { ClosedMeshes::default() };
+        Self { demand, shadow_maps, closed_meshes: Arc::new(closed_meshes), visibility: None }
     }
 
     /// Returns these hints with hints about the first hits in these rows, counted from the bottom.

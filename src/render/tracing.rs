@@ -126,6 +126,7 @@ fn demand(view: View, request: &Request, tracing: Tracing) -> Demand {
         size: request.size,
         columns: request.columns(),
         footprint: (request.measures() || colors).then_some(footprint),
+        enters_objects: request.effects.bounces > 0,
         shadow_rays: if is_blocked_or_not { samples } else { 0 },
     }
 }

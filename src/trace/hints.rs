@@ -1,7 +1,7 @@
 //! Hints: results of rays that are known before the rays are cast.
 
 use crate::math::ray::{Ray, Visible};
-use crate::world::World;
+use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 
 /// The first hit of a camera ray.
@@ -24,6 +24,8 @@ pub enum Blocker {
     Only(u32),
     /// Any primitive.
     Any,
+    /// Some primitive certainly blocks the ray.
+    Certain,
 }
 
 /// Knows the results of some rays. They are the same as if the rays were cast. By default no result is known.
@@ -34,9 +36,9 @@ pub trait Hints: Sync {
         FirstHit::Unknown
     }
 
-    /// Returns the primitives that may be between a point and the light with this index.
+    /// Returns the primitives that may be between a surface and the light with this index, in this direction.
     #[inline(always)]
-    fn blocker(&self, _light: usize, _point: DVec3) -> Blocker {
+    fn blocker(&self, _light: usize, _surface: &SurfacePoint, _direction: DVec3) -> Blocker {
         Blocker::Any
     }
 }

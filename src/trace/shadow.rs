@@ -61,7 +61,11 @@ impl<H: Hints> Tracer<'_, H> {
         let is_at_rest = !self.world().primitives_at_light(index).is_empty();
         // Hints do not hold for a ray from a sphere.
         let is_round = surface.primitive.is_some_and(|primitive| self.caster.is_round(primitive));
-        let blocker = if is_round { Blocker::Any } else { self.hints.blocker(index, surface.position) };
+        let blocker =
+            if is_round { Blocker::Any } else { self.hints.blocker(index, surface, light.direction) };
+        if !O::COUNTS && blocker == Blocker::Certain {
+            return true;
+        }
         let leaves = self.origin_primitive(surface);
         if !O::COUNTS && blocker == Blocker::Nothing && self.caster.has_no_plane_but(leaves) {
             return is_at_rest;
@@ -70,7 +74,7 @@ impl<H: Hints> Tracer<'_, H> {
         let is_hit = match blocker {
             // The course's program searches the nearest hit, even if any hit would do.
             _ if O::COUNTS => self.caster.nearest(&ray, leaves, observer).is_some(),
-            Blocker::Any => self.caster.any_from(&ray, leaves, observer),
+            Blocker::Any | Blocker::Certain => self.caster.any_from(&ray, leaves, observer),
             Blocker::Only(triangle) => {
                 self.caster.is_hit(&ray, triangle, leaves) || self.caster.meets_plane(&ray, leaves)
             }
