@@ -31,7 +31,7 @@ use crate::math::robust;
 use crate::picture::Color;
 use crate::scene::limits;
 use crate::scene::mesh::{Corners, Mesh};
-use crate::scene::model::Model;
+use crate::scene::model::{Lighting, MeasureColors};
 use crate::scene::texels::{CubeFaces, Texels};
 use crate::scene::{Light, MaterialId, Scene, material::Material};
 use builder::Builder;
@@ -87,8 +87,10 @@ pub struct World {
     material_runs: Vec<(u32, u32)>,
     /// The point lights that lie on surfaces.
     resting_lights: RestingLights,
-    /// How the scene is seen, lit and shown.
-    pub model: Model,
+    /// The rules by which surfaces reflect and transmit light.
+    pub lighting: Lighting,
+    /// The colours of depths and normals.
+    pub measure_colors: MeasureColors,
     /// A vector along the normal of each vertex of a smooth mesh; zero for other vertices. May be shorter than
     /// `vertices`.
     vertex_normals: Vec<DVec3>,
@@ -152,7 +154,8 @@ impl World {
             max_abs_coord: 0.0,
             material_runs: vec![],
             resting_lights: RestingLights::default(),
-            model: scene.model,
+            lighting: scene.lighting,
+            measure_colors: scene.measure_colors,
             vertex_normals: vec![],
             texture_coordinates: vec![],
             images: scene.images.iter().map(|image| image.texels.clone()).collect(),

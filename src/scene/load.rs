@@ -132,7 +132,7 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
     let (choice, reading) = read_words(&source.text, hints.edition).map_err(|error| source.locate(error))?;
     let Reading { mut scene, warnings } = reading;
     if hints.shows_places {
-        scene.model.shows = Shows::Places;
+        scene.shows = Shows::Places;
     }
     let (meshes, mesh_files) = (vec![], vec![]);
     let mut loaded = LoadedScene { scene, meshes, mesh_files, source, warnings, choice };

@@ -32,7 +32,7 @@ use crate::picture::Color;
 use glam::DVec3;
 use material::Material;
 use mesh::{Corners, Mesh};
-use model::Model;
+use model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
 use serde::Serialize;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
@@ -55,7 +55,11 @@ pub struct Scene {
     /// The faces of the cube map for rays that hit nothing, as indices into [`Scene::images`]. `None` for a plain
     /// colour.
     pub cube_map: Option<CubeFaces>,
-    pub model: Model,
+    pub screen: Screen,
+    pub lighting: Lighting,
+    pub mesh_normals: MeshNormals,
+    pub measure_colors: MeasureColors,
+    pub shows: Shows,
     pub positions: Positions,
 }
 

@@ -1,20 +1,15 @@
-//! The features of only some models: smooth normals, textures, and a background of pictures.
+//! The features of only some editions: smooth normals, textures, and a background of pictures.
 
 use super::{SurfacePoint, World};
 use crate::math::robust;
 use crate::picture::Color;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::Mesh;
-use crate::scene::model::{FaceWeights, MeshNormals, Model};
+use crate::scene::model::{FaceWeights, MeshNormals};
 use crate::scene::texels::{CubeFaces, face};
 use glam::{DMat3, DVec2, DVec3};
 
 impl World {
-    /// Returns true if the scene uses the course's model of 2004, which needs nothing else in this file.
-    pub fn is_of_course(&self) -> bool {
-        self.model == Model::COURSE
-    }
-
     /// Returns the colour along a ray that hits nothing.
     #[inline(always)]
     pub fn background_along(&self, direction: DVec3) -> Color {

@@ -13,7 +13,7 @@ use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::{Corners, Mesh};
-use crate::scene::{MaterialId, MeshFile, Object, Scene};
+use crate::scene::{MaterialId, Object, Scene};
 use crate::world::shape::{Form, Shape};
 use crate::world::{ellipsoid::Ellipsoid, sphere::Sphere, triangle};
 use glam::DVec3;
@@ -25,7 +25,7 @@ use std::mem;
 /// known only when all objects have been placed.
 pub struct Builder<'a> {
     meshes: Vec<Cow<'a, Mesh>>,
-    files: &'a [MeshFile],
+    scene: &'a Scene,
     /// For each mesh, the number of objects still to be placed that use it.
     uses: Vec<usize>,
     world: World,
@@ -52,8 +52,8 @@ impl<'a> Builder<'a> {
             }
         }
         memory::ask(copied)?;
-        let (files, materials) = (scene.meshes.as_slice(), Default::default());
-        Ok(Self { meshes, files, uses, world, planes: PlacedPlanes::default(), materials })
+        let (planes, materials) = Default::default();
+        Ok(Self { meshes, scene, uses, world, planes, materials })
     }
 
     /// Places an object. An error reports the position of the object or of the transform around it.
@@ -94,7 +94,7 @@ impl<'a> Builder<'a> {
 
     /// Adds to an error in a mesh the position where the scene names the mesh, if no transform is around it.
     fn at_mesh(&self, error: Diagnostic, mesh: usize, placement: &Placement) -> Diagnostic {
-        let file = self.files.get(mesh).filter(|_| placement.transform.is_none());
+        let file = self.scene.meshes.get(mesh).filter(|_| placement.transform.is_none());
         match file {
             Some(file) => error.at(file.at),
             None => error,
@@ -151,14 +151,14 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Records the normals of a mesh's vertices and the texture coordinates of its triangles, if the model has them.
+    /// Records the normals of a mesh's vertices and the texture coordinates of its triangles, if the scene has them.
     /// The triangles are the next ones to be placed.
     fn appearance(&mut self, id: usize, mesh: &Mesh, placement: &Placement) {
         let world = &mut self.world;
         let linear = (placement.matrix.matrix3, placement.is_mirrored());
-        let file = self.files.get(id);
+        let file = self.scene.meshes.get(id);
         let listed = file.map_or(0, |file| file.vertices).max(mesh.vertices.len());
-        if let Some(normals) = vertex_normals(mesh, listed, linear, world.model.normals) {
+        if let Some(normals) = vertex_normals(mesh, listed, linear, self.scene.mesh_normals) {
             let (first, all) = (world.vertices.len(), &mut world.vertex_normals);
             all.resize(first, DVec3::ZERO);
             all.extend(normals);
