@@ -6,25 +6,18 @@ use crate::picture::Color;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::Mesh;
 use crate::scene::model::{FaceWeights, MeshNormals};
-use crate::scene::texels::{CubeFaces, face};
+use crate::scene::texels::{Texels, face};
 use glam::{DMat3, DVec2, DVec3};
+use std::sync::Arc;
 
 impl World {
     /// Returns the colour along a ray that hits nothing.
     #[inline(always)]
     pub fn background_along(&self, direction: DVec3) -> Color {
-        match self.cube_map {
-            Some(faces) => self.cube_color(faces, direction),
+        match &self.cube_map {
+            Some(faces) => cube_color(faces, direction),
             None => self.background,
         }
-    }
-
-    fn cube_color(&self, faces: CubeFaces, direction: DVec3) -> Color {
-        let (index, place) = face(direction);
-        faces
-            .get(index)
-            .and_then(|&image| self.images.get(image))
-            .map_or(self.background, |image| image.color(place))
     }
 
     /// Returns true if there are smooth meshes.
@@ -74,6 +67,11 @@ impl World {
         let (v, w) = (r.cross(q).dot(normal) / square, p.cross(r).dot(normal) / square);
         [1.0 - v - w, v, w]
     }
+}
+
+fn cube_color(faces: &[Arc<Texels>; 6], direction: DVec3) -> Color {
+    let (index, place) = face(direction);
+    faces[index].color(place)
 }
 
 /// Returns a vector along the normal of each vertex of a mesh under a linear map; `None` for a flat mesh. `listed` is

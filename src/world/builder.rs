@@ -4,9 +4,10 @@
 use super::World;
 use super::appearance::vertex_normals;
 use super::placement::Placement;
-use super::plane::{PlacedPlane, PlacedPlanes};
-use super::point_error::{BoundaryWidth, Finite, PlacementError};
+use super::plane::PlacedPlane;
+use super::point_error::{BoundaryWidth, PlacementError};
 use super::resting_lights::RestingLights;
+use super::runs::Runs;
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
@@ -14,24 +15,25 @@ use crate::math::robust;
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::{Corners, Mesh};
 use crate::scene::{MaterialId, Object, Scene};
-use crate::world::shape::{Form, Shape};
+use crate::world::shape::Shape;
 use crate::world::{ellipsoid::Ellipsoid, sphere::Sphere, triangle};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::mem;
 
-/// A world under construction. Materials are recorded per kind of primitive, because the ids of the primitives are
-/// known only when all objects have been placed.
+/// A world under construction. Materials and errors are recorded per kind of primitive, because the ids of the
+/// primitives are known only when all objects have been placed.
 pub struct Builder<'a> {
     meshes: Vec<Cow<'a, Mesh>>,
     scene: &'a Scene,
     /// For each mesh, the number of objects still to be placed that use it.
     uses: Vec<usize>,
     world: World,
-    planes: PlacedPlanes,
-    /// Runs as in [`World`]'s `material_runs`, with indices from 0 within each kind: triangles, shapes and planes.
-    materials: [Vec<(u32, u32)>; 3],
+    /// The materials of triangles, shapes and planes, each with indices from 0.
+    materials: [Runs<u32>; 3],
+    /// The errors of triangles and shapes.
+    errors: [Runs<PlacementError>; 2],
 }
 
 impl<'a> Builder<'a> {
@@ -52,8 +54,8 @@ impl<'a> Builder<'a> {
             }
         }
         memory::ask(copied)?;
-        let (planes, materials) = Default::default();
-        Ok(Self { meshes, scene, uses, world, planes, materials })
+        let (materials, errors) = Default::default();
+        Ok(Self { meshes, scene, uses, world, materials, errors })
     }
 
     /// Places an object. An error reports the position of the object or of the transform around it.
@@ -61,22 +63,15 @@ impl<'a> Builder<'a> {
         if !placement.matrix.is_finite() {
             return Err(placement.error("the transformation's numbers grow too large"));
         }
-        let map = |p: DVec3| placement.world_point(p);
         match *placement.object {
             Object::Triangle { vertices, material } => {
-                let [a, b, c] = vertices.map(DVec3::abs);
-                let error = PlacementError::new(placement, a.max(b).max(c));
-                self.triangles(vertices.into_iter().map(map), &[[0, 1, 2]], placement, (material, error))
+                self.triangles(&vertices, &[[0, 1, 2]], placement, material)
             }
             Object::Box { min, max, material } => {
-                let corners = Aabb { min, max }.corners().into_iter().map(map);
-                let error = PlacementError::new(placement, min.abs().max(max.abs()));
-                self.triangles(corners, &BOX_FACES, placement, (material, error))
+                self.triangles(&Aabb { min, max }.corners(), &BOX_FACES, placement, material)
             }
             Object::Grid { ref surface, material } => {
-                let error = PlacementError::new(placement, reach(&surface.vertices));
-                let vertices = surface.vertices.iter().map(|&v| map(v));
-                self.triangles(vertices, &surface.triangles, placement, (material, error))
+                self.triangles(&surface.vertices, &surface.triangles, placement, material)
             }
             Object::Mesh { mesh, material } => {
                 self.mesh(mesh, placement, material).map_err(|error| self.at_mesh(error, mesh, placement))
@@ -109,40 +104,36 @@ impl<'a> Builder<'a> {
 
     fn triangles(
         &mut self,
-        vertices: impl ExactSizeIterator<Item = DVec3>,
+        vertices: &[DVec3],
         faces: &[[u32; 3]],
         placement: &Placement,
-        (material, error): (MaterialId, PlacementError),
+        material: MaterialId,
     ) -> Result<(), Diagnostic> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
-        world.vertices.extend(vertices);
+        world.vertices.extend(vertices.iter().map(|&vertex| placement.world_point(vertex)));
         world.triangles.extend(faces.iter().map(|face| face.map(|v| v + first as u32)));
+        let error = PlacementError::new(placement, vertices);
         self.finish_triangles(first, count, placement, (material, error))
     }
 
     /// Places a mesh. The last use of the first mesh takes over its lists instead of copying them.
     fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), Diagnostic> {
-        let map = |p: DVec3| placement.world_point(p);
         let mesh = mem::take(&mut self.meshes[id]);
         self.appearance(id, &mesh, placement);
         self.uses[id] = self.uses[id].saturating_sub(1);
         let is_last = self.uses[id] == 0;
-        let error = match placement.transform {
-            Some(_) => PlacementError::new(placement, reach(&mesh.vertices)),
-            None => PlacementError::default(),
-        };
         match mesh {
             Cow::Owned(mesh) if is_last && self.world.vertices.is_empty() => {
+                let error = PlacementError::new(placement, &mesh.vertices);
                 (self.world.vertices, self.world.triangles) = (mesh.vertices, mesh.triangles);
                 if placement.transform.is_some() {
-                    self.world.vertices.iter_mut().for_each(|v| *v = map(*v));
+                    self.world.vertices.iter_mut().for_each(|v| *v = placement.world_point(*v));
                 }
                 self.finish_triangles(0, 0, placement, (material, error))
             }
             mesh => {
-                let vertices = mesh.vertices.iter().map(|&v| map(v));
-                let result = self.triangles(vertices, &mesh.triangles, placement, (material, error));
+                let result = self.triangles(&mesh.vertices, &mesh.triangles, placement, material);
                 if !is_last {
                     self.meshes[id] = mesh;
                 }
@@ -183,8 +174,8 @@ impl<'a> Builder<'a> {
         placement: &Placement,
         (material, error): (MaterialId, PlacementError),
     ) -> Result<(), Diagnostic> {
-        push_run(&mut self.materials[0], first, material);
-        self.world.flattening_errors.push(Finite::Triangles, first, error);
+        self.materials[0].push(first, material as u32);
+        self.errors[0].push(first, error);
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
         if placement.is_mirrored() {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -209,26 +200,38 @@ impl<'a> Builder<'a> {
         if placement.is_singular() {
             return Err(placement.singular());
         }
-        let shape = match robust::similarity_scale(linear) {
-            Some(scale) => Shape::Sphere(Sphere { center: center_in_world, radius: scale * radius }),
-            None => Shape::Ellipsoid(Box::new(Ellipsoid::new(center_in_world, linear * radius))),
-        };
-        self.shape(shape, placement, material)
+        match robust::similarity_scale(linear) {
+            Some(scale) => {
+                let radius = scale * radius;
+                let sphere = Shape::Sphere(Sphere { center: center_in_world, radius });
+                self.shape(sphere, [radius; 3], placement, material)
+            }
+            None => {
+                let ellipsoid = Ellipsoid::new(center_in_world, linear * radius);
+                let half_lengths = ellipsoid.half_lengths();
+                self.shape(Shape::Ellipsoid(Box::new(ellipsoid)), half_lengths, placement, material)
+            }
+        }
     }
 
-    /// Records a placed shape.
-    fn shape(&mut self, shape: Shape, placement: &Placement, material: MaterialId) -> Result<(), Diagnostic> {
+    /// Records a placed shape with these semi-axes.
+    fn shape(
+        &mut self,
+        shape: Shape,
+        [a, b, c]: [f64; 3],
+        placement: &Placement,
+        material: MaterialId,
+    ) -> Result<(), Diagnostic> {
         let of_object = placement.object.shape_box().unwrap_or(Aabb::EMPTY);
-        let reach = of_object.min.abs().max(of_object.max.abs());
-        let (index, error) = (self.world.shapes.len(), PlacementError::new(placement, reach));
-        push_run(&mut self.materials[1], index, material);
-        self.world.flattening_errors.push(Finite::Shapes, index, error);
-        let (Aabb { min, max }, [smallest, largest]) = (shape.bounds(), shape.half_extents());
+        let index = self.world.shapes.len();
+        self.materials[1].push(index, material as u32);
+        self.errors[1].push(index, PlacementError::new(placement, &[of_object.min, of_object.max]));
+        let Aabb { min, max } = shape.form().bounds();
         self.world.shapes.push(shape);
-        if smallest < SMALLEST_RADIUS {
+        if a.min(b).min(c) < SMALLEST_RADIUS {
             return Err(placement.error("the object has a radius below 1e-100"));
         }
-        let is_in_range = are_in_range(0.5 * (min + max)) && are_in_range(DVec3::splat(largest));
+        let is_in_range = are_in_range(0.5 * (min + max)) && are_in_range(DVec3::new(a, b, c));
         self.grow(placement.course_box(of_object), is_in_range, placement)
     }
 
@@ -239,12 +242,13 @@ impl<'a> Builder<'a> {
         placement: &Placement,
         material: MaterialId,
     ) -> Result<(), Diagnostic> {
-        push_run(&mut self.materials[2], self.world.planes.len(), material);
-        let PlacedPlane { plane, direction, error } = self.planes.place(placement, (normal, offset))?;
-        self.world.flattening_errors.push_plane(error);
-        self.world.planes.push(plane);
-        self.world.plane_directions.push(direction);
-        self.world.triangles_before_planes.push(self.world.triangles.len() as u32);
+        let world = &mut self.world;
+        self.materials[2].push(world.planes.len(), material as u32);
+        let mut placed = PlacedPlane::new(placement, (normal, offset), &world.placed_planes)?;
+        placed.triangles_before = world.triangles.len() as u32;
+        let plane = placed.plane;
+        world.planes.push(plane);
+        world.placed_planes.push(placed);
         if !plane.normal.is_finite() {
             return Err(placement.error("the plane has no normal"));
         }
@@ -261,12 +265,15 @@ impl<'a> Builder<'a> {
     /// Returns the finished world, in which the primitives have their ids.
     pub fn finish(self) -> World {
         let mut world = self.world;
-        let counts = [world.triangles.len(), world.shapes.len(), world.planes.len()];
-        let mut start = 0;
-        for (runs, count) in self.materials.into_iter().zip(counts) {
-            world.material_runs.extend(runs.into_iter().map(|(first, material)| (first + start, material)));
-            start += count as u32;
-        }
+        let starts = [0, world.triangles.len(), world.finite_count()];
+        starts
+            .into_iter()
+            .zip(self.materials)
+            .for_each(|(start, runs)| world.material_ids.append(start, runs));
+        starts
+            .into_iter()
+            .zip(self.errors)
+            .for_each(|(start, runs)| world.placement_errors.append(start, runs));
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
@@ -290,11 +297,6 @@ fn without_area(world: &World) -> Vec<u32> {
     world.triangles.par_chunks(PART).enumerate().map(in_part).collect::<Vec<Vec<u32>>>().concat()
 }
 
-/// Returns the largest absolute coordinates of some points.
-fn reach(points: &[DVec3]) -> DVec3 {
-    points.iter().fold(DVec3::ZERO, |reach, point| reach.max(point.abs()))
-}
-
 /// The box of an object whose coordinates overflowed.
 const OVERFLOWED: Aabb = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
@@ -313,13 +315,6 @@ const BOX_FACES: [[u32; 3]; 12] = [
     [4, 5, 7],
     [4, 7, 6],
 ];
-
-/// Starts a new run of primitives with this material at index `first`, unless the last run has this material.
-fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
-    if runs.last().is_none_or(|&(_, last)| last as MaterialId != material) {
-        runs.push((first as u32, material as u32));
-    }
-}
 
 #[cfg(test)]
 mod tests;
