@@ -39,7 +39,6 @@ use builder::Builder;
 use glam::DVec3;
 use plane::{PlacedPlane, Plane};
 use point_error::{BoundaryWidth, PlacementError};
-use resting_lights::RestingLights;
 use runs::Runs;
 use shape::Shape;
 use std::borrow::Cow;
@@ -85,8 +84,8 @@ pub struct World {
     /// positions.
     pub max_abs_coord: f64,
     material_ids: Runs<u32>,
-    /// The point lights that lie on surfaces.
-    resting_lights: RestingLights,
+    /// The surfaces on which each light lies.
+    resting_places: Vec<Vec<RestingPlace>>,
     /// The rules by which surfaces reflect and transmit light.
     pub lighting: Lighting,
     /// The colours of depths and normals.
@@ -165,12 +164,6 @@ impl World {
     #[inline(always)]
     pub fn may_be_hit(&self, triangle: u32) -> bool {
         self.without_area.is_empty() || self.without_area.binary_search(&triangle).is_err()
-    }
-
-    /// Returns the surfaces on which the light with this index lies.
-    #[inline(always)]
-    pub fn primitives_at_light(&self, light: usize) -> &[RestingPlace] {
-        self.resting_lights.places(light)
     }
 
     /// Returns the primitive with this id.

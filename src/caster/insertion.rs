@@ -86,7 +86,7 @@ fn insert(world: &World, id: u32, lattice: &Lattice, as_course: bool, padding: f
                 of_ball_by_centers(lattice, center, radius, padding, out)
             }
             Shape::Sphere(Sphere { center, radius }) => of_sphere(lattice, center, radius, padding, out),
-            Shape::Ellipsoid(_) => of_box(lattice, &world.box_of(id), padding, out),
+            _ => of_box(lattice, &world.box_of(id), padding, out),
         },
         Primitive::Triangle(_) | Primitive::Plane(_) => {}
     }

@@ -14,7 +14,7 @@ use crate::scene::model::Shows;
 use crate::scene::parser::{Reading, read_in};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position, Scene};
-pub use named_files::mesh_places;
+pub use named_files::{Found, mesh_places};
 #[cfg(feature = "gui")]
 pub(crate) use named_files::{image_unreadable, in_mesh, mesh_unreadable};
 use named_files::{nearest_file, read_mesh, read_texels};
@@ -114,9 +114,6 @@ pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> 
     let image = |image: &ImageFile, edition| read_texels(image, (directory, edition));
     load_text(source, hints, Readers { mesh: &mesh, image: &image })
 }
-
-/// The contents of a file that a scene names, and its path.
-pub type Found<T> = Result<(T, PathBuf), Diagnostic>;
 
 /// Functions that read the files named by a scene, given its edition.
 #[derive(Clone, Copy)]

@@ -97,11 +97,9 @@ pub fn vertex_normals(
         };
         corners.iter().for_each(|&vertex| sums[vertex as usize] += normal);
     }
-    // The cofactor matrix is the inverse transpose times the determinant, whose sign matters.
-    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
-    let side = if is_mirrored { -1.0 } else { 1.0 };
-    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * side;
-    Some(sums.into_iter().map(|sum| cofactor * sum.normalize_or_zero()).collect())
+    // The cofactor matrix has the sign of the determinant.
+    let normal_matrix = robust::cofactor(linear) * if is_mirrored { -1.0 } else { 1.0 };
+    Some(sums.into_iter().map(|sum| normal_matrix * sum.normalize_or_zero()).collect())
 }
 
 #[cfg(test)]

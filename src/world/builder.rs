@@ -4,9 +4,8 @@
 use super::World;
 use super::appearance::vertex_normals;
 use super::placement::Placement;
-use super::plane::PlacedPlane;
+use super::plane::{PlacedPlane, Plane};
 use super::point_error::{BoundaryWidth, PlacementError};
-use super::resting_lights::RestingLights;
 use super::runs::Runs;
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::Diagnostic;
@@ -14,7 +13,7 @@ use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::{Corners, Mesh};
-use crate::scene::{MaterialId, Object, Scene};
+use crate::scene::{Object, Scene};
 use crate::world::shape::Shape;
 use crate::world::{ellipsoid::Ellipsoid, sphere::Sphere, triangle};
 use glam::DVec3;
@@ -64,35 +63,23 @@ impl<'a> Builder<'a> {
             return Err(placement.error("the transformation's numbers grow too large"));
         }
         match *placement.object {
-            Object::Triangle { vertices, material } => {
-                self.triangles(&vertices, &[[0, 1, 2]], placement, material)
+            Object::Triangle { vertices, .. } => self.triangles(&vertices, &[[0, 1, 2]], placement),
+            Object::Box { min, max, .. } => {
+                let faces = BOX_FACES.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+                self.triangles(&Aabb { min, max }.corners(), faces.as_flattened(), placement)
             }
-            Object::Box { min, max, material } => {
-                self.triangles(&Aabb { min, max }.corners(), &BOX_FACES, placement, material)
+            Object::Grid { ref surface, .. } => {
+                self.triangles(&surface.vertices, &surface.triangles, placement)
             }
-            Object::Grid { ref surface, material } => {
-                self.triangles(&surface.vertices, &surface.triangles, placement, material)
-            }
-            Object::Mesh { mesh, material } => {
-                self.mesh(mesh, placement, material).map_err(|error| self.at_mesh(error, mesh, placement))
-            }
-            Object::Sphere { center, radius, material } => self.sphere(center, radius, placement, material),
-            Object::Plane { normal, offset, material } => self.plane(normal, offset, placement, material),
+            Object::Mesh { mesh, .. } => self.mesh(mesh, placement),
+            Object::Sphere { center, radius, .. } => self.sphere(center, radius, placement),
+            Object::Plane { normal, offset, .. } => self.plane((normal, offset), placement),
             Object::Group(_) | Object::Transform { .. } => Ok(()),
         }?;
         if self.ids_fit() {
             Ok(())
         } else {
             Err(placement.error("the scene has too many primitives for 32-bit ids"))
-        }
-    }
-
-    /// Adds to an error in a mesh the position where the scene names the mesh, if no transform is around it.
-    fn at_mesh(&self, error: Diagnostic, mesh: usize, placement: &Placement) -> Diagnostic {
-        let file = self.scene.meshes.get(mesh).filter(|_| placement.transform.is_none());
-        match file {
-            Some(file) => error.at(file.at),
-            None => error,
         }
     }
 
@@ -107,18 +94,16 @@ impl<'a> Builder<'a> {
         vertices: &[DVec3],
         faces: &[[u32; 3]],
         placement: &Placement,
-        material: MaterialId,
     ) -> Result<(), Diagnostic> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
         world.vertices.extend(vertices.iter().map(|&vertex| placement.world_point(vertex)));
         world.triangles.extend(faces.iter().map(|face| face.map(|v| v + first as u32)));
-        let error = PlacementError::new(placement, vertices);
-        self.finish_triangles(first, count, placement, (material, error))
+        self.finish_triangles([first, count], placement, PlacementError::new(placement, vertices))
     }
 
     /// Places a mesh. The last use of the first mesh takes over its lists instead of copying them.
-    fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), Diagnostic> {
+    fn mesh(&mut self, id: usize, placement: &Placement) -> Result<(), Diagnostic> {
         let mesh = mem::take(&mut self.meshes[id]);
         self.appearance(id, &mesh, placement);
         self.uses[id] = self.uses[id].saturating_sub(1);
@@ -130,10 +115,10 @@ impl<'a> Builder<'a> {
                 if placement.transform.is_some() {
                     self.world.vertices.iter_mut().for_each(|v| *v = placement.world_point(*v));
                 }
-                self.finish_triangles(0, 0, placement, (material, error))
+                self.finish_triangles([0, 0], placement, error)
             }
             mesh => {
-                let result = self.triangles(&mesh.vertices, &mesh.triangles, placement, material);
+                let result = self.triangles(&mesh.vertices, &mesh.triangles, placement);
                 if !is_last {
                     self.meshes[id] = mesh;
                 }
@@ -165,16 +150,15 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Completes the triangles from index `first` and the vertices from index `first_vertex` on: records
-    /// their material, corrects their winding and checks their coordinates.
+    /// Completes the vertices from index `first_vertex` on and the triangles from index `first` on: records their
+    /// material, corrects their winding and checks their coordinates.
     fn finish_triangles(
         &mut self,
-        first_vertex: usize,
-        first: usize,
+        [first_vertex, first]: [usize; 2],
         placement: &Placement,
-        (material, error): (MaterialId, PlacementError),
+        error: PlacementError,
     ) -> Result<(), Diagnostic> {
-        self.materials[0].push(first, material as u32);
+        self.materials[0].push(first, placement.material);
         self.errors[0].push(first, error);
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
         if placement.is_mirrored() {
@@ -188,43 +172,27 @@ impl<'a> Builder<'a> {
         self.grow(bounds, is_in_range, placement)
     }
 
-    fn sphere(
-        &mut self,
-        center: DVec3,
-        radius: f64,
-        placement: &Placement,
-        material: MaterialId,
-    ) -> Result<(), Diagnostic> {
-        let linear = placement.matrix.matrix3;
-        let center_in_world = placement.world_point(center);
-        if placement.is_singular() {
-            return Err(placement.singular());
-        }
+    fn sphere(&mut self, center: DVec3, radius: f64, placement: &Placement) -> Result<(), Diagnostic> {
+        placement.check_regular()?;
+        let (linear, center) = (placement.matrix.matrix3, placement.world_point(center));
         match robust::similarity_scale(linear) {
             Some(scale) => {
                 let radius = scale * radius;
-                let sphere = Shape::Sphere(Sphere { center: center_in_world, radius });
-                self.shape(sphere, [radius; 3], placement, material)
+                self.shape(Shape::Sphere(Sphere { center, radius }), [radius; 3], placement)
             }
             None => {
-                let ellipsoid = Ellipsoid::new(center_in_world, linear * radius);
+                let ellipsoid = Ellipsoid::new(center, linear * radius);
                 let half_lengths = ellipsoid.half_lengths();
-                self.shape(Shape::Ellipsoid(Box::new(ellipsoid)), half_lengths, placement, material)
+                self.shape(Shape::Ellipsoid(Box::new(ellipsoid)), half_lengths, placement)
             }
         }
     }
 
-    /// Records a placed shape with these semi-axes.
-    fn shape(
-        &mut self,
-        shape: Shape,
-        [a, b, c]: [f64; 3],
-        placement: &Placement,
-        material: MaterialId,
-    ) -> Result<(), Diagnostic> {
+    /// Records a placed shape with semi-axes of these lengths.
+    fn shape(&mut self, shape: Shape, [a, b, c]: [f64; 3], placement: &Placement) -> Result<(), Diagnostic> {
         let of_object = placement.object.shape_box().unwrap_or(Aabb::EMPTY);
         let index = self.world.shapes.len();
-        self.materials[1].push(index, material as u32);
+        self.materials[1].push(index, placement.material);
         self.errors[1].push(index, PlacementError::new(placement, &[of_object.min, of_object.max]));
         let Aabb { min, max } = shape.form().bounds();
         self.world.shapes.push(shape);
@@ -235,52 +203,43 @@ impl<'a> Builder<'a> {
         self.grow(placement.course_box(of_object), is_in_range, placement)
     }
 
-    fn plane(
-        &mut self,
-        normal: DVec3,
-        offset: f64,
-        placement: &Placement,
-        material: MaterialId,
-    ) -> Result<(), Diagnostic> {
+    fn plane(&mut self, written: (DVec3, f64), placement: &Placement) -> Result<(), Diagnostic> {
         let world = &mut self.world;
-        self.materials[2].push(world.planes.len(), material as u32);
-        let mut placed = PlacedPlane::new(placement, (normal, offset), &world.placed_planes)?;
-        placed.triangles_before = world.triangles.len() as u32;
-        let plane = placed.plane;
-        world.planes.push(plane);
+        self.materials[2].push(world.planes.len(), placement.material);
+        let triangles_before = world.triangles.len() as u32;
+        let placed = PlacedPlane::new(placement, written, triangles_before, &world.placed_planes)?;
+        let Plane { normal, offset } = placed.plane;
+        world.planes.push(placed.plane);
         world.placed_planes.push(placed);
-        if !plane.normal.is_finite() {
+        if !normal.is_finite() {
             return Err(placement.error("the plane has no normal"));
         }
-        let is_in_range = plane.offset.abs() <= LARGEST;
-        if is_in_range { Ok(()) } else { Err(placement.too_large()) }
+        self.grow(Aabb::EMPTY, offset.abs() <= LARGEST, placement)
     }
 
     /// Extends the world's bounds by the bounds of a new object. Returns an error unless its coordinates are in range.
     fn grow(&mut self, bounds: Aabb, is_in_range: bool, placement: &Placement) -> Result<(), Diagnostic> {
         self.world.bounds = self.world.bounds.union(bounds);
-        if is_in_range { Ok(()) } else { Err(placement.too_large()) }
+        if is_in_range { Ok(()) } else { Err(placement.error("the object has coordinates beyond 1e100")) }
     }
 
     /// Returns the finished world, in which the primitives have their ids.
     pub fn finish(self) -> World {
         let mut world = self.world;
         let starts = [0, world.triangles.len(), world.finite_count()];
-        starts
-            .into_iter()
-            .zip(self.materials)
-            .for_each(|(start, runs)| world.material_ids.append(start, runs));
-        starts
-            .into_iter()
-            .zip(self.errors)
-            .for_each(|(start, runs)| world.placement_errors.append(start, runs));
+        for (start, runs) in starts.into_iter().zip(self.materials) {
+            world.material_ids.append(start, runs);
+        }
+        for (start, runs) in starts.into_iter().zip(self.errors) {
+            world.placement_errors.append(start, runs);
+        }
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
         world.without_area = without_area(&world);
         world.coincidence_margin = world.find_coincidence_margin();
         world.boundary_width = BoundaryWidth::of(&world);
-        world.resting_lights = RestingLights::of(&world);
+        world.resting_places = world.find_resting_places();
         world
     }
 }
@@ -301,20 +260,8 @@ fn without_area(world: &World) -> Vec<u32> {
 const OVERFLOWED: Aabb = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
 /// The faces of a box over [`Aabb::corners`], counter-clockwise seen from outside.
-const BOX_FACES: [[u32; 3]; 12] = [
-    [0, 4, 6],
-    [0, 6, 2],
-    [1, 3, 7],
-    [1, 7, 5],
-    [0, 1, 5],
-    [0, 5, 4],
-    [2, 6, 7],
-    [2, 7, 3],
-    [0, 2, 3],
-    [0, 3, 1],
-    [4, 5, 7],
-    [4, 7, 6],
-];
+const BOX_FACES: [[u32; 4]; 6] =
+    [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
 #[cfg(test)]
 mod tests;

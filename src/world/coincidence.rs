@@ -145,9 +145,7 @@ impl World {
         let [larger, smaller] = if double_area(i) >= double_area(j) { [i, j] } else { [j, i] };
         let (base, corners) = (self.corners(larger), self.corners(smaller));
         let normal = area_vector(base);
-        let Some(largest) = normal.into_iter().max_by(|p, q| size(*p).total_cmp(&size(*q))) else {
-            return false;
-        };
+        let largest = Scaled::largest(normal);
         let errors = base.map(|corner| self.corner_error(larger, corner));
         let direction = DVec3::from_array(normal.map(|coordinate| coordinate.over(largest)));
         corners.into_iter().all(|corner| {
@@ -210,10 +208,6 @@ fn spheres_coincide([one, other]: [&Sphere; 2], moved: DVec3) -> bool {
     // Both the centre and the points at the radius have moved.
     let of_radius = 2.0 * moved.max_element() + rounding * one.radius.max(other.radius);
     (one.center - other.center).abs().cmple(of_center).all() && (one.radius - other.radius).abs() <= of_radius
-}
-
-fn size(number: Scaled) -> f64 {
-    f64::from(number.exponent) + number.significand.abs()
 }
 
 fn largest_number(m: DMat3) -> f64 {

@@ -79,6 +79,7 @@ impl PlacedPlane {
     pub fn new(
         placement: &Placement,
         (normal, offset): (DVec3, f64),
+        triangles_before: u32,
         earlier: &[Self],
     ) -> Result<Self, Diagnostic> {
         let matrix = placement.transform.map(|_| placement.matrix);
@@ -88,7 +89,7 @@ impl PlacedPlane {
         written.plane = parallel.unwrap_or(written.plane);
         let same = with_same_matrix().find_map(|earlier| written.united_with(&earlier.plane));
         written.plane = same.unwrap_or(written.plane);
-        let mut placed = written.placed(placement, normal)?;
+        let mut placed = Self { triangles_before, ..written.placed(placement, normal)? };
         let mut others = earlier.iter().filter(|earlier| earlier.written.matrix != matrix);
         if let Some(united) = others.find(|earlier| placed.coincides(earlier)) {
             placed.plane = facing(united.plane, placed.plane.normal);
@@ -136,9 +137,7 @@ impl WrittenPlane {
         if placement.transform.is_none() {
             return placed(plane, normal, PlaneError::as_written(normal));
         }
-        if placement.is_singular() {
-            return Err(placement.singular());
-        }
+        placement.check_regular()?;
         let in_world =
             |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
         let world_normal = robust::unit(in_world(plane.normal));

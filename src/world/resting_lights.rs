@@ -36,24 +36,20 @@ impl RestingPlace {
     }
 }
 
-/// The surfaces on which each light lies; empty if no light lies on any.
-#[derive(Clone, Debug, Default)]
-pub(super) struct RestingLights(Vec<Vec<RestingPlace>>);
-
-impl RestingLights {
-    pub(super) fn of(world: &World) -> Self {
-        let places = |light: &Light| match *light {
-            Light::Point { position, .. } => places_at(position, world),
-            Light::Directional { .. } => vec![],
-        };
-        let all: Vec<_> = world.lights.iter().map(places).collect();
-        let rests = all.iter().any(|places| !places.is_empty());
-        Self(if rests { all } else { vec![] })
+impl World {
+    /// Returns the surfaces on which the light with this index lies.
+    #[inline(always)]
+    pub fn primitives_at_light(&self, light: usize) -> &[RestingPlace] {
+        self.resting_places.get(light).map_or(&[], Vec::as_slice)
     }
 
-    #[inline(always)]
-    pub(super) fn places(&self, light: usize) -> &[RestingPlace] {
-        self.0.get(light).map_or(&[], Vec::as_slice)
+    /// Returns the surfaces on which each light lies.
+    pub(super) fn find_resting_places(&self) -> Vec<Vec<RestingPlace>> {
+        let places = |light: &Light| match *light {
+            Light::Point { position, .. } => places_at(position, self),
+            Light::Directional { .. } => vec![],
+        };
+        self.lights.iter().map(places).collect()
     }
 }
 

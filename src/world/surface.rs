@@ -93,7 +93,7 @@ impl World {
             }
             Some(Primitive::Shape(i)) => match &self.shapes[i] {
                 Shape::Sphere(sphere) => return sphere.sine(origin, direction),
-                Shape::Ellipsoid(_) => unit_normal,
+                _ => unit_normal,
             },
             None => unit_normal,
         };
@@ -123,7 +123,7 @@ impl World {
             }
             Primitive::Shape(i) => match &self.shapes[i] {
                 Shape::Sphere(sphere) => Some(sphere.precise_surface(ray, t)),
-                Shape::Ellipsoid(_) => None,
+                _ => None,
             },
             Primitive::Plane(_) => None,
         };

@@ -7,8 +7,8 @@
 //! accurate as long as no coordinate exceeds 2^500.
 
 use crate::math::exact::{
-    area_vector, cross_component, edge_functions as exact_edge_functions, on_one_scale, projected_area,
-    volume,
+    Scaled, area_vector, cross_component, edge_functions as exact_edge_functions, on_one_scale,
+    projected_area, volume,
 };
 use crate::math::ray::Ray;
 use crate::math::robust::unit;
@@ -141,7 +141,7 @@ impl<'r> Shear<'r> {
         let corners = corners.map(|&v| v);
         let along = self.ray.at(self.exact_t(corners, [a.z, b.z, c.z])?);
         let area = area_vector(corners);
-        let largest = area.into_iter().max_by_key(|x| x.exponent)?;
+        let largest = Scaled::largest(area);
         let length = DVec3::from_array(area.map(|x| x.over(largest))).length();
         Some(along + volume(along, corners).over(largest) / length * normal)
     }
