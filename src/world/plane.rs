@@ -7,11 +7,11 @@
 
 use super::coincidence::WRITTEN_ROUNDINGS;
 use super::placement::Placement;
-use super::point_error::PlaneError;
 use crate::diagnostic::Diagnostic;
 use crate::math::double_double::{Dd, dot};
 use crate::math::ray::Ray;
 use crate::math::robust::{self, UNIT_ROUNDOFF};
+use crate::math::rounded::absolute;
 use glam::{DAffine3, DVec3};
 
 /// The points p with `normal . p = offset`.
@@ -48,6 +48,51 @@ impl Plane {
     /// across the plane, so that a solid texture with a boundary in the plane does not flicker.
     pub fn project(&self, point: DVec3) -> DVec3 {
         point - (self.normal.dot(point) - self.offset) * self.normal
+    }
+}
+
+/// The largest distance between a plane and the exact one: `at_origin` at the origin, plus the tilt times the distance
+/// from it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PlaneError {
+    pub at_origin: f64,
+    /// An angle in radians.
+    pub tilt: f64,
+}
+
+impl PlaneError {
+    /// The error bound of a unit normal, in roundings.
+    const NORMAL_ROUNDINGS: f64 = 4.0;
+
+    /// Returns the error of a plane without a transform. It is zero if the normal is along an axis.
+    pub fn as_written(normal: DVec3) -> Self {
+        let is_along_axis = normal.to_array().into_iter().filter(|&x| x != 0.0).count() == 1;
+        let roundings = if is_along_axis { 0.0 } else { Self::NORMAL_ROUNDINGS };
+        Self { at_origin: 0.0, tilt: roundings * UNIT_ROUNDOFF }
+    }
+
+    /// Returns the error of a plane that is placed by its normal and by its point nearest to the origin. This point is
+    /// `offset` away from the origin in object space, and at `foot` in world space, where the unit normal is
+    /// `world_normal`.
+    pub fn transformed(
+        placement: &Placement,
+        (normal, offset): (DVec3, f64),
+        (world_normal, foot): (DVec3, DVec3),
+    ) -> Self {
+        let Placement { matrix, error, .. } = placement;
+        let of_normals = 2.0 * Self::NORMAL_ROUNDINGS * UNIT_ROUNDOFF;
+        let tilt = robust::transformed_normal_error(matrix.matrix3, error.matrix3, normal) + of_normals;
+        let reach = offset.abs() * robust::unit(normal).abs() * (1.0 + of_normals);
+        let of_unit_normal = of_normals * absolute(*matrix).transform_vector3(reach);
+        // Only a displacement of the foot along the normal moves the plane.
+        let of_placement = placement.point_error().transform_point3(reach);
+        let of_foot = world_normal.abs().dot(of_placement + of_unit_normal);
+        Self { at_origin: of_foot + tilt * foot.abs().element_sum(), tilt }
+    }
+
+    /// Returns the distance from the exact plane at a point of either plane.
+    pub fn at(self, point: DVec3) -> f64 {
+        self.at_origin + self.tilt * point.abs().element_sum()
     }
 }
 

@@ -5,8 +5,9 @@
 //! decision depends on the side on which a surface lies, these bounds tell which distances are too small to decide it.
 
 use super::placement::Placement;
+use super::plane::PlaneError;
 use super::{Primitive, SurfacePoint, World};
-use crate::math::robust::{UNIT_ROUNDOFF, transformed_normal_error, unit};
+use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::rounded::{RoundedPoint, absolute};
 use crate::scene::material::{Material, Pattern, Texture};
 use glam::{DAffine3, DVec3};
@@ -58,51 +59,6 @@ impl PlacementError {
         let error = self.point_error.transform_point3(reach);
         // The map may have no inverse.
         if error.is_finite() { error.min(self.largest) } else { self.largest }
-    }
-}
-
-/// The largest distance between a plane and the exact one: `at_origin` at the origin, plus the tilt times the distance
-/// from it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PlaneError {
-    at_origin: f64,
-    /// An angle in radians.
-    pub tilt: f64,
-}
-
-impl PlaneError {
-    /// The error bound of a unit normal, in roundings.
-    const NORMAL_ROUNDINGS: f64 = 4.0;
-
-    /// Returns the error of a plane without a transform. It is zero if the normal is along an axis.
-    pub fn as_written(normal: DVec3) -> Self {
-        let is_along_axis = normal.to_array().into_iter().filter(|&x| x != 0.0).count() == 1;
-        let roundings = if is_along_axis { 0.0 } else { Self::NORMAL_ROUNDINGS };
-        Self { at_origin: 0.0, tilt: roundings * UNIT_ROUNDOFF }
-    }
-
-    /// Returns the error of a plane that is placed by its normal and by its point nearest to the origin. This point is
-    /// `offset` away from the origin in object space, and at `foot` in world space, where the unit normal is
-    /// `world_normal`.
-    pub fn transformed(
-        placement: &Placement,
-        (normal, offset): (DVec3, f64),
-        (world_normal, foot): (DVec3, DVec3),
-    ) -> Self {
-        let Placement { matrix, error, .. } = placement;
-        let of_normals = 2.0 * Self::NORMAL_ROUNDINGS * UNIT_ROUNDOFF;
-        let tilt = transformed_normal_error(matrix.matrix3, error.matrix3, normal) + of_normals;
-        let reach = offset.abs() * unit(normal).abs() * (1.0 + of_normals);
-        let of_unit_normal = of_normals * absolute(*matrix).transform_vector3(reach);
-        // Only a displacement of the foot along the normal moves the plane.
-        let of_placement = placement.point_error().transform_point3(reach);
-        let of_foot = world_normal.abs().dot(of_placement + of_unit_normal);
-        Self { at_origin: of_foot + tilt * foot.abs().element_sum(), tilt }
-    }
-
-    /// Returns the distance from the exact plane at a point of either plane.
-    pub fn at(self, point: DVec3) -> f64 {
-        self.at_origin + self.tilt * point.abs().element_sum()
     }
 }
 
