@@ -62,7 +62,7 @@ pub struct World {
     pub shapes: Vec<Shape>,
     /// The planes, which have the last ids.
     pub planes: Vec<Plane>,
-    /// What is known of each plane that a scene placed.
+    /// The placements of the planes. May be shorter than `planes`.
     placed_planes: Vec<PlacedPlane>,
     /// The flattening errors of triangles and shapes.
     placement_errors: Runs<PlacementError>,
@@ -83,6 +83,7 @@ pub struct World {
     /// The largest absolute coordinate of the finite primitives, which bounds the rounding errors of
     /// positions.
     pub max_abs_coord: f64,
+    /// The materials of the primitives.
     material_ids: Runs<u32>,
     /// The surfaces on which each light lies.
     resting_places: Vec<Vec<RestingPlace>>,
