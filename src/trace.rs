@@ -249,7 +249,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
     fn shade<O: Observer>(&self, arrival: &Arrival, observer: &mut O) -> Color {
         let Arrival { ray, surface, material, .. } = arrival;
         let world = self.world();
-        let highlight = world.model.highlight;
+        let highlight = world.lighting.highlight;
         let is_inside = highlight == Highlight::Blinn && surface.normal.dot(ray.direction) > 0.0;
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
@@ -283,7 +283,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
     #[inline(always)]
     fn departing(&self, surface: &SurfacePoint, direction: DVec3) -> Ray {
         let SurfacePoint { position, normal, extent, .. } = *surface;
-        let (origin, t_min) = match self.world().model.epsilon {
+        let (origin, t_min) = match self.world().lighting.epsilon {
             Some(t_min) => (position, t_min),
             None => (offset_origin(position, normal, direction, extent), 0.0),
         };
@@ -294,7 +294,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
     /// primitive is tested.
     #[inline(always)]
     fn origin_primitive(&self, surface: &SurfacePoint) -> Option<u32> {
-        if self.world().model.epsilon.is_some() { None } else { surface.primitive }
+        if self.world().lighting.epsilon.is_some() { None } else { surface.primitive }
     }
 }
 

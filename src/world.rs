@@ -21,6 +21,7 @@ mod coincidence;
 mod placement;
 mod point_error;
 mod resting_lights;
+mod runs;
 mod surface;
 pub(crate) mod triangle4;
 
@@ -31,15 +32,15 @@ use crate::math::robust;
 use crate::picture::Color;
 use crate::scene::limits;
 use crate::scene::mesh::{Corners, Mesh};
-use crate::scene::model::Model;
-use crate::scene::texels::{CubeFaces, Texels};
+use crate::scene::model::{Lighting, MeasureColors};
+use crate::scene::texels::Texels;
 use crate::scene::{Light, MaterialId, Scene, material::Material};
 use builder::Builder;
 use glam::DVec3;
-use plane::Plane;
-use point_error::{BoundaryWidth, FlatteningErrors};
-use resting_lights::RestingLights;
-use shape::{Form, Shape};
+use plane::{PlacedPlane, Plane};
+use point_error::{BoundaryWidth, PlacementError};
+use runs::Runs;
+use shape::Shape;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -49,7 +50,7 @@ pub use resting_lights::RestingPlace;
 pub use surface::SurfacePoint;
 
 /// A scene in world space, ready to be traced.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct World {
     /// The vertices of the triangles.
     pub vertices: Vec<DVec3>,
@@ -61,11 +62,10 @@ pub struct World {
     pub shapes: Vec<Shape>,
     /// The planes, which have the last ids.
     pub planes: Vec<Plane>,
-    /// Vectors along the normals of the planes, before they are rounded to unit length.
-    plane_directions: Vec<DVec3>,
-    /// For each plane, the number of triangles that precede it in the scene.
-    triangles_before_planes: Vec<u32>,
-    flattening_errors: FlatteningErrors,
+    /// The placements of the planes. May be shorter than `planes`.
+    placed_planes: Vec<PlacedPlane>,
+    /// The flattening errors of triangles and shapes.
+    placement_errors: Runs<PlacementError>,
     boundary_width: BoundaryWidth,
     /// The part of [`World::coincidence_reach`] that does not depend on t.
     coincidence_margin: f64,
@@ -83,12 +83,14 @@ pub struct World {
     /// The largest absolute coordinate of the finite primitives, which bounds the rounding errors of
     /// positions.
     pub max_abs_coord: f64,
-    /// Runs of primitives with the same material: the first id of each run, and the material.
-    material_runs: Vec<(u32, u32)>,
-    /// The point lights that lie on surfaces.
-    resting_lights: RestingLights,
-    /// How the scene is seen, lit and shown.
-    pub model: Model,
+    /// The materials of the primitives.
+    material_ids: Runs<u32>,
+    /// The surfaces on which each light lies.
+    resting_places: Vec<Vec<RestingPlace>>,
+    /// The rules by which surfaces reflect and transmit light.
+    pub lighting: Lighting,
+    /// The colours of depths and normals.
+    pub measure_colors: MeasureColors,
     /// A vector along the normal of each vertex of a smooth mesh; zero for other vertices. May be shorter than
     /// `vertices`.
     vertex_normals: Vec<DVec3>,
@@ -97,7 +99,7 @@ pub struct World {
     /// The pictures that the scene names.
     images: Vec<Arc<Texels>>,
     /// The cube map, which colours the rays that hit nothing.
-    cube_map: Option<CubeFaces>,
+    cube_map: Option<[Arc<Texels>; 6]>,
 }
 
 /// A primitive by its kind and its index in the world's list of that kind.
@@ -126,38 +128,21 @@ impl World {
 
     fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, Diagnostic> {
         limits::check(scene)?;
-        let mut builder = Builder::new(Self::without_objects(scene), scene, meshes)?;
-        placements(scene).try_for_each(|placement| builder.place(&placement))?;
-        Ok(builder.finish())
-    }
-
-    fn without_objects(scene: &Scene) -> Self {
-        Self {
-            vertices: vec![],
-            triangles: vec![],
-            without_area: vec![],
-            shapes: vec![],
-            planes: vec![],
-            plane_directions: vec![],
-            triangles_before_planes: vec![],
-            flattening_errors: FlatteningErrors::default(),
-            boundary_width: BoundaryWidth::default(),
-            coincidence_margin: 0.0,
+        let world = Self {
             materials: scene.materials.clone(),
             lights: scene.lights.iter().map(|&l| with_unit_direction(l)).collect(),
             background: scene.background.color,
             // As in the course's program, a scene without lights is lit evenly and shows its flat colours.
             ambient: if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient },
-            bounds: Aabb::EMPTY,
-            max_abs_coord: 0.0,
-            material_runs: vec![],
-            resting_lights: RestingLights::default(),
-            model: scene.model,
-            vertex_normals: vec![],
-            texture_coordinates: vec![],
+            lighting: scene.lighting,
+            measure_colors: scene.measure_colors,
             images: scene.images.iter().map(|image| image.texels.clone()).collect(),
-            cube_map: scene.cube_map,
-        }
+            cube_map: scene.cube_map.map(|faces| faces.map(|face| scene.images[face].texels.clone())),
+            ..Self::default()
+        };
+        let mut builder = Builder::new(world, scene, meshes)?;
+        placements(scene).try_for_each(|placement| builder.place(&placement))?;
+        Ok(builder.finish())
     }
 
     /// Returns the number of primitives with finite bounds: all except the planes.
@@ -182,12 +167,6 @@ impl World {
         self.without_area.is_empty() || self.without_area.binary_search(&triangle).is_err()
     }
 
-    /// Returns the surfaces on which the light with this index lies.
-    #[inline(always)]
-    pub fn primitives_at_light(&self, light: usize) -> &[RestingPlace] {
-        self.resting_lights.places(light)
-    }
-
     /// Returns the primitive with this id.
     pub fn primitive(&self, id: u32) -> Primitive {
         let i = id as usize;
@@ -207,14 +186,14 @@ impl World {
 
     /// Returns the tight bounds of the shapes, in the order of their ids.
     pub fn boxes(&self) -> impl Iterator<Item = Aabb> + '_ {
-        self.shapes.iter().map(Form::bounds)
+        self.shapes.iter().map(|shape| shape.form().bounds())
     }
 
     /// Returns the tight bounds of a primitive, which are empty for a plane.
     pub fn box_of(&self, id: u32) -> Aabb {
         match self.primitive(id) {
             Primitive::Triangle(i) => Aabb::around(self.corners(i)),
-            Primitive::Shape(i) => self.shapes[i].bounds(),
+            Primitive::Shape(i) => self.shapes[i].form().bounds(),
             Primitive::Plane(_) => Aabb::EMPTY,
         }
     }
@@ -248,7 +227,9 @@ impl World {
     #[cold]
     pub fn comes_first(&self, one: u32, other: u32) -> bool {
         let place = |id: u32| match self.primitive(id) {
-            Primitive::Plane(k) => (self.triangles_before_planes.get(k).copied().unwrap_or(u32::MAX), 0, id),
+            Primitive::Plane(k) => {
+                (self.placed_planes.get(k).map_or(u32::MAX, |plane| plane.triangles_before), 0, id)
+            }
             Primitive::Triangle(_) => (id, 1, id),
             Primitive::Shape(_) => (u32::MAX, 1, id),
         };
@@ -269,12 +250,11 @@ impl World {
 
     /// Returns the hit of a ray, computed from the primitive that the ray hits first.
     pub fn hit(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> Hit {
-        let crossing = match self.primitive(primitive) {
-            Primitive::Triangle(i) => triangle::Shear::new(ray).hit(self.corners_in_place(i)),
+        let t = match self.primitive(primitive) {
+            Primitive::Triangle(i) => triangle::Shear::new(ray).intersect(self.corners_in_place(i)),
             _ => None,
         };
-        let (t, weights) = crossing.map_or((t_bound, None), |(t, weights)| (t, Some(weights)));
-        Hit { t, primitive, weights }
+        Hit { t: t.unwrap_or(t_bound), primitive }
     }
 
     /// Returns true if the primitive with this id is a triangle.
@@ -297,16 +277,8 @@ impl World {
     /// Returns the run of primitives around this one that share its material, and the material.
     #[inline(always)]
     pub(crate) fn material_run(&self, primitive: u32) -> (Range<u32>, MaterialId) {
-        self.run_before(self.material_runs.partition_point(|&(start, _)| start <= primitive))
-    }
-
-    /// Returns the run of primitives before the run with index `next`, which may be the number of runs.
-    #[inline(always)]
-    fn run_before(&self, next: usize) -> (Range<u32>, MaterialId) {
-        let (first, material) = self.material_runs[next - 1];
-        let count = (self.finite_count() + self.planes.len()) as u32;
-        let end = self.material_runs.get(next).map_or(count, |&(first, _)| first);
-        (first..end, material as MaterialId)
+        let (run, &material) = self.material_ids.around(primitive);
+        (run, material as MaterialId)
     }
 }
 
@@ -357,7 +329,7 @@ mod tests {
         let materials: Vec<MaterialId> = (0..12).map(|id| world.material_of(id)).collect();
         assert_eq!(materials, [3, 4, 5, 9, 10, 11, 1, 2, 7, 8, 0, 6]);
         let ray = Ray::new(DVec3::new(0.1, 0.2, -5.0), DVec3::Z);
-        let left = |primitive| world.surface(&ray, &Hit { t: 5.0, primitive, weights: None }).triangle;
+        let left = |primitive| world.surface(&ray, &Hit { t: 5.0, primitive }).triangle;
         assert_eq!([0, 5, 6, 8, 10].map(left), [Some(0), Some(5), None, None, None]);
     }
 

@@ -1,7 +1,8 @@
 //! The meshes: the rabbit, and finer subdivisions of it.
 
 use glam::DVec3;
-use raytracer::scene::mesh::{Mesh, parse_obj};
+use raytracer::scene::mesh::Mesh;
+use raytracer::scene::obj::parse_obj;
 use std::collections::HashMap;
 use std::error::Error;
 use std::fs;

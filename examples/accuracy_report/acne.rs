@@ -8,8 +8,9 @@ use raytracer::caster::Caster;
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::offset_origin;
 use raytracer::scene::material::{Material, Phong};
-use raytracer::scene::mesh::{Mesh, parse_obj};
-use raytracer::scene::model::Model;
+use raytracer::scene::mesh::Mesh;
+use raytracer::scene::model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
+use raytracer::scene::obj::parse_obj;
 use raytracer::scene::{self, Background, MeshFile, Object, Scene};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -115,6 +116,10 @@ fn scene_on_ground(mesh: &Mesh) -> Scene {
         meshes: vec![MeshFile { name: "bunny_5k.obj".into(), ..MeshFile::default() }],
         images: vec![],
         cube_map: None,
-        model: Model::COURSE,
+        screen: Screen::default(),
+        lighting: Lighting::default(),
+        mesh_normals: MeshNormals::default(),
+        measure_colors: MeasureColors::default(),
+        shows: Shows::default(),
     }
 }

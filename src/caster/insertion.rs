@@ -11,7 +11,7 @@ use crate::caster::lattice::{GridTooLarge, Lattice};
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::world::shape::{Form, InCells};
+use crate::world::shape::Shape;
 use crate::world::sphere::Sphere;
 use crate::world::{Primitive, World};
 use glam::DVec3;
@@ -81,12 +81,12 @@ fn insert(world: &World, id: u32, lattice: &Lattice, as_course: bool, padding: f
         Primitive::Triangle(i) if world.may_be_hit(id) => {
             of_triangle(lattice, world.corners(i), padding, out)
         }
-        Primitive::Shape(i) => match world.shapes[i].in_cells() {
-            InCells::Box(bounds) => of_box(lattice, &bounds, padding, out),
-            InCells::Sphere(Sphere { center, radius }) if as_course => {
+        Primitive::Shape(i) => match world.shapes[i] {
+            Shape::Sphere(Sphere { center, radius }) if as_course => {
                 of_ball_by_centers(lattice, center, radius, padding, out)
             }
-            InCells::Sphere(Sphere { center, radius }) => of_sphere(lattice, center, radius, padding, out),
+            Shape::Sphere(Sphere { center, radius }) => of_sphere(lattice, center, radius, padding, out),
+            _ => of_box(lattice, &world.box_of(id), padding, out),
         },
         Primitive::Triangle(_) | Primitive::Plane(_) => {}
     }

@@ -147,7 +147,7 @@ fn size(picture: &Picture) -> [u32; 2] {
 
 /// Returns true if the layer shows the scene, and nothing else is drawn in its place.
 pub fn shows_scene(options: &Options, renderer: &Renderer, layer: Layer) -> bool {
-    layer.is_of_scene() && !options.visualize_grid && renderer.scene.model.shows == Shows::Scene
+    layer.is_of_scene() && !options.visualize_grid && renderer.scene.shows == Shows::Scene
 }
 
 /// Finds why a picture from outside differs from the reference: by other renderings of the scene, or else by changes to

@@ -45,7 +45,8 @@ fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
     write(env!("CARGO_PKG_VERSION").as_bytes());
     write(prepared.renderer().source.text.as_bytes());
     write(&flags);
-    write(format!("{:?}", scene.model).as_bytes());
+    let rules = (scene.screen, scene.lighting, scene.mesh_normals, scene.measure_colors, scene.shows);
+    write(format!("{rules:?}").as_bytes());
     scene.images.iter().for_each(|image| write(&image.texels.rgb));
     world.vertices.iter().for_each(|vertex| write(vertex.to_array().map(f64::to_le_bytes).as_flattened()));
     world.triangles.iter().for_each(|corners| write(corners.map(u32::to_le_bytes).as_flattened()));

@@ -153,9 +153,9 @@ impl<'r> Products<'r> {
 /// The colour that a layer shows where nothing is hit.
 fn blank(layer: &Layer, scene: &Scene) -> Option<Color> {
     match layer {
-        Layer::Color if scene.model.shows == Shows::Places => None,
+        Layer::Color if scene.shows == Shows::Places => None,
         Layer::Color => Some(scene.background.color).filter(|_| scene.cube_map.is_none()),
-        Layer::Normals if scene.model.normal_colors == NormalColors::Shifted => Some(Color::splat(0.5)),
+        Layer::Normals if scene.measure_colors.normals == NormalColors::Shifted => Some(Color::splat(0.5)),
         Layer::Depth { .. } | Layer::Normals | Layer::SignedNormals => Some(Color::ZERO),
         Layer::Distance => Some(Color::INFINITY),
         Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => None,

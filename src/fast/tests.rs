@@ -5,7 +5,7 @@ use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
 use crate::scene::Scene;
 use crate::scene::edition::Edition;
 use crate::scene::mesh::Mesh;
-use crate::scene::model::Model;
+use crate::scene::model::{Lighting, MeshNormals, Screen};
 use crate::scene::parser::read_in;
 use crate::scene::texels::Texels;
 use crate::stats::Counts;
@@ -99,7 +99,7 @@ fn compared(
                         camera.ray(DVec2::new(sample.source.column as f64, j as f64), sample.source.offset);
                     let expected = tracer.color(&ray, &mut memory, &mut Counts::default());
                     let bits = |color: crate::picture::Color| color.to_array().map(f64::to_bits);
-                    assert_eq!(bits(*color), bits(expected), "{effects:?} {:?} {ray:?}", world.model);
+                    assert_eq!(bits(*color), bits(expected), "{effects:?} {:?} {ray:?}", world.lighting);
                     found[1] += usize::from(expected == world.background_along(ray.direction));
                 }
             }
@@ -108,29 +108,30 @@ fn compared(
     found
 }
 
-/// Returns the models of the editions, and others with epsilons that matter.
-fn models() -> Vec<Model> {
-    let editions = [Edition::Y2012A4, Edition::Y2012A5, Edition::Y2019].map(Edition::model);
-    let coarse = |model: Model| Model { epsilon: Some(0.7), ..model };
-    let smooth = Model { normals: editions[2].normals, ..editions[1] };
-    editions.into_iter().chain([smooth, coarse(editions[0]), coarse(smooth)]).collect()
+/// Returns the rules of the editions, and others with epsilons that matter.
+fn rules() -> Vec<(Screen, Lighting, MeshNormals)> {
+    let editions = [Edition::Y2012A4, Edition::Y2012A5, Edition::Y2019];
+    let [a4, a5, a2019] = editions.map(|it| (it.screen(), it.lighting(), it.mesh_normals()));
+    let smooth = (a5.0, a5.1, a2019.2);
+    let coarse = |(screen, lighting, normals)| (screen, Lighting { epsilon: Some(0.7), ..lighting }, normals);
+    vec![a4, a5, a2019, smooth, coarse(a4), coarse(smooth)]
 }
 
 #[test]
-fn all_models_have_the_colours_of_the_tracer() {
+fn all_rules_have_the_colours_of_the_tracer() {
     let size = [39, 26];
-    for (model, up) in models().into_iter().flat_map(|model| [(model, 0.0), (model, 1e14)]) {
+    for (rules, up) in rules().into_iter().flat_map(|rules| [(rules, 0.0), (rules, 1e14)]) {
         let (mut scene, meshes) = later(up);
-        scene.model = model;
+        (scene.screen, scene.lighting, scene.mesh_normals) = rules;
         let world = World::new(&scene, &meshes).expect("a world");
-        let camera = Camera::with_screen(&scene.camera, size, model.screen);
+        let camera = Camera::with_screen(&scene.camera, size, scene.screen);
         for shadows in [Shadows::None, Shadows::Opaque, Shadows::Transparent] {
             for is_center in [true, false] {
                 let effects = Effects { shadows, shade_back: is_center, bounces: 3, min_weight: 0.0 };
                 let [known, missed] = compared(&world, &camera, size, effects, is_center);
                 if up == 0.0 {
                     let least = if is_center { 500 } else { 200 };
-                    assert!(known > least && missed > 100, "{known} {missed} {model:?}");
+                    assert!(known > least && missed > 100, "{known} {missed} {rules:?}");
                 }
             }
         }

@@ -9,7 +9,8 @@ use crate::scene::edition::{Choice, Edition};
 use crate::scene::load::{
     self, Found, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
 };
-use crate::scene::mesh::{ObjFile, memory_for, read_obj};
+use crate::scene::mesh::ObjFile;
+use crate::scene::obj::{memory_for, read_obj};
 use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object};
 use crate::tools::explain::Stop;

@@ -342,7 +342,7 @@ fn description(OpenScene { revision, choice, renderer, .. }: &OpenScene) -> Valu
     json!({
         "revision": revision,
         "camera": scene.camera,
-        "screen": scene.model.screen,
+        "screen": scene.screen,
         "bounds": renderer.bounds(),
         "is_unlit": scene.lights.is_empty(),
         "edition": edition,

@@ -33,6 +33,17 @@ impl Scaled {
         (self.significand > 0.0) as i32 - (self.significand < 0.0) as i32
     }
 
+    /// Returns the absolute value in a form that can be compared.
+    pub fn magnitude(self) -> (i32, f64) {
+        (self.exponent, self.significand.abs())
+    }
+
+    /// Returns the number with the largest absolute value.
+    pub fn largest(numbers: [Self; 3]) -> Self {
+        let larger = |one: Self, other: Self| if other.magnitude() > one.magnitude() { other } else { one };
+        numbers.into_iter().fold(Self::ZERO, larger)
+    }
+
     /// Returns the quotient as an ordinary float: infinite if it overflows, NaN if both are zero.
     pub fn over(self, divisor: Self) -> f64 {
         libm::ldexp(self.significand / divisor.significand, self.exponent - divisor.exponent)
@@ -41,7 +52,7 @@ impl Scaled {
 
 /// Returns the numbers divided by a common power of two, such that the largest absolute value is from 0.5 to 1.
 pub fn on_one_scale(numbers: [Scaled; 3]) -> [f64; 3] {
-    let largest = numbers.iter().fold(i32::MIN / 2, |largest, number| largest.max(number.exponent));
+    let largest = Scaled::largest(numbers).exponent;
     numbers.map(|number| libm::ldexp(number.significand, number.exponent - largest))
 }
 

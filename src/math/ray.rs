@@ -69,9 +69,6 @@ pub struct Hit {
     /// The primitive's id in its world.
     #[serde(skip)]
     pub primitive: u32,
-    /// The barycentric weights of a triangle's vertices, up to a common factor; `None` for other primitives.
-    #[serde(skip)]
-    pub weights: Option<[f64; 3]>,
 }
 
 #[cfg(test)]

@@ -85,23 +85,24 @@ fn with_unit_columns(m: DMat3) -> (DMat3, [i32; 3]) {
     (DMat3::from_cols(x, y, z), [i, j, k])
 }
 
+/// Returns a normal to be mapped by the cofactors of a matrix whose columns are scaled by powers of two with these
+/// exponents. Each of its coordinates is scaled by the same factor as its column, which preserves the direction of the
+/// result, and products stay in range.
+fn scaled_like_columns(normal: DVec3, exponents: [i32; 3]) -> DVec3 {
+    let (normal, largest) = (rescaled(normal), exponents.into_iter().max().unwrap_or(0));
+    DVec3::from_array(std::array::from_fn(|i| libm::ldexp(normal[i], exponents[i] - largest)))
+}
+
 /// Returns the image of a normal under a matrix whose determinant has the sign `orientation`, which is not 0. It points
 /// to the image of the side to which the normal pointed. Its length is arbitrary.
-///
-/// Normals are mapped by the cofactor matrix, which is the inverse transpose times the determinant. The
-/// columns are scaled so that products stay in range, and each coordinate of the normal is scaled by the same
-/// factor as its column, which preserves the direction of the result.
 pub fn transformed_normal(m: DMat3, orientation: i32, normal: DVec3) -> DVec3 {
     let (m, exponents) = with_unit_columns(m);
-    let largest = exponents.into_iter().max().unwrap_or(0);
-    let normal = rescaled(normal);
-    let rescaled_normal: [f64; 3] = std::array::from_fn(|i| libm::ldexp(normal[i], exponents[i] - largest));
-    cofactor(m) * DVec3::from_array(rescaled_normal) * f64::from(orientation)
+    cofactor(m) * scaled_like_columns(normal, exponents) * f64::from(orientation)
 }
 
 /// Returns the cofactor matrix, which is the inverse transpose times the determinant. Unlike the inverse transpose, it
 /// stays finite if the matrix is singular.
-fn cofactor(m: DMat3) -> DMat3 {
+pub fn cofactor(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
@@ -117,9 +118,7 @@ pub fn transformed_normal_error(m: DMat3, error: DMat3, normal: DVec3) -> f64 {
     };
     let (m, exponents) = with_unit_columns(m);
     let (sizes, error) = (m.abs(), scaled(error, exponents));
-    let largest = exponents.into_iter().max().unwrap_or(0);
-    let normal = rescaled(normal);
-    let normal = DVec3::from_array(std::array::from_fn(|i| libm::ldexp(normal[i], exponents[i] - largest)));
+    let normal = scaled_like_columns(normal, exponents);
     let moved = (unsigned_cofactor(sizes, error) + unsigned_cofactor(error, sizes + error)) * normal.abs();
     let rounded = ROUNDINGS * UNIT_ROUNDOFF * (unsigned_cofactor(sizes, sizes) * normal.abs());
     (moved + rounded).length() / (cofactor(m) * normal).length()

@@ -28,11 +28,6 @@ impl RoundedAffine {
     /// The identity.
     pub const IDENTITY: Self = Self { map: DAffine3::IDENTITY, error: DAffine3::ZERO, orientation: 1 };
 
-    /// Returns a map without errors.
-    pub fn exact(map: DAffine3) -> Self {
-        Self { map, error: DAffine3::ZERO, orientation: determinant_sign(map.matrix3) }
-    }
-
     /// Returns the error bound of the images of points. Both bounds apply along any axis and have two parts:
     /// `at_origin`, and `per_distance` for each unit of the sum of the coordinates' absolute values.
     pub fn image_error(&self, [at_origin, per_distance]: [f64; 2]) -> [f64; 2] {
@@ -52,9 +47,10 @@ impl RoundedAffine {
     }
 }
 
+/// Converts a map without errors.
 impl From<DAffine3> for RoundedAffine {
     fn from(map: DAffine3) -> Self {
-        Self::exact(map)
+        Self { map, error: DAffine3::ZERO, orientation: determinant_sign(map.matrix3) }
     }
 }
 

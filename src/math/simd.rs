@@ -290,20 +290,13 @@ pub struct RayLanes<S: Simd> {
 }
 
 impl<S: Simd> RayLanes<S> {
-    /// Returns rays with this origin and direction.
-    #[inline(always)]
-    pub fn new(origin: f64x4<S>, direction: f64x4<S>) -> Self {
-        Self { origin, direction, inv_direction: Number::recip(direction) }
-    }
-
     /// Returns the three axes of a ray. The unused lanes repeat numbers that are in registers anyway.
     #[inline(always)]
     pub fn all_axes(simd: S, ray: &Ray) -> Self {
         let (o, d) = (ray.origin, ray.direction);
-        Self::new(
-            f64x4::simd_from(simd, [o.x, o.y, o.z, d.x]),
-            f64x4::simd_from(simd, [d.x, d.y, d.z, ray.t_max]),
-        )
+        let origin = f64x4::simd_from(simd, [o.x, o.y, o.z, d.x]);
+        let direction = f64x4::simd_from(simd, [d.x, d.y, d.z, ray.t_max]);
+        Self { origin, direction, inv_direction: Number::recip(direction) }
     }
 }
 

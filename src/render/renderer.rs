@@ -129,7 +129,7 @@ impl Renderer {
     /// Returns the camera of a request's pictures.
     pub(crate) fn camera(&self, request: &Request) -> Camera {
         let camera = request.camera.as_ref().unwrap_or(&self.scene.camera);
-        Camera::with_screen(camera, request.size, self.scene.model.screen)
+        Camera::with_screen(camera, request.size, self.scene.screen)
     }
 
     /// Builds a grid, or a list of all primitives. `rays` is the approximate number of camera rays. An automatic grid
@@ -294,7 +294,7 @@ impl Prepared<'_> {
     }
 
     fn view(&self) -> View<'_> {
-        match (&self.occupancy, self.renderer.scene.model.shows) {
+        match (&self.occupancy, self.renderer.scene.shows) {
             (Some(occupancy), _) => View::Cells(occupancy),
             (None, Shows::Scene) => View::Scene,
             (None, Shows::Places) => View::Places,

@@ -7,7 +7,6 @@
 
 use crate::camera::{Camera, Eye, Projection};
 use crate::world::World;
-use crate::world::shape::Form;
 use glam::{DVec2, DVec3, Vec2};
 use std::ops::Range;
 
@@ -89,7 +88,7 @@ impl<'a> SmallThings<'a> {
             }
         }
         for shape in &self.world.shapes {
-            let corners = shape.bounds().corners().map(|corner| self.view.project(corner));
+            let corners = shape.form().bounds().corners().map(|corner| self.view.project(corner));
             let [min, max] =
                 corners.into_iter().fold([Vec2::INFINITY, Vec2::NEG_INFINITY], |[min, max], at| {
                     // Keep NaN.

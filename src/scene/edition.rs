@@ -1,7 +1,9 @@
 //! The editions of the course: their names, their keywords, and the meaning of their scenes.
 
 use super::lexer::Lexer;
-use super::model::{Depths, FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
+use super::model::{
+    Depths, FaceWeights, Highlight, Lighting, MeasureColors, MeshNormals, NormalColors, Screen, Split,
+};
 use crate::diagnostic::Diagnostic;
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -125,30 +127,39 @@ impl Edition {
         if self == Aalto { 0.1 } else { 0.0 }
     }
 
-    pub fn model(self) -> Model {
-        const A4: Model = Model {
-            screen: Screen::BothSides { up_as_written: false },
-            highlight: Highlight::Phong,
-            epsilon: Some(1e-3),
-            normals: MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 0 },
-            ..Model::COURSE
-        };
+    /// Returns how a perspective camera's angle maps to pixels.
+    pub fn screen(self) -> Screen {
         match self {
-            Y2004 | Aalto => Model::COURSE,
-            Y2012A4 => A4,
-            Y2012A5 => Model {
-                split: Split::Schlick,
-                normals: MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 120 },
-                ..A4
-            },
-            Y2019 => Model {
-                screen: Screen::BothSides { up_as_written: true },
-                epsilon: Some(1e-2),
-                normals: MeshNormals::Smooth { weights: FaceWeights::Equal, flat_up_to: 0 },
-                depths: Depths::NearBlack,
-                normal_colors: NormalColors::Shifted,
-                ..A4
-            },
+            Y2004 | Aalto => Screen::LongerSide,
+            Y2012A4 | Y2012A5 => Screen::BothSides { up_as_written: false },
+            Y2019 => Screen::BothSides { up_as_written: true },
+        }
+    }
+
+    pub fn lighting(self) -> Lighting {
+        let later = |split, epsilon| Lighting { highlight: Highlight::Phong, split, epsilon: Some(epsilon) };
+        match self {
+            Y2004 | Aalto => Lighting::default(),
+            Y2012A4 => later(Split::Colors, 1e-3),
+            Y2012A5 => later(Split::Schlick, 1e-3),
+            Y2019 => later(Split::Colors, 1e-2),
+        }
+    }
+
+    pub fn mesh_normals(self) -> MeshNormals {
+        let (weights, flat_up_to) = match self {
+            Y2004 | Aalto => return MeshNormals::Flat,
+            Y2012A4 => (FaceWeights::Area, 0),
+            Y2012A5 => (FaceWeights::Area, 120),
+            Y2019 => (FaceWeights::Equal, 0),
+        };
+        MeshNormals::Smooth { weights, flat_up_to }
+    }
+
+    pub fn measure_colors(self) -> MeasureColors {
+        match self {
+            Y2019 => MeasureColors { depths: Depths::NearBlack, normals: NormalColors::Shifted },
+            _ => MeasureColors::default(),
         }
     }
 

@@ -5,8 +5,8 @@
 //! ordinary characters, so file names such as `parts//cube.obj` and `cube#2.obj` work. Lines end with a line feed, a
 //! carriage return, or both.
 
-use super::Position;
 use crate::base::escape::quoted;
+use crate::diagnostic::Position;
 
 /// A word of the scene text. Its text is empty only at the end of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,7 +14,7 @@ use crate::scene::model::Shows;
 use crate::scene::parser::{Reading, read_in};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position, Scene};
-pub use named_files::mesh_places;
+pub use named_files::{Found, mesh_places};
 #[cfg(feature = "gui")]
 pub(crate) use named_files::{image_unreadable, in_mesh, mesh_unreadable};
 use named_files::{nearest_file, read_mesh, read_texels};
@@ -115,9 +115,6 @@ pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> 
     load_text(source, hints, Readers { mesh: &mesh, image: &image })
 }
 
-/// The contents of a file that a scene names, and its path.
-pub type Found<T> = Result<(T, PathBuf), Diagnostic>;
-
 /// Functions that read the files named by a scene, given its edition.
 #[derive(Clone, Copy)]
 pub struct Readers<'a> {
@@ -132,7 +129,7 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
     let (choice, reading) = read_words(&source.text, hints.edition).map_err(|error| source.locate(error))?;
     let Reading { mut scene, warnings } = reading;
     if hints.shows_places {
-        scene.model.shows = Shows::Places;
+        scene.shows = Shows::Places;
     }
     let (meshes, mesh_files) = (vec![], vec![]);
     let mut loaded = LoadedScene { scene, meshes, mesh_files, source, warnings, choice };

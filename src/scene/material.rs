@@ -1,9 +1,11 @@
 //! Materials as written in the scene: Phong materials, and solid textures that mix two earlier materials.
 
-use super::MaterialId;
 use crate::math::rounded::RoundedAffine;
 use crate::picture::Color;
 use serde::Serialize;
+
+/// The index of a material in [`Scene::materials`](super::Scene::materials).
+pub type MaterialId = usize;
 
 /// The material of a surface.
 #[derive(Clone, Debug, PartialEq)]

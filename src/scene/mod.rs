@@ -13,6 +13,7 @@ pub mod load;
 pub mod material;
 pub mod mesh;
 pub mod model;
+pub mod obj;
 mod obj_lines;
 mod obj_reader;
 mod parse_material;
@@ -23,7 +24,7 @@ mod plain_obj;
 mod polygon;
 mod reader;
 pub mod texels;
-mod transform;
+pub(crate) mod transform;
 
 pub use crate::diagnostic::Position;
 use crate::math::aabb::Aabb;
@@ -31,12 +32,12 @@ use crate::math::rounded::RoundedAffine;
 use crate::picture::Color;
 use glam::DVec3;
 use material::Material;
+pub use material::MaterialId;
 use mesh::{Corners, Mesh};
-use model::Model;
+use model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
 use serde::Serialize;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
-pub(crate) use transform::is_transformation;
 
 /// A scene: the contents of its file.
 #[derive(Clone, Debug)]
@@ -55,7 +56,11 @@ pub struct Scene {
     /// The faces of the cube map for rays that hit nothing, as indices into [`Scene::images`]. `None` for a plain
     /// colour.
     pub cube_map: Option<CubeFaces>,
-    pub model: Model,
+    pub screen: Screen,
+    pub lighting: Lighting,
+    pub mesh_normals: MeshNormals,
+    pub measure_colors: MeasureColors,
+    pub shows: Shows,
     pub positions: Positions,
 }
 
@@ -69,7 +74,6 @@ pub struct Positions {
 }
 
 pub type ObjectId = usize;
-pub type MaterialId = usize;
 
 /// A node of the object tree.
 #[derive(Clone, Debug, PartialEq)]

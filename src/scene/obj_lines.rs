@@ -4,7 +4,7 @@
 //! also before trailing blanks, continues the statement on the next line. The exception is a next line that starts with
 //! a keyword: the backslash in `usemtl wood\` belongs to the name.
 
-use super::Position;
+use crate::diagnostic::Position;
 
 /// The keywords of OBJ ("Advanced Visualizer Manual", appendix B, Wavefront 1995). `fo` is an old name of `f`.
 const KEYWORDS: &str = "v vt vn f fo g s o usemtl mtllib p l surf bsp bzp cdc cdp curv curv2 vp cstype deg bmat step \

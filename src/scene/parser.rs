@@ -1,7 +1,7 @@
 //! Parses scene text into a [`Scene`]: the course's grammar of 2004, with the variants of 2003.
 
 use super::edition::Edition;
-use super::model::{Model, Shows};
+use super::model::Shows;
 use super::parse_material::parse_materials;
 use super::parse_objects::ObjectTree;
 use super::parse_view::{self, parse_lights};
@@ -131,7 +131,11 @@ impl Blocks {
             meshes: meshes.map(|(name, at)| MeshFile { name, at, ..MeshFile::default() }).collect(),
             images: images.map(|(name, at)| ImageFile { name, at, ..ImageFile::default() }).collect(),
             cube_map: self.cube_map,
-            model: Model { shows, ..reader.edition.model() },
+            screen: reader.edition.screen(),
+            lighting: reader.edition.lighting(),
+            mesh_normals: reader.edition.mesh_normals(),
+            measure_colors: reader.edition.measure_colors(),
+            shows,
             positions: Positions {
                 camera: self.positions[0].unwrap_or_default(),
                 lights: light_positions,

@@ -1,9 +1,9 @@
 //! Reads the basic elements of the grammar and checks them: keywords, braces, numbers, vectors and lists.
 
-use super::Position;
 use super::edition::{Edition, editions_of};
 use super::lexer::{Lexer, Word, is_keyword, nearest};
 use super::limits::{BRIGHTEST, LARGEST};
+use crate::diagnostic::Position;
 use crate::diagnostic::{Diagnostic, limited};
 use crate::picture::Color;
 use glam::DVec3;

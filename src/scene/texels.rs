@@ -3,7 +3,7 @@
 //! Lookups use single precision and the operations of the course's code. Many colours are exact bytes, so the rounding
 //! decides whether truncation preserves them.
 
-use super::Position;
+use crate::diagnostic::Position;
 use crate::picture::Color;
 use glam::{DVec3, Vec3};
 use std::path::PathBuf;

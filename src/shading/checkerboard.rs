@@ -165,7 +165,7 @@ mod tests {
         let number = |i: usize| numbers[i % numbers.len()];
         let mut counts = [0; 2];
         for (map, error) in maps().into_iter().flat_map(|map| [(map, 0.0), (map, 1e-9)]) {
-            let [at_origin, per_distance] = RoundedAffine::exact(map).image_error([error, 0.0]);
+            let [at_origin, per_distance] = RoundedAffine::from(map).image_error([error, 0.0]);
             let back = map.inverse();
             for i in 0..30 * numbers.len() {
                 let point = DVec3::new(number(i), number(i * 7 + 3), number(i * 31 + i / 97));

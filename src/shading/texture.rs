@@ -65,7 +65,8 @@ pub fn material_at<'m>(
             id = texture.children[usize::from(is_odd)];
             continue;
         }
-        match only_child(&materials[..id], texture, point, level, mixture) {
+        let before = &materials[..id];
+        match dispatch!(level, simd => only_child(before, texture, point, simd.level(), mixture)) {
             Some(child) => id = child,
             None => return mixture.material(),
         }
@@ -77,18 +78,6 @@ pub fn material_at<'m>(
 /// children.
 #[inline(always)]
 fn only_child(
-    materials: &[Material],
-    texture: &Texture,
-    point: &RoundedPoint,
-    level: Level,
-    mixture: &mut Mixture,
-) -> Option<MaterialId> {
-    dispatch!(level, simd => only_child_with(materials, texture, point, simd.level(), mixture))
-}
-
-/// Implements [`only_child`] with the instructions of the caller.
-#[inline(always)]
-fn only_child_with(
     materials: &[Material],
     texture: &Texture,
     point: &RoundedPoint,

@@ -74,7 +74,6 @@ mod tests {
     use crate::math::instructions;
     use crate::math::ray::Visible;
     use crate::scene::parser::parse;
-    use crate::world::shape::Form;
     use crate::world::{SurfacePoint, World};
     use fearless_simd::dispatch;
     use glam::{DVec2, DVec3};

@@ -66,7 +66,7 @@ impl<H: Hints> Tracer<'_, H> {
         observer: &mut O,
     ) {
         let kind = Secondary::Reflected;
-        let color = match self.world().model.split {
+        let color = match self.world().lighting.split {
             Split::Colors => arrival.material.phong.reflective,
             Split::Schlick => arrival.material.phong.reflective * arrival.mirrored_part(),
         };
@@ -84,7 +84,7 @@ impl<H: Hints> Tracer<'_, H> {
         observer: &mut O,
     ) {
         let kind = Secondary::Refracted;
-        let color = match self.world().model.split {
+        let color = match self.world().lighting.split {
             Split::Colors => arrival.material.phong.transparent,
             Split::Schlick => arrival.material.phong.transparent * (1.0 - arrival.mirrored_part()),
         };

@@ -1,35 +1,23 @@
-//! The features of only some models: smooth normals, textures, and a background of pictures.
+//! The features of only some editions: smooth normals, textures, and a background of pictures.
 
 use super::{SurfacePoint, World};
 use crate::math::robust;
 use crate::picture::Color;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::Mesh;
-use crate::scene::model::{FaceWeights, MeshNormals, Model};
-use crate::scene::texels::{CubeFaces, face};
+use crate::scene::model::{FaceWeights, MeshNormals};
+use crate::scene::texels::{Texels, face};
 use glam::{DMat3, DVec2, DVec3};
+use std::sync::Arc;
 
 impl World {
-    /// Returns true if the scene uses the course's model of 2004, which needs nothing else in this file.
-    pub fn is_of_course(&self) -> bool {
-        self.model == Model::COURSE
-    }
-
     /// Returns the colour along a ray that hits nothing.
     #[inline(always)]
     pub fn background_along(&self, direction: DVec3) -> Color {
-        match self.cube_map {
-            Some(faces) => self.cube_color(faces, direction),
+        match &self.cube_map {
+            Some(faces) => cube_color(faces, direction),
             None => self.background,
         }
-    }
-
-    fn cube_color(&self, faces: CubeFaces, direction: DVec3) -> Color {
-        let (index, place) = face(direction);
-        faces
-            .get(index)
-            .and_then(|&image| self.images.get(image))
-            .map_or(self.background, |image| image.color(place))
     }
 
     /// Returns true if there are smooth meshes.
@@ -81,6 +69,11 @@ impl World {
     }
 }
 
+fn cube_color(faces: &[Arc<Texels>; 6], direction: DVec3) -> Color {
+    let (index, place) = face(direction);
+    faces[index].color(place)
+}
+
 /// Returns a vector along the normal of each vertex of a mesh under a linear map; `None` for a flat mesh. `listed` is
 /// the number of vertices in the mesh's file, including vertices that no face uses. `is_mirrored` is true if the map's
 /// determinant is negative.
@@ -104,11 +97,9 @@ pub fn vertex_normals(
         };
         corners.iter().for_each(|&vertex| sums[vertex as usize] += normal);
     }
-    // The cofactor matrix is the inverse transpose times the determinant, whose sign matters.
-    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
-    let side = if is_mirrored { -1.0 } else { 1.0 };
-    let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * side;
-    Some(sums.into_iter().map(|sum| cofactor * sum.normalize_or_zero()).collect())
+    // The cofactor matrix has the sign of the determinant.
+    let normal_matrix = robust::cofactor(linear) * if is_mirrored { -1.0 } else { 1.0 };
+    Some(sums.into_iter().map(|sum| normal_matrix * sum.normalize_or_zero()).collect())
 }
 
 #[cfg(test)]

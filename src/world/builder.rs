@@ -4,34 +4,35 @@
 use super::World;
 use super::appearance::vertex_normals;
 use super::placement::Placement;
-use super::plane::{PlacedPlane, PlacedPlanes};
-use super::point_error::{BoundaryWidth, Finite, PlacementError};
-use super::resting_lights::RestingLights;
+use super::plane::{PlacedPlane, Plane};
+use super::point_error::{BoundaryWidth, PlacementError};
+use super::runs::Runs;
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::robust;
 use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::{Corners, Mesh};
-use crate::scene::{MaterialId, MeshFile, Object, Scene};
-use crate::world::shape::{Form, Shape};
+use crate::scene::{Object, Scene};
+use crate::world::shape::Shape;
 use crate::world::{ellipsoid::Ellipsoid, sphere::Sphere, triangle};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::mem;
 
-/// A world under construction. Materials are recorded per kind of primitive, because the ids of the primitives are
-/// known only when all objects have been placed.
+/// A world under construction. Materials and errors are recorded per kind of primitive, because the ids of the
+/// primitives are known only when all objects have been placed.
 pub struct Builder<'a> {
     meshes: Vec<Cow<'a, Mesh>>,
-    files: &'a [MeshFile],
+    scene: &'a Scene,
     /// For each mesh, the number of objects still to be placed that use it.
     uses: Vec<usize>,
     world: World,
-    planes: PlacedPlanes,
-    /// Runs as in [`World`]'s `material_runs`, with indices from 0 within each kind: triangles, shapes and planes.
-    materials: [Vec<(u32, u32)>; 3],
+    /// The materials of triangles, shapes and planes, each with indices from 0.
+    materials: [Runs<u32>; 3],
+    /// The errors of triangles and shapes.
+    errors: [Runs<PlacementError>; 2],
 }
 
 impl<'a> Builder<'a> {
@@ -52,8 +53,8 @@ impl<'a> Builder<'a> {
             }
         }
         memory::ask(copied)?;
-        let (files, materials) = (scene.meshes.as_slice(), Default::default());
-        Ok(Self { meshes, files, uses, world, planes: PlacedPlanes::default(), materials })
+        let (materials, errors) = Default::default();
+        Ok(Self { meshes, scene, uses, world, materials, errors })
     }
 
     /// Places an object. An error reports the position of the object or of the transform around it.
@@ -61,43 +62,24 @@ impl<'a> Builder<'a> {
         if !placement.matrix.is_finite() {
             return Err(placement.error("the transformation's numbers grow too large"));
         }
-        let map = |p: DVec3| placement.world_point(p);
         match *placement.object {
-            Object::Triangle { vertices, material } => {
-                let [a, b, c] = vertices.map(DVec3::abs);
-                let error = PlacementError::new(placement, a.max(b).max(c));
-                self.triangles(vertices.into_iter().map(map), &[[0, 1, 2]], placement, (material, error))
+            Object::Triangle { vertices, .. } => self.triangles(&vertices, &[[0, 1, 2]], placement),
+            Object::Box { min, max, .. } => {
+                let faces = BOX_FACES.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+                self.triangles(&Aabb { min, max }.corners(), faces.as_flattened(), placement)
             }
-            Object::Box { min, max, material } => {
-                let corners = Aabb { min, max }.corners().into_iter().map(map);
-                let error = PlacementError::new(placement, min.abs().max(max.abs()));
-                self.triangles(corners, &BOX_FACES, placement, (material, error))
+            Object::Grid { ref surface, .. } => {
+                self.triangles(&surface.vertices, &surface.triangles, placement)
             }
-            Object::Grid { ref surface, material } => {
-                let error = PlacementError::new(placement, reach(&surface.vertices));
-                let vertices = surface.vertices.iter().map(|&v| map(v));
-                self.triangles(vertices, &surface.triangles, placement, (material, error))
-            }
-            Object::Mesh { mesh, material } => {
-                self.mesh(mesh, placement, material).map_err(|error| self.at_mesh(error, mesh, placement))
-            }
-            Object::Sphere { center, radius, material } => self.sphere(center, radius, placement, material),
-            Object::Plane { normal, offset, material } => self.plane(normal, offset, placement, material),
+            Object::Mesh { mesh, .. } => self.mesh(mesh, placement),
+            Object::Sphere { center, radius, .. } => self.sphere(center, radius, placement),
+            Object::Plane { normal, offset, .. } => self.plane((normal, offset), placement),
             Object::Group(_) | Object::Transform { .. } => Ok(()),
         }?;
         if self.ids_fit() {
             Ok(())
         } else {
             Err(placement.error("the scene has too many primitives for 32-bit ids"))
-        }
-    }
-
-    /// Adds to an error in a mesh the position where the scene names the mesh, if no transform is around it.
-    fn at_mesh(&self, error: Diagnostic, mesh: usize, placement: &Placement) -> Diagnostic {
-        let file = self.files.get(mesh).filter(|_| placement.transform.is_none());
-        match file {
-            Some(file) => error.at(file.at),
-            None => error,
         }
     }
 
@@ -109,40 +91,34 @@ impl<'a> Builder<'a> {
 
     fn triangles(
         &mut self,
-        vertices: impl ExactSizeIterator<Item = DVec3>,
+        vertices: &[DVec3],
         faces: &[[u32; 3]],
         placement: &Placement,
-        (material, error): (MaterialId, PlacementError),
     ) -> Result<(), Diagnostic> {
         let world = &mut self.world;
         let (first, count) = (world.vertices.len(), world.triangles.len());
-        world.vertices.extend(vertices);
+        world.vertices.extend(vertices.iter().map(|&vertex| placement.world_point(vertex)));
         world.triangles.extend(faces.iter().map(|face| face.map(|v| v + first as u32)));
-        self.finish_triangles(first, count, placement, (material, error))
+        self.finish_triangles([first, count], placement, PlacementError::new(placement, vertices))
     }
 
     /// Places a mesh. The last use of the first mesh takes over its lists instead of copying them.
-    fn mesh(&mut self, id: usize, placement: &Placement, material: MaterialId) -> Result<(), Diagnostic> {
-        let map = |p: DVec3| placement.world_point(p);
+    fn mesh(&mut self, id: usize, placement: &Placement) -> Result<(), Diagnostic> {
         let mesh = mem::take(&mut self.meshes[id]);
         self.appearance(id, &mesh, placement);
         self.uses[id] = self.uses[id].saturating_sub(1);
         let is_last = self.uses[id] == 0;
-        let error = match placement.transform {
-            Some(_) => PlacementError::new(placement, reach(&mesh.vertices)),
-            None => PlacementError::default(),
-        };
         match mesh {
             Cow::Owned(mesh) if is_last && self.world.vertices.is_empty() => {
+                let error = PlacementError::new(placement, &mesh.vertices);
                 (self.world.vertices, self.world.triangles) = (mesh.vertices, mesh.triangles);
                 if placement.transform.is_some() {
-                    self.world.vertices.iter_mut().for_each(|v| *v = map(*v));
+                    self.world.vertices.iter_mut().for_each(|v| *v = placement.world_point(*v));
                 }
-                self.finish_triangles(0, 0, placement, (material, error))
+                self.finish_triangles([0, 0], placement, error)
             }
             mesh => {
-                let vertices = mesh.vertices.iter().map(|&v| map(v));
-                let result = self.triangles(vertices, &mesh.triangles, placement, (material, error));
+                let result = self.triangles(&mesh.vertices, &mesh.triangles, placement);
                 if !is_last {
                     self.meshes[id] = mesh;
                 }
@@ -151,14 +127,14 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Records the normals of a mesh's vertices and the texture coordinates of its triangles, if the model has them.
+    /// Records the normals of a mesh's vertices and the texture coordinates of its triangles, if the scene has them.
     /// The triangles are the next ones to be placed.
     fn appearance(&mut self, id: usize, mesh: &Mesh, placement: &Placement) {
         let world = &mut self.world;
         let linear = (placement.matrix.matrix3, placement.is_mirrored());
-        let file = self.files.get(id);
+        let file = self.scene.meshes.get(id);
         let listed = file.map_or(0, |file| file.vertices).max(mesh.vertices.len());
-        if let Some(normals) = vertex_normals(mesh, listed, linear, world.model.normals) {
+        if let Some(normals) = vertex_normals(mesh, listed, linear, self.scene.mesh_normals) {
             let (first, all) = (world.vertices.len(), &mut world.vertex_normals);
             all.resize(first, DVec3::ZERO);
             all.extend(normals);
@@ -174,17 +150,16 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Completes the triangles from index `first` and the vertices from index `first_vertex` on: records
-    /// their material, corrects their winding and checks their coordinates.
+    /// Completes the vertices from index `first_vertex` on and the triangles from index `first` on: records their
+    /// material, corrects their winding and checks their coordinates.
     fn finish_triangles(
         &mut self,
-        first_vertex: usize,
-        first: usize,
+        [first_vertex, first]: [usize; 2],
         placement: &Placement,
-        (material, error): (MaterialId, PlacementError),
+        error: PlacementError,
     ) -> Result<(), Diagnostic> {
-        push_run(&mut self.materials[0], first, material);
-        self.world.flattening_errors.push(Finite::Triangles, first, error);
+        self.materials[0].push(first, placement.material);
+        self.errors[0].push(first, error);
         // A mirroring matrix reverses the winding, and swapping two vertices restores it.
         if placement.is_mirrored() {
             self.world.triangles[first..].iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -197,75 +172,66 @@ impl<'a> Builder<'a> {
         self.grow(bounds, is_in_range, placement)
     }
 
-    fn sphere(
-        &mut self,
-        center: DVec3,
-        radius: f64,
-        placement: &Placement,
-        material: MaterialId,
-    ) -> Result<(), Diagnostic> {
-        let linear = placement.matrix.matrix3;
-        let center_in_world = placement.world_point(center);
-        if placement.is_singular() {
-            return Err(placement.singular());
+    fn sphere(&mut self, center: DVec3, radius: f64, placement: &Placement) -> Result<(), Diagnostic> {
+        placement.check_regular()?;
+        let (linear, center) = (placement.matrix.matrix3, placement.world_point(center));
+        match robust::similarity_scale(linear) {
+            Some(scale) => {
+                let radius = scale * radius;
+                self.shape(Shape::Sphere(Sphere { center, radius }), [radius; 3], placement)
+            }
+            None => {
+                let ellipsoid = Ellipsoid::new(center, linear * radius);
+                let half_lengths = ellipsoid.half_lengths();
+                self.shape(Shape::Ellipsoid(Box::new(ellipsoid)), half_lengths, placement)
+            }
         }
-        let shape = match robust::similarity_scale(linear) {
-            Some(scale) => Shape::Sphere(Sphere { center: center_in_world, radius: scale * radius }),
-            None => Shape::Ellipsoid(Box::new(Ellipsoid::new(center_in_world, linear * radius))),
-        };
-        self.shape(shape, placement, material)
     }
 
-    /// Records a placed shape.
-    fn shape(&mut self, shape: Shape, placement: &Placement, material: MaterialId) -> Result<(), Diagnostic> {
+    /// Records a placed shape with semi-axes of these lengths.
+    fn shape(&mut self, shape: Shape, [a, b, c]: [f64; 3], placement: &Placement) -> Result<(), Diagnostic> {
         let of_object = placement.object.shape_box().unwrap_or(Aabb::EMPTY);
-        let reach = of_object.min.abs().max(of_object.max.abs());
-        let (index, error) = (self.world.shapes.len(), PlacementError::new(placement, reach));
-        push_run(&mut self.materials[1], index, material);
-        self.world.flattening_errors.push(Finite::Shapes, index, error);
-        let (Aabb { min, max }, [smallest, largest]) = (shape.bounds(), shape.half_extents());
+        let index = self.world.shapes.len();
+        self.materials[1].push(index, placement.material);
+        self.errors[1].push(index, PlacementError::new(placement, &[of_object.min, of_object.max]));
+        let Aabb { min, max } = shape.form().bounds();
         self.world.shapes.push(shape);
-        if smallest < SMALLEST_RADIUS {
+        if a.min(b).min(c) < SMALLEST_RADIUS {
             return Err(placement.error("the object has a radius below 1e-100"));
         }
-        let is_in_range = are_in_range(0.5 * (min + max)) && are_in_range(DVec3::splat(largest));
+        let is_in_range = are_in_range(0.5 * (min + max)) && are_in_range(DVec3::new(a, b, c));
         self.grow(placement.course_box(of_object), is_in_range, placement)
     }
 
-    fn plane(
-        &mut self,
-        normal: DVec3,
-        offset: f64,
-        placement: &Placement,
-        material: MaterialId,
-    ) -> Result<(), Diagnostic> {
-        push_run(&mut self.materials[2], self.world.planes.len(), material);
-        let PlacedPlane { plane, direction, error } = self.planes.place(placement, (normal, offset))?;
-        self.world.flattening_errors.push_plane(error);
-        self.world.planes.push(plane);
-        self.world.plane_directions.push(direction);
-        self.world.triangles_before_planes.push(self.world.triangles.len() as u32);
-        if !plane.normal.is_finite() {
+    fn plane(&mut self, written: (DVec3, f64), placement: &Placement) -> Result<(), Diagnostic> {
+        let world = &mut self.world;
+        self.materials[2].push(world.planes.len(), placement.material);
+        let triangles_before = world.triangles.len() as u32;
+        let placed = PlacedPlane::new(placement, written, triangles_before, &world.placed_planes)?;
+        let Plane { normal, offset } = placed.plane;
+        world.planes.push(placed.plane);
+        world.placed_planes.push(placed);
+        if !normal.is_finite() {
             return Err(placement.error("the plane has no normal"));
         }
-        let is_in_range = plane.offset.abs() <= LARGEST;
-        if is_in_range { Ok(()) } else { Err(placement.too_large()) }
+        self.grow(Aabb::EMPTY, offset.abs() <= LARGEST, placement)
     }
 
     /// Extends the world's bounds by the bounds of a new object. Returns an error unless its coordinates are in range.
     fn grow(&mut self, bounds: Aabb, is_in_range: bool, placement: &Placement) -> Result<(), Diagnostic> {
         self.world.bounds = self.world.bounds.union(bounds);
-        if is_in_range { Ok(()) } else { Err(placement.too_large()) }
+        if is_in_range { Ok(()) } else { Err(placement.error("the object has coordinates beyond 1e100")) }
     }
 
     /// Returns the finished world, in which the primitives have their ids.
     pub fn finish(self) -> World {
         let mut world = self.world;
-        let counts = [world.triangles.len(), world.shapes.len(), world.planes.len()];
-        let mut start = 0;
-        for (runs, count) in self.materials.into_iter().zip(counts) {
-            world.material_runs.extend(runs.into_iter().map(|(first, material)| (first + start, material)));
-            start += count as u32;
+        let starts = [0, world.triangles.len(), world.finite_count()];
+        for (start, runs) in starts.into_iter().zip(self.materials) {
+            world.material_ids.append(start, runs);
+        }
+        for (start, runs) in starts.into_iter().zip(self.errors) {
+            world.placement_errors.append(start, runs);
         }
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
@@ -273,7 +239,7 @@ impl<'a> Builder<'a> {
         world.without_area = without_area(&world);
         world.coincidence_margin = world.find_coincidence_margin();
         world.boundary_width = BoundaryWidth::of(&world);
-        world.resting_lights = RestingLights::of(&world);
+        world.resting_places = world.find_resting_places();
         world
     }
 }
@@ -290,36 +256,12 @@ fn without_area(world: &World) -> Vec<u32> {
     world.triangles.par_chunks(PART).enumerate().map(in_part).collect::<Vec<Vec<u32>>>().concat()
 }
 
-/// Returns the largest absolute coordinates of some points.
-fn reach(points: &[DVec3]) -> DVec3 {
-    points.iter().fold(DVec3::ZERO, |reach, point| reach.max(point.abs()))
-}
-
 /// The box of an object whose coordinates overflowed.
 const OVERFLOWED: Aabb = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
 /// The faces of a box over [`Aabb::corners`], counter-clockwise seen from outside.
-const BOX_FACES: [[u32; 3]; 12] = [
-    [0, 4, 6],
-    [0, 6, 2],
-    [1, 3, 7],
-    [1, 7, 5],
-    [0, 1, 5],
-    [0, 5, 4],
-    [2, 6, 7],
-    [2, 7, 3],
-    [0, 2, 3],
-    [0, 3, 1],
-    [4, 5, 7],
-    [4, 7, 6],
-];
-
-/// Starts a new run of primitives with this material at index `first`, unless the last run has this material.
-fn push_run(runs: &mut Vec<(u32, u32)>, first: usize, material: MaterialId) {
-    if runs.last().is_none_or(|&(_, last)| last as MaterialId != material) {
-        runs.push((first as u32, material as u32));
-    }
-}
+const BOX_FACES: [[u32; 4]; 6] =
+    [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
 #[cfg(test)]
 mod tests;

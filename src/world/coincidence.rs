@@ -4,14 +4,14 @@
 //! that [`World::comes_first`]. Of surfaces that are not united, it sees the nearer one. The t of two hits close to
 //! each other differ by roundings, so they are computed in double-double arithmetic.
 
-use super::point_error::{Finite, weights};
+use super::point_error::weights;
 use super::{Primitive, World};
 use crate::math::double_double::{Dd, dot, minus};
 use crate::math::exact::{Scaled, area_vector, volume};
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::plane::Plane;
-use crate::world::shape::{Form, Shape};
+use crate::world::shape::Shape;
 use crate::world::sphere::Sphere;
 use glam::{DMat3, DVec3};
 
@@ -47,7 +47,7 @@ impl World {
 
     /// Returns the part of [`World::coincidence_reach`] that does not depend on t.
     pub(super) fn find_coincidence_margin(&self) -> f64 {
-        PER_COORDINATE * self.max_abs_coord + PER_FLATTENING_ERROR * self.flattening_errors.largest()
+        PER_COORDINATE * self.max_abs_coord + PER_FLATTENING_ERROR * self.largest_flattening_error()
     }
 
     /// Returns the primitive that a ray sees, with its t, if the ray hits several close to each other, at these t.
@@ -111,7 +111,7 @@ impl World {
                 let normal = normal.to_array().map(Dd::from);
                 [dot(normal, point) - offset.into(), dot(normal, direction)]
             }
-            Primitive::Shape(i) => self.shapes[i].height_and_slope(point, direction),
+            Primitive::Shape(i) => self.shapes[i].form().height_and_slope(point, direction),
         };
         let (behind, step) = (Dd::difference(t, first), height / slope);
         if step.value().is_finite() { behind - step } else { behind }
@@ -131,7 +131,7 @@ impl World {
                 let (one, other) = (self.planes[i], self.planes[j]);
                 one == other || one == other.reversed()
             }
-            (Shape(i), Shape(j)) => self.shapes_coincide([i, j]),
+            (Shape(i), Shape(j)) => self.shapes_coincide([&self.shapes[i], &self.shapes[j]], [one, other]),
             _ => false,
         }
     }
@@ -145,9 +145,7 @@ impl World {
         let [larger, smaller] = if double_area(i) >= double_area(j) { [i, j] } else { [j, i] };
         let (base, corners) = (self.corners(larger), self.corners(smaller));
         let normal = area_vector(base);
-        let Some(largest) = normal.into_iter().max_by(|p, q| size(*p).total_cmp(&size(*q))) else {
-            return false;
-        };
+        let largest = Scaled::largest(normal);
         let errors = base.map(|corner| self.corner_error(larger, corner));
         let direction = DVec3::from_array(normal.map(|coordinate| coordinate.over(largest)));
         corners.into_iter().all(|corner| {
@@ -170,7 +168,7 @@ impl World {
 
     /// Returns true if a triangle's corners lie in a plane.
     fn lies_in_plane(&self, triangle: usize, plane: usize) -> bool {
-        let error = self.flattening_errors.of_plane(plane);
+        let error = self.plane_error(plane);
         let plane = &self.planes[plane];
         self.corners(triangle).into_iter().all(|corner| {
             let of_corner = plane.normal.abs().dot(self.corner_error(triangle, corner));
@@ -178,44 +176,38 @@ impl World {
         })
     }
 
-    /// Returns true if two spheres agree within their errors, both in their centres and in their radii.
-    fn spheres_coincide(&self, indices: [usize; 2], [one, other]: [&Sphere; 2]) -> bool {
-        let [moved, other_moved] = indices.map(|i| self.flattening_errors.largest_of(Finite::Shapes, i));
-        let (moved, rounding) = (moved + other_moved, 2.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF);
-        let of_center = moved + rounding * one.center.abs().max(other.center.abs());
-        // Both the centre and the points at the radius have moved.
-        let of_radius = 2.0 * moved.max_element() + rounding * one.radius.max(other.radius);
-        (one.center - other.center).abs().cmple(of_center).all()
-            && (one.radius - other.radius).abs() <= of_radius
-    }
-
     /// Returns true if two shapes have the same surface. For images of the unit sphere, each must be the unit sphere in
     /// the space of the other. Other shapes must be equal.
-    fn shapes_coincide(&self, [i, j]: [usize; 2]) -> bool {
-        let shapes = [&self.shapes[i], &self.shapes[j]];
+    fn shapes_coincide(&self, shapes: [&Shape; 2], ids: [u32; 2]) -> bool {
+        let moved = ids.map(|id| self.flattening_error(id, DVec3::ZERO));
         if let [Shape::Sphere(one), Shape::Sphere(other)] = shapes {
-            return self.spheres_coincide([i, j], [one, other]);
+            return spheres_coincide([one, other], moved[0] + moved[1]);
         }
-        let [Some((center, _, inverse)), Some((other_center, other_linear, _))] =
-            shapes.map(Form::unit_sphere_maps)
-        else {
+        let [Some(maps), Some(other_maps)] = shapes.map(|shape| shape.form().unit_sphere_maps()) else {
             return shapes[0] == shapes[1];
         };
-        let errors = [i, j].map(|i| {
-            let Some((center, linear, _)) = self.shapes[i].unit_sphere_maps() else { return 0.0 };
+        let error = |(center, linear, _): (DVec3, DMat3, DMat3), moved: DVec3| {
             let size = linear.x_axis.length() + linear.y_axis.length() + linear.z_axis.length();
             let rounding = 16.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * (center.abs().max_element() + size);
-            self.flattening_errors.largest_of(Finite::Shapes, i).max_element() + rounding
-        });
-        let relative = 8.0 * (errors[0] + errors[1]) * largest_number(inverse);
+            moved.max_element() + rounding
+        };
+        let errors = error(maps, moved[0]) + error(other_maps, moved[1]);
+        let ((center, _, inverse), (other_center, other_linear, _)) = (maps, other_maps);
+        let relative = 8.0 * errors * largest_number(inverse);
         let (map, moved) = (inverse * other_linear, inverse * (other_center - center));
         let deviation = map * map.transpose() - DMat3::IDENTITY;
         largest_number(deviation) <= relative && moved.abs().max_element() <= relative
     }
 }
 
-fn size(number: Scaled) -> f64 {
-    f64::from(number.exponent) + number.significand.abs()
+/// Returns true if two spheres agree within their errors, both in their centres and in their radii. Their points have
+/// `moved` that far.
+fn spheres_coincide([one, other]: [&Sphere; 2], moved: DVec3) -> bool {
+    let rounding = 2.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
+    let of_center = moved + rounding * one.center.abs().max(other.center.abs());
+    // Both the centre and the points at the radius have moved.
+    let of_radius = 2.0 * moved.max_element() + rounding * one.radius.max(other.radius);
+    (one.center - other.center).abs().cmple(of_center).all() && (one.radius - other.radius).abs() <= of_radius
 }
 
 fn largest_number(m: DMat3) -> f64 {

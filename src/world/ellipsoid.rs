@@ -20,7 +20,7 @@ pub struct Ellipsoid {
 }
 
 /// The error bound of a point of an ellipsoid, in roundings of its centre and its semi-axes.
-pub const POINT_ROUNDINGS: f64 = 64.0;
+const POINT_ROUNDINGS: f64 = 64.0;
 
 /// The crossings of a line with the ellipsoid, in order: the t, and the points in the space of the unit sphere.
 struct Crossings {
@@ -102,22 +102,8 @@ impl Form for Ellipsoid {
         POINT_ROUNDINGS * (self.center.abs() + self.half_lengths().into_iter().sum::<f64>())
     }
 
-    fn half_extents(&self) -> [f64; 2] {
-        let [a, b, c] = self.half_lengths();
-        [a.min(b).min(c), a.max(b).max(c)]
-    }
-
     fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
         self.crossings(ray).map(|crossings| crossings.t)
-    }
-
-    fn tangent_at(&self, ray: &Ray) -> Option<f64> {
-        const TANGENT_ROUNDINGS: f64 = 16.0;
-        let (o, d) = (self.inverse * (ray.origin - self.center), self.inverse * ray.direction);
-        let (moment, length) = (o.cross(d).length(), d.length());
-        let is_tangent =
-            (moment - length).abs() <= TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (o.length() * length + length);
-        is_tangent.then(|| (self.center - ray.origin).dot(ray.direction))
     }
 
     fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2] {

@@ -21,6 +21,10 @@ pub struct Placement<'s> {
     pub orientation: i32,
     /// The innermost transform around the object; `None` at the top.
     pub transform: Option<Position>,
+    /// The object's material.
+    pub(super) material: u32,
+    /// The object's position in the text.
+    at: Position,
 }
 
 impl Placement<'_> {
@@ -29,9 +33,12 @@ impl Placement<'_> {
         self.orientation < 0
     }
 
-    /// Returns true if the transforms flatten space, either exactly or as far as the rounded matrix tells.
-    pub(super) fn is_singular(&self) -> bool {
-        self.orientation == 0 || robust::is_singular(self.matrix.matrix3)
+    /// Returns an error if the transforms flatten space, either exactly or as far as the rounded matrix tells.
+    pub(super) fn check_regular(&self) -> Result<(), Diagnostic> {
+        if self.orientation != 0 && !robust::is_singular(self.matrix.matrix3) {
+            return Ok(());
+        }
+        Err(self.error("the transformation is singular: it flattens the object"))
     }
 
     /// Maps a point of the object to world space.
@@ -64,19 +71,9 @@ impl Placement<'_> {
         }
     }
 
-    /// Returns an error at the transform, or at the start of the text without a transform.
+    /// Returns an error at the transform, or at the object without one.
     pub(super) fn error(&self, message: &str) -> Diagnostic {
-        Diagnostic::error(message).at(self.transform.unwrap_or(Position { line: 1, column: 1 }))
-    }
-
-    /// Returns the error of an object that needs the inverse of a singular transform.
-    pub(super) fn singular(&self) -> Diagnostic {
-        self.error("the transformation is singular: it flattens the object")
-    }
-
-    /// Returns the error of an object with coordinates beyond [`LARGEST`](crate::scene::limits::LARGEST).
-    pub(super) fn too_large(&self) -> Diagnostic {
-        self.error("the object has coordinates beyond 1e100")
+        Diagnostic::error(message).at(self.transform.unwrap_or(self.at))
     }
 }
 
@@ -95,7 +92,9 @@ pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
                 Object::Transform { matrix: m, child, at } => stack.push((*child, matrix * *m, Some(*at))),
                 object => {
                     let RoundedAffine { map: matrix, error, orientation } = matrix;
-                    return Some(Placement { object, matrix, error, orientation, transform });
+                    let material = object.material().unwrap_or_default() as u32;
+                    let at = scene.positions.objects.get(id).copied().unwrap_or_default();
+                    return Some(Placement { object, matrix, error, orientation, transform, material, at });
                 }
             }
         }

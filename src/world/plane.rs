@@ -7,11 +7,11 @@
 
 use super::coincidence::WRITTEN_ROUNDINGS;
 use super::placement::Placement;
-use super::point_error::PlaneError;
 use crate::diagnostic::Diagnostic;
 use crate::math::double_double::{Dd, dot};
 use crate::math::ray::Ray;
 use crate::math::robust::{self, UNIT_ROUNDOFF};
+use crate::math::rounded::absolute;
 use glam::{DAffine3, DVec3};
 
 /// The points p with `normal . p = offset`.
@@ -51,51 +51,106 @@ impl Plane {
     }
 }
 
+/// The largest distance between a plane and the exact one: `at_origin` at the origin, plus the tilt times the distance
+/// from it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PlaneError {
+    pub at_origin: f64,
+    /// An angle in radians.
+    pub tilt: f64,
+}
+
+impl PlaneError {
+    /// The error bound of a unit normal, in roundings.
+    const NORMAL_ROUNDINGS: f64 = 4.0;
+
+    /// Returns the error of a plane without a transform. It is zero if the normal is along an axis.
+    pub fn as_written(normal: DVec3) -> Self {
+        let is_along_axis = normal.to_array().into_iter().filter(|&x| x != 0.0).count() == 1;
+        let roundings = if is_along_axis { 0.0 } else { Self::NORMAL_ROUNDINGS };
+        Self { at_origin: 0.0, tilt: roundings * UNIT_ROUNDOFF }
+    }
+
+    /// Returns the error of a plane that is placed by its normal and by its point nearest to the origin. This point is
+    /// `offset` away from the origin in object space, and at `foot` in world space, where the unit normal is
+    /// `world_normal`.
+    pub fn transformed(
+        placement: &Placement,
+        (normal, offset): (DVec3, f64),
+        (world_normal, foot): (DVec3, DVec3),
+    ) -> Self {
+        let Placement { matrix, error, .. } = placement;
+        let of_normals = 2.0 * Self::NORMAL_ROUNDINGS * UNIT_ROUNDOFF;
+        let tilt = robust::transformed_normal_error(matrix.matrix3, error.matrix3, normal) + of_normals;
+        let reach = offset.abs() * robust::unit(normal).abs() * (1.0 + of_normals);
+        let of_unit_normal = of_normals * absolute(*matrix).transform_vector3(reach);
+        // Only a displacement of the foot along the normal moves the plane.
+        let of_placement = placement.point_error().transform_point3(reach);
+        let of_foot = world_normal.abs().dot(of_placement + of_unit_normal);
+        Self { at_origin: of_foot + tilt * foot.abs().element_sum(), tilt }
+    }
+
+    /// Returns the distance from the exact plane at a point of either plane.
+    pub fn at(self, point: DVec3) -> f64 {
+        self.at_origin + self.tilt * point.abs().element_sum()
+    }
+}
+
 /// The largest sine of the angle between unit normals that may have been written as parallel: [`WRITTEN_ROUNDINGS`] for
 /// each normal, and as many for the sine.
 const PARALLEL_SINE: f64 = 3.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
 
-/// A plane in world space.
-#[derive(Clone, Copy)]
+/// A plane that a scene placed in world space.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedPlane {
     pub plane: Plane,
     /// A vector along the normal, before it is rounded to unit length.
     pub direction: DVec3,
     pub error: PlaneError,
+    /// The number of triangles that precede the plane in the scene.
+    pub triangles_before: u32,
+    written: WrittenPlane,
 }
 
 /// A plane in object space, and the transforms around it.
+#[derive(Clone, Copy, Debug)]
 struct WrittenPlane {
     matrix: Option<DAffine3>,
     plane: Plane,
 }
 
-/// The planes that are placed already.
-#[derive(Default)]
-pub(super) struct PlacedPlanes(Vec<(WrittenPlane, PlacedPlane)>);
-
-impl PlacedPlanes {
-    /// Places the next plane. Returns an error if the transforms flatten it.
-    pub fn place(
-        &mut self,
+impl PlacedPlane {
+    /// Places the next plane after the `earlier` ones. Returns an error if the transforms flatten it.
+    pub fn new(
         placement: &Placement,
         (normal, offset): (DVec3, f64),
-    ) -> Result<PlacedPlane, Diagnostic> {
+        triangles_before: u32,
+        earlier: &[Self],
+    ) -> Result<Self, Diagnostic> {
         let matrix = placement.transform.map(|_| placement.matrix);
         let mut written = WrittenPlane { matrix, plane: Plane { normal: robust::unit(normal), offset } };
-        let with_same_matrix = || self.0.iter().filter(|(earlier, _)| earlier.matrix == matrix);
-        let parallel = with_same_matrix().find_map(|(earlier, _)| written.aligned_with(&earlier.plane));
+        let with_same_matrix = || earlier.iter().map(|it| &it.written).filter(|it| it.matrix == matrix);
+        let parallel = with_same_matrix().find_map(|earlier| written.aligned_with(&earlier.plane));
         written.plane = parallel.unwrap_or(written.plane);
-        let same = with_same_matrix().find_map(|(earlier, _)| written.united_with(&earlier.plane));
+        let same = with_same_matrix().find_map(|earlier| written.united_with(&earlier.plane));
         written.plane = same.unwrap_or(written.plane);
-        let mut placed = placed(placement, normal, written.plane)?;
-        let others = self.0.iter().filter(|(earlier, _)| earlier.matrix != matrix);
-        let united = others.map(|(_, earlier)| earlier).find(|earlier| placed.coincides(earlier));
-        if let Some(earlier) = united {
-            placed.plane = facing(earlier.plane, placed.plane.normal);
+        let mut placed = Self { triangles_before, ..written.placed(placement, normal)? };
+        let mut others = earlier.iter().filter(|earlier| earlier.written.matrix != matrix);
+        if let Some(united) = others.find(|earlier| placed.coincides(earlier)) {
+            placed.plane = facing(united.plane, placed.plane.normal);
         }
-        self.0.push((written, placed));
         Ok(placed)
+    }
+
+    /// Returns true if two planes agree within their errors, both in their directions and at the point nearest to the
+    /// origin.
+    fn coincides(&self, earlier: &Self) -> bool {
+        let rounding = WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
+        let tilt = earlier.plane.normal.cross(self.plane.normal).length();
+        let foot = earlier.plane.offset * earlier.plane.normal;
+        let apart = self.plane.ahead_of(foot).abs();
+        tilt <= earlier.error.tilt + self.error.tilt + rounding
+            && apart <= earlier.error.at(foot) + self.error.at(foot) + rounding * earlier.plane.offset.abs()
     }
 }
 
@@ -116,47 +171,35 @@ impl WrittenPlane {
             && apart <= WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * earlier.offset.abs();
         is_same.then_some(earlier)
     }
-}
 
-impl PlacedPlane {
-    /// Returns true if two planes agree within their errors, both in their directions and at the point nearest to the
-    /// origin.
-    fn coincides(&self, earlier: &Self) -> bool {
-        let rounding = WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
-        let tilt = earlier.plane.normal.cross(self.plane.normal).length();
-        let foot = earlier.plane.offset * earlier.plane.normal;
-        let apart = self.plane.ahead_of(foot).abs();
-        tilt <= earlier.error.tilt + self.error.tilt + rounding
-            && apart <= earlier.error.at(foot) + self.error.at(foot) + rounding * earlier.plane.offset.abs()
+    /// Returns the plane under the transforms around it. `normal` is the normal in the text, of any length.
+    fn placed(self, placement: &Placement, normal: DVec3) -> Result<PlacedPlane, Diagnostic> {
+        let plane = self.plane;
+        let placed = |plane, direction, error| {
+            let direction = robust::rescaled(direction);
+            Ok(PlacedPlane { plane, direction, error, triangles_before: 0, written: self })
+        };
+        if placement.transform.is_none() {
+            return placed(plane, normal, PlaneError::as_written(normal));
+        }
+        placement.check_regular()?;
+        let in_world =
+            |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
+        let world_normal = robust::unit(in_world(plane.normal));
+        // The terms of the offset may be far larger than the offset itself.
+        let offset = Dd::from(plane.offset);
+        let foot = plane.normal.to_array().map(|x| offset * Dd::from(x));
+        let foot = robust::transformed_precisely(&placement.matrix, foot);
+        let world_offset = dot(world_normal.to_array().map(Dd::from), foot).value();
+        let foot = DVec3::from_array(foot.map(Dd::value));
+        let error = PlaneError::transformed(placement, (normal, plane.offset), (world_normal, foot));
+        placed(Plane { normal: world_normal, offset: world_offset }, in_world(normal), error)
     }
 }
 
 /// Returns the plane with its normal on the side to which `direction` points.
 fn facing(plane: Plane, direction: DVec3) -> Plane {
     if plane.normal.dot(direction) < 0.0 { plane.reversed() } else { plane }
-}
-
-/// Returns a plane under the transforms around it. `normal` is the normal in the text, of any length.
-fn placed(placement: &Placement, normal: DVec3, plane: Plane) -> Result<PlacedPlane, Diagnostic> {
-    if placement.transform.is_none() {
-        let error = PlaneError::as_written(normal);
-        return Ok(PlacedPlane { plane, direction: robust::rescaled(normal), error });
-    }
-    if placement.is_singular() {
-        return Err(placement.singular());
-    }
-    let in_world =
-        |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
-    let world_normal = robust::unit(in_world(plane.normal));
-    // The terms of the offset may be far larger than the offset itself.
-    let offset = Dd::from(plane.offset);
-    let foot = plane.normal.to_array().map(|x| offset * Dd::from(x));
-    let foot = robust::transformed_precisely(&placement.matrix, foot);
-    let world_offset = dot(world_normal.to_array().map(Dd::from), foot).value();
-    let foot = DVec3::from_array(foot.map(Dd::value));
-    let error = PlaneError::transformed(placement, (normal, plane.offset), (world_normal, foot));
-    let plane = Plane { normal: world_normal, offset: world_offset };
-    Ok(PlacedPlane { plane, direction: robust::rescaled(in_world(normal)), error })
 }
 
 #[cfg(test)]

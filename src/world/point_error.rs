@@ -5,11 +5,11 @@
 //! decision depends on the side on which a surface lies, these bounds tell which distances are too small to decide it.
 
 use super::placement::Placement;
+use super::plane::PlaneError;
 use super::{Primitive, SurfacePoint, World};
-use crate::math::robust::{UNIT_ROUNDOFF, transformed_normal_error, unit};
+use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::rounded::{RoundedPoint, absolute};
 use crate::scene::material::{Material, Pattern, Texture};
-use crate::world::shape::Form;
 use glam::{DAffine3, DVec3};
 
 /// The error bound of a point between three vertices, in roundings of their largest coordinate: one for each product,
@@ -24,14 +24,6 @@ const OF_COORDINATES_ROUNDINGS: f64 = 448.0;
 /// (`proofs/checkerboard.g`).
 const ON_PLANE_ROUNDINGS: f64 = 6.0;
 
-/// The flattening errors: the largest distances by which flattening may have moved the primitives.
-#[derive(Clone, Debug, Default)]
-pub(super) struct FlatteningErrors {
-    /// The errors of triangles and of shapes: runs of primitives of one placement, with the first index of each run.
-    runs: [Vec<(u32, PlacementError)>; 2],
-    planes: Vec<PlaneError>,
-}
-
 /// The largest distances along each axis between the points of a placed object and the exact ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PlacementError {
@@ -45,12 +37,13 @@ pub(super) struct PlacementError {
 }
 
 impl PlacementError {
-    /// Returns the error of an object. `reach` is the largest absolute value of each coordinate in object space.
-    pub fn new(placement: &Placement, reach: DVec3) -> Self {
+    /// Returns the error of an object whose coordinates in object space are nowhere larger than in some of these points.
+    pub fn new(placement: &Placement, points: &[DVec3]) -> Self {
         if placement.transform.is_none() {
             return Self::default();
         }
         let (matrix, point_error) = (placement.matrix, placement.point_error());
+        let reach = points.iter().fold(DVec3::ZERO, |reach, point| reach.max(point.abs()));
         let largest = point_error.transform_point3(reach);
         Self { largest, point_error, matrix, inverse: matrix.inverse() }
     }
@@ -66,100 +59,6 @@ impl PlacementError {
         let error = self.point_error.transform_point3(reach);
         // The map may have no inverse.
         if error.is_finite() { error.min(self.largest) } else { self.largest }
-    }
-}
-
-/// The largest distance between a plane and the exact one: `at_origin` at the origin, plus the tilt times the distance
-/// from it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PlaneError {
-    at_origin: f64,
-    /// An angle in radians.
-    pub tilt: f64,
-}
-
-impl PlaneError {
-    /// The error bound of a unit normal, in roundings.
-    const NORMAL_ROUNDINGS: f64 = 4.0;
-
-    /// Returns the error of a plane without a transform. It is zero if the normal is along an axis.
-    pub fn as_written(normal: DVec3) -> Self {
-        let is_along_axis = normal.to_array().into_iter().filter(|&x| x != 0.0).count() == 1;
-        let roundings = if is_along_axis { 0.0 } else { Self::NORMAL_ROUNDINGS };
-        Self { at_origin: 0.0, tilt: roundings * UNIT_ROUNDOFF }
-    }
-
-    /// Returns the error of a plane that is placed by its normal and by its point nearest to the origin. This point is
-    /// `offset` away from the origin in object space, and at `foot` in world space, where the unit normal is
-    /// `world_normal`.
-    pub fn transformed(
-        placement: &Placement,
-        (normal, offset): (DVec3, f64),
-        (world_normal, foot): (DVec3, DVec3),
-    ) -> Self {
-        let Placement { matrix, error, .. } = placement;
-        let of_normals = 2.0 * Self::NORMAL_ROUNDINGS * UNIT_ROUNDOFF;
-        let tilt = transformed_normal_error(matrix.matrix3, error.matrix3, normal) + of_normals;
-        let reach = offset.abs() * unit(normal).abs() * (1.0 + of_normals);
-        let of_unit_normal = of_normals * absolute(*matrix).transform_vector3(reach);
-        // Only a displacement of the foot along the normal moves the plane.
-        let of_placement = placement.point_error().transform_point3(reach);
-        let of_foot = world_normal.abs().dot(of_placement + of_unit_normal);
-        Self { at_origin: of_foot + tilt * foot.abs().element_sum(), tilt }
-    }
-
-    /// Returns the distance from the exact plane at a point of either plane.
-    pub fn at(self, point: DVec3) -> f64 {
-        self.at_origin + self.tilt * point.abs().element_sum()
-    }
-}
-
-/// The kinds of primitives for which [`FlatteningErrors`] has runs.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Finite {
-    Triangles,
-    Shapes,
-}
-
-impl FlatteningErrors {
-    /// Records the error of the primitives of a kind from index `first` on.
-    pub fn push(&mut self, kind: Finite, first: usize, error: PlacementError) {
-        let runs = &mut self.runs[kind as usize];
-        if runs.last().map_or(PlacementError::default(), |&(_, last)| last) != error {
-            runs.push((first as u32, error));
-        }
-    }
-
-    /// Records the error of the next plane.
-    pub fn push_plane(&mut self, error: PlaneError) {
-        self.planes.push(error);
-    }
-
-    /// Returns the largest error of any finite primitive, or of any plane at the origin.
-    pub fn largest(&self) -> f64 {
-        let finite = self.runs.iter().flatten().map(|(_, error)| error.largest.max_element());
-        finite.chain(self.planes.iter().map(|error| error.at_origin)).fold(0.0, f64::max)
-    }
-
-    /// Returns the error of a plane; zero for a plane that was not placed by a scene.
-    pub fn of_plane(&self, index: usize) -> PlaneError {
-        self.planes.get(index).copied().unwrap_or_default()
-    }
-
-    /// Returns the largest error of any point of a primitive along each axis.
-    pub fn largest_of(&self, kind: Finite, index: usize) -> DVec3 {
-        self.run(kind, index).map_or(DVec3::ZERO, |error| error.largest)
-    }
-
-    /// Returns the error of this point of a primitive along each axis.
-    fn at(&self, kind: Finite, index: usize, point: DVec3) -> DVec3 {
-        self.run(kind, index).map_or(DVec3::ZERO, |error| error.at(point))
-    }
-
-    fn run(&self, kind: Finite, index: usize) -> Option<&PlacementError> {
-        let runs = &self.runs[kind as usize];
-        let next = runs.partition_point(|&(first, _)| first as usize <= index);
-        Some(&runs[next.checked_sub(1)?].1)
     }
 }
 
@@ -186,7 +85,7 @@ impl World {
                 };
                 return of_corner(0) + of_corner(1) + of_corner(2);
             }
-            Primitive::Shape(i) => self.shapes[i].point_roundings(),
+            Primitive::Shape(i) => self.shapes[i].form().point_roundings(),
             // The point may be anywhere along the plane.
             Primitive::Plane(i) => {
                 let plane = &self.planes[i];
@@ -202,10 +101,21 @@ impl World {
     /// a sphere or an ellipsoid, or any point of a plane.
     pub(super) fn flattening_error(&self, id: u32, point: DVec3) -> DVec3 {
         match self.primitive(id) {
-            Primitive::Triangle(i) => self.flattening_errors.at(Finite::Triangles, i, point),
-            Primitive::Shape(i) => self.flattening_errors.largest_of(Finite::Shapes, i),
-            Primitive::Plane(i) => self.flattening_errors.of_plane(i).at(point) * self.planes[i].normal.abs(),
+            Primitive::Triangle(_) => self.placement_errors.around(id).1.at(point),
+            Primitive::Shape(_) => self.placement_errors.around(id).1.largest,
+            Primitive::Plane(i) => self.plane_error(i).at(point) * self.planes[i].normal.abs(),
         }
+    }
+
+    /// Returns the error of a plane; zero for a plane that was not placed by a scene.
+    pub(super) fn plane_error(&self, index: usize) -> PlaneError {
+        self.placed_planes.get(index).map_or(PlaneError::default(), |plane| plane.error)
+    }
+
+    /// Returns the largest flattening error of any finite primitive, or of any plane at the origin.
+    pub(super) fn largest_flattening_error(&self) -> f64 {
+        let finite = self.placement_errors.values().map(|error| error.largest.max_element());
+        finite.chain(self.placed_planes.iter().map(|plane| plane.error.at_origin)).fold(0.0, f64::max)
     }
 }
 
@@ -237,14 +147,17 @@ pub(super) struct BoundaryWidth {
 
 impl BoundaryWidth {
     pub fn of(world: &World) -> Self {
-        let errors = &world.flattening_errors;
         let largest = |numbers: &mut dyn Iterator<Item = f64>| numbers.fold(0.0, f64::max);
-        let tilt = largest(&mut errors.planes.iter().map(|error| error.tilt));
+        let tilt = largest(&mut world.placed_planes.iter().map(|plane| plane.error.tilt));
         let offset = largest(&mut world.planes.iter().map(|plane| plane.offset.abs()));
-        let shapes = largest(&mut world.shapes.iter().map(|shape| shape.point_roundings().max_element()));
+        let shapes =
+            largest(&mut world.shapes.iter().map(|shape| shape.form().point_roundings().max_element()));
         let finite = shapes.max(OF_COORDINATES_ROUNDINGS * world.max_abs_coord);
         let rounding = finite + ON_PLANE_ROUNDINGS * offset;
-        let point = [errors.largest() + rounding * UNIT_ROUNDOFF, tilt + ON_PLANE_ROUNDINGS * UNIT_ROUNDOFF];
+        let point = [
+            world.largest_flattening_error() + rounding * UNIT_ROUNDOFF,
+            tilt + ON_PLANE_ROUNDINGS * UNIT_ROUNDOFF,
+        ];
         let widths = world.materials.iter().filter_map(|material| match material {
             Material::Texture(Texture { pattern: Pattern::Checkerboard, world_to_texture, .. }) => {
                 Some(world_to_texture.image_error(point))

@@ -10,7 +10,7 @@ use crate::math::exact::area_vector;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
 use crate::scene::Light;
 use crate::world::plane::Plane;
-use crate::world::shape::{Form, Shape};
+use crate::world::shape::Shape;
 use glam::DVec3;
 
 /// The largest distance between a surface and a light that lies on it, in roundings of the largest of their
@@ -36,24 +36,20 @@ impl RestingPlace {
     }
 }
 
-/// The surfaces on which each light lies; empty if no light lies on any.
-#[derive(Clone, Debug, Default)]
-pub(super) struct RestingLights(Vec<Vec<RestingPlace>>);
-
-impl RestingLights {
-    pub(super) fn of(world: &World) -> Self {
-        let places = |light: &Light| match *light {
-            Light::Point { position, .. } => places_at(position, world),
-            Light::Directional { .. } => vec![],
-        };
-        let all: Vec<_> = world.lights.iter().map(places).collect();
-        let rests = all.iter().any(|places| !places.is_empty());
-        Self(if rests { all } else { vec![] })
+impl World {
+    /// Returns the surfaces on which the light with this index lies.
+    #[inline(always)]
+    pub fn primitives_at_light(&self, light: usize) -> &[RestingPlace] {
+        self.resting_places.get(light).map_or(&[], Vec::as_slice)
     }
 
-    #[inline(always)]
-    pub(super) fn places(&self, light: usize) -> &[RestingPlace] {
-        self.0.get(light).map_or(&[], Vec::as_slice)
+    /// Returns the surfaces on which each light lies.
+    pub(super) fn find_resting_places(&self) -> Vec<Vec<RestingPlace>> {
+        let places = |light: &Light| match *light {
+            Light::Point { position, .. } => places_at(position, self),
+            Light::Directional { .. } => vec![],
+        };
+        self.lights.iter().map(places).collect()
     }
 }
 
@@ -79,8 +75,8 @@ fn places_at(point: DVec3, world: &World) -> Vec<RestingPlace> {
 fn normal_at(point: DVec3, shape: &Shape, moved: f64) -> Option<DVec3> {
     /// The number of steps. A step ends beside a flat shape if the point is beyond its rim, however close to its plane.
     const STEPS: usize = 3;
-    let margin = margin(point, shape.extent()) + moved;
-    let (center, _, inverse) = shape.unit_sphere_maps()?;
+    let margin = margin(point, shape.form().extent()) + moved;
+    let (center, _, inverse) = shape.form().unit_sphere_maps()?;
     let (mut place, mut outward) = (point, DVec3::ZERO);
     for _ in 0..STEPS {
         // The length is 1 on the surface, and the gradient gives the distance to it.
@@ -102,7 +98,7 @@ fn normal_at(point: DVec3, shape: &Shape, moved: f64) -> Option<DVec3> {
 /// Returns the triangles on which a point lies: inside them, on an edge or at a corner.
 fn triangles_at(point: DVec3, world: &World) -> Vec<u32> {
     let mut found = vec![];
-    let margin = margin(point, world.max_abs_coord) + world.flattening_errors.largest();
+    let margin = margin(point, world.max_abs_coord) + world.largest_flattening_error();
     let to_bounds = point.clamp(world.bounds.min, world.bounds.max) - point;
     if world.triangles.is_empty() || to_bounds.abs().max_element() > margin {
         return found;

@@ -8,8 +8,7 @@ use crate::math::double_double::Dd;
 use crate::math::ray::Ray;
 use glam::{DMat3, DVec3};
 
-/// The interface of a shape, in world space. Every method after the first six has a default that is right for any form,
-/// except [`height_and_slope`](Self::height_and_slope).
+/// The interface of a shape, in world space.
 pub trait Form {
     /// Returns the tight bounding box.
     fn bounds(&self) -> Aabb;
@@ -27,41 +26,19 @@ pub trait Form {
     /// Returns the error bound of a point of the surface along each axis, in roundings (2^-53).
     fn point_roundings(&self) -> DVec3;
 
-    /// Returns half of the smallest and half of the largest extent.
-    fn half_extents(&self) -> [f64; 2];
-
-    /// Returns the surface or the box that decides which cells of a grid list the shape.
-    fn in_cells(&self) -> InCells {
-        InCells::Box(self.bounds())
-    }
+    /// Evaluates a function that is zero on the surface, at a point near it. Returns the value and its slope along a
+    /// direction.
+    fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2];
 
     /// Returns both t at which the line of a ray crosses the shape, in order; `None` unless there are two.
     fn roots(&self, _ray: &Ray) -> Option<[f64; 2]> {
         None
     }
 
-    /// Returns the t at which the line of a ray with a unit direction is tangent to the shape within roundings.
-    fn tangent_at(&self, _ray: &Ray) -> Option<f64> {
-        None
-    }
-
-    /// Evaluates a function that is zero on the surface, at a point near it. Returns the value and its slope along a
-    /// direction.
-    fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2];
-
     /// Returns the centre, and the maps from the unit sphere and back, if the shape is the image of the unit sphere.
     fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
         None
     }
-}
-
-/// The geometry that decides which cells of a grid list a shape.
-#[derive(Clone, Copy, Debug)]
-pub enum InCells {
-    /// The bounding box of the shape.
-    Box(Aabb),
-    /// The surface of this sphere.
-    Sphere(Sphere),
 }
 
 /// A primitive that is neither a triangle nor a plane. Large variants are boxed, so that many spheres take little
@@ -74,61 +51,31 @@ pub enum Shape {
     Ellipsoid(Box<Ellipsoid>),
 }
 
-/// Calls a method of the shape inside.
-macro_rules! of_form {
-    ($shape:expr, $form:ident => $call:expr) => {
-        match $shape {
-            Shape::Sphere($form) => $call,
-            Shape::Ellipsoid($form) => $call,
+impl Shape {
+    /// Returns the interface of the shape. Its calls are not inlined.
+    pub fn form(&self) -> &dyn Form {
+        match self {
+            Self::Sphere(sphere) => sphere,
+            Self::Ellipsoid(ellipsoid) => &**ellipsoid,
         }
-    };
-}
-
-impl Form for Shape {
-    fn bounds(&self) -> Aabb {
-        of_form!(self, form => form.bounds())
     }
 
+    /// Returns the nearest t on the ray.
     #[inline(always)]
-    fn intersect(&self, ray: &Ray) -> Option<f64> {
-        of_form!(self, form => form.intersect(ray))
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        match self {
+            Self::Sphere(sphere) => sphere.intersect(ray),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.intersect(ray),
+        }
     }
 
+    /// Returns the normal and the point as [`Form::surface`] does, and the [extent](Form::extent).
     #[inline(always)]
-    fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3) {
-        of_form!(self, form => form.surface(ray, t))
-    }
-
-    #[inline(always)]
-    fn extent(&self) -> f64 {
-        of_form!(self, form => form.extent())
-    }
-
-    fn point_roundings(&self) -> DVec3 {
-        of_form!(self, form => form.point_roundings())
-    }
-
-    fn half_extents(&self) -> [f64; 2] {
-        of_form!(self, form => form.half_extents())
-    }
-
-    fn in_cells(&self) -> InCells {
-        of_form!(self, form => form.in_cells())
-    }
-
-    fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
-        of_form!(self, form => form.roots(ray))
-    }
-
-    fn tangent_at(&self, ray: &Ray) -> Option<f64> {
-        of_form!(self, form => form.tangent_at(ray))
-    }
-
-    fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2] {
-        of_form!(self, form => form.height_and_slope(point, direction))
-    }
-
-    fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
-        of_form!(self, form => form.unit_sphere_maps())
+    pub fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3, f64) {
+        let ((normal, point), extent) = match self {
+            Self::Sphere(sphere) => (sphere.surface(ray, t), sphere.extent()),
+            Self::Ellipsoid(ellipsoid) => (ellipsoid.surface(ray, t), ellipsoid.extent()),
+        };
+        (normal, point, extent)
     }
 }

@@ -1,7 +1,7 @@
 //! Spheres, intersected by a form of the quadratic that stays accurate for distant rays (Haines, Guenther and
 //! Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7, 2019).
 
-use super::shape::{Form, InCells};
+use super::shape::Form;
 use crate::math::double_double::{Dd, SquaredSine, difference, dot, minus};
 use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
 use glam::{DMat3, DVec3};
@@ -175,25 +175,8 @@ impl Form for Sphere {
         AT_RADIUS_ROUNDINGS * (self.center.abs() + self.radius)
     }
 
-    fn half_extents(&self) -> [f64; 2] {
-        [self.radius; 2]
-    }
-
-    fn in_cells(&self) -> InCells {
-        InCells::Sphere(*self)
-    }
-
     fn roots(&self, ray: &Ray) -> Option<[f64; 2]> {
         self.crossings(ray.origin, ray.direction)
-    }
-
-    fn tangent_at(&self, ray: &Ray) -> Option<f64> {
-        const TANGENT_ROUNDINGS: f64 = 16.0;
-        let from_center = ray.origin - self.center;
-        let t = -from_center.dot(ray.direction);
-        let nearest = from_center + t * ray.direction;
-        let bound = TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (from_center.length() + self.radius);
-        ((nearest.length() - self.radius).abs() <= bound).then_some(t)
     }
 
     fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2] {

@@ -4,7 +4,7 @@ use super::{Primitive, World};
 use crate::math::double_double::{Dd, SquaredSine, cross, difference};
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::scene::MaterialId;
-use crate::world::shape::{Form, Shape};
+use crate::world::shape::Shape;
 use crate::world::triangle;
 use glam::DVec3;
 use serde::Serialize;
@@ -40,18 +40,39 @@ impl World {
     /// Returns the surface that a ray hits first. The t of a triangle is not computed, because the barycentric weights
     /// suffice for its surface.
     #[inline(always)]
-    pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> SurfacePoint {
-        // A closure would not be compiled for the instructions of the caller.
-        let weights = match self.primitive(primitive) {
-            Primitive::Triangle(i) => triangle::Shear::new(ray).weights(self.corners_in_place(i)),
-            _ => None,
+    pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound: t }: Visible) -> SurfacePoint {
+        let (normal, position, extent) = match self.primitive(primitive) {
+            Primitive::Triangle(i) => {
+                let corners = self.corners(i);
+                // Interpolated from the vertices, because a position along the ray has a rounding error that grows with
+                // the distance from the ray's origin. A closure would not be compiled for the caller's instructions.
+                let position = match triangle::Shear::new(ray).weights(self.corners_in_place(i)) {
+                    Some(weights) => triangle::point(corners, weights),
+                    None => ray.at(t),
+                };
+                (triangle::normal(corners), position, triangle::extent(corners))
+            }
+            Primitive::Shape(i) => self.shapes[i].surface(ray, t),
+            Primitive::Plane(i) => {
+                let plane = &self.planes[i];
+                (plane.normal, plane.project(ray.at(t)), plane.offset.abs())
+            }
         };
-        self.surface_with(ray, t_bound, primitive, weights)
+        let triangle = self.is_triangle(primitive).then_some(primitive);
+        let material = self.material_of(primitive);
+        // Separate variables stay in registers. The result of a cold function lies in memory, and the processor stalls
+        // on numbers that are stored one by one and loaded as a vector.
+        let (mut normal, mut position, mut extent) = (normal, position, extent);
+        if position.abs().max_element() < LEAST_PART * extent {
+            let precise = self.precise_surface(ray, t, primitive, (normal, position, extent));
+            (normal, position, extent) = precise;
+        }
+        SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle }
     }
 
     /// Returns the surface at a hit of `ray`.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        self.surface_with(ray, hit.t, hit.primitive, hit.weights)
+        self.visible_surface(ray, Visible { primitive: hit.primitive, t_bound: hit.t })
     }
 
     /// Returns the sine of the angle between a ray, given by its origin and direction, and the normal of a primitive's
@@ -66,51 +87,23 @@ impl World {
         unit_normal: DVec3,
     ) -> SquaredSine {
         let normal = match primitive.map(|primitive| self.primitive(primitive)) {
-            Some(Primitive::Triangle(i)) => self.precise_normal(i),
+            Some(Primitive::Triangle(i)) => return SquaredSine::of(direction, self.precise_normal(i)),
             Some(Primitive::Plane(i)) => {
-                self.plane_directions.get(i).unwrap_or(&unit_normal).to_array().map(Dd::from)
+                self.placed_planes.get(i).map_or(unit_normal, |plane| plane.direction)
             }
             Some(Primitive::Shape(i)) => match &self.shapes[i] {
                 Shape::Sphere(sphere) => return sphere.sine(origin, direction),
-                Shape::Ellipsoid(_) => unit_normal.to_array().map(Dd::from),
+                _ => unit_normal,
             },
-            None => unit_normal.to_array().map(Dd::from),
+            None => unit_normal,
         };
-        SquaredSine::of(direction, normal)
+        SquaredSine::of(direction, normal.to_array().map(Dd::from))
     }
 
     /// Returns a vector along a triangle's normal, of any length, with less rounding than the unit normal.
     pub(crate) fn precise_normal(&self, triangle: usize) -> [Dd; 3] {
         let [a, b, c] = self.corners(triangle);
         cross(rescaled(difference(b, a)), rescaled(difference(c, a)))
-    }
-
-    /// Returns the surface of a primitive at `t`. `weights` are the barycentric weights of a triangle's hit.
-    #[inline(always)]
-    fn surface_with(&self, ray: &Ray, t: f64, primitive: u32, weights: Option<[f64; 3]>) -> SurfacePoint {
-        let along = ray.at(t);
-        let (normal, position, extent) = match self.primitive(primitive) {
-            Primitive::Triangle(i) => self.triangle_surface(i, weights, along),
-            Primitive::Shape(i) => {
-                let shape = &self.shapes[i];
-                let (normal, position) = shape.surface(ray, t);
-                (normal, position, shape.extent())
-            }
-            Primitive::Plane(i) => {
-                let plane = &self.planes[i];
-                (plane.normal, plane.project(along), plane.offset.abs())
-            }
-        };
-        let triangle = self.is_triangle(primitive).then_some(primitive);
-        let material = self.material_of(primitive);
-        // Separate variables stay in registers. The result of a cold function lies in memory, and the processor stalls
-        // on numbers that are stored one by one and loaded as a vector.
-        let (mut normal, mut position, mut extent) = (normal, position, extent);
-        if position.abs().max_element() < LEAST_PART * extent {
-            let precise = self.precise_surface(ray, t, primitive, (normal, position, extent));
-            (normal, position, extent) = precise;
-        }
-        SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle }
     }
 
     /// Returns the normal, the position and the extent of a surface, with the position computed along the ray. Computed
@@ -130,7 +123,7 @@ impl World {
             }
             Primitive::Shape(i) => match &self.shapes[i] {
                 Shape::Sphere(sphere) => Some(sphere.precise_surface(ray, t)),
-                Shape::Ellipsoid(_) => None,
+                _ => None,
             },
             Primitive::Plane(_) => None,
         };
@@ -140,15 +133,6 @@ impl World {
         let way = ray.origin.abs().max_element() + (position - ray.origin).abs().max_element();
         let own = position.abs().max_element() + LEAST_PART * (way + LEAST_PART * extent);
         (normal, position, own.min(extent))
-    }
-
-    /// Returns the normal, the position and the extent on a triangle. The position is interpolated from the vertices,
-    /// because a position `along` the ray has a rounding error that grows with the distance from the ray's origin.
-    #[inline(always)]
-    fn triangle_surface(&self, i: usize, weights: Option<[f64; 3]>, along: DVec3) -> (DVec3, DVec3, f64) {
-        let corners = self.corners(i);
-        let position = weights.map_or(along, |weights| triangle::point(corners, weights));
-        (triangle::normal(corners), position, triangle::extent(corners))
     }
 }
 

@@ -7,8 +7,8 @@
 //! accurate as long as no coordinate exceeds 2^500.
 
 use crate::math::exact::{
-    area_vector, cross_component, edge_functions as exact_edge_functions, on_one_scale, projected_area,
-    volume,
+    Scaled, area_vector, cross_component, edge_functions as exact_edge_functions, on_one_scale,
+    projected_area, volume,
 };
 use crate::math::ray::Ray;
 use crate::math::robust::unit;
@@ -95,21 +95,17 @@ impl<'r> Shear<'r> {
     /// area, or one that contains the ray's direction, is missed without opening a gap.
     #[inline(always)]
     pub fn intersect(&self, corners: [&DVec3; 3]) -> Option<f64> {
-        self.hit(corners).map(|(t, _)| t)
-    }
-
-    /// Returns the t at which the ray's line crosses the triangle, and the barycentric weights of the crossing up to a
-    /// common factor.
-    #[inline(always)]
-    pub fn hit(&self, corners: [&DVec3; 3]) -> Option<(f64, [f64; 3])> {
         let (a, b, c) = self.sheared(corners);
-        let weights = edge_functions([a, b, c]);
-        match Sides::new(weights, [a, b, c]) {
+        let [u, v, w] = edge_functions([a, b, c]);
+        match Sides::new([u, v, w], [a, b, c]) {
             Sides::Outside => return None,
-            Sides::Unsure => return self.decide_hit(corners.map(|&v| v), [a.z, b.z, c.z]),
+            Sides::Unsure => {
+                let corners = corners.map(|&v| v);
+                self.decide(corners)?;
+                return self.exact_t(corners, [a.z, b.z, c.z]);
+            }
             Sides::Inside => {}
         }
-        let [u, v, w] = weights;
         let sum = u + v + w;
         // In this form another order of the vertices changes t by little more than its rounding error.
         let depth = a.z + (v * (b.z - a.z) + w * (c.z - a.z)) / sum;
@@ -119,13 +115,13 @@ impl<'r> Shear<'r> {
             && is_depth_certain(depth, sum, [a, b, c])
             && t.is_finite()
         {
-            return Some((t, weights));
+            return Some(t);
         }
-        self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z]).map(|t| (t, weights))
+        self.exact_t(corners.map(|&v| v), [a.z, b.z, c.z])
     }
 
-    /// Returns only the weights, for callers that do not need t. They are `None` exactly if [`hit`](Self::hit) finds no
-    /// crossing, except for a t that overflows.
+    /// Returns the barycentric weights of the crossing up to a common factor. They are `None` exactly if
+    /// [`intersect`](Self::intersect) finds no crossing, except for a t that overflows.
     #[inline(always)]
     pub fn weights(&self, corners: [&DVec3; 3]) -> Option<[f64; 3]> {
         let (a, b, c) = self.sheared(corners);
@@ -145,7 +141,7 @@ impl<'r> Shear<'r> {
         let corners = corners.map(|&v| v);
         let along = self.ray.at(self.exact_t(corners, [a.z, b.z, c.z])?);
         let area = area_vector(corners);
-        let largest = area.into_iter().max_by_key(|x| x.exponent)?;
+        let largest = Scaled::largest(area);
         let length = DVec3::from_array(area.map(|x| x.over(largest))).length();
         Some(along + volume(along, corners).over(largest) / length * normal)
     }
@@ -160,13 +156,6 @@ impl<'r> Shear<'r> {
     fn sheared(&self, [p, q, r]: [&DVec3; 3]) -> (Vector<f64>, Vector<f64>, Vector<f64>) {
         // Written out, because a mapped array would be stored to memory and loaded again.
         (self.apply(p), self.apply(q), self.apply(r))
-    }
-
-    /// Returns the t and the weights of a triangle if rounding errors hide whether the ray hits it.
-    #[cold]
-    fn decide_hit(&self, vertices: [DVec3; 3], depths: [f64; 3]) -> Option<(f64, [f64; 3])> {
-        let weights = self.decide(vertices)?;
-        Some((self.exact_t(vertices, depths)?, weights))
     }
 
     /// Returns the t at which the ray crosses the triangle's plane, from exact determinants that are rounded before the

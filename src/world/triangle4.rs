@@ -67,6 +67,7 @@ fn weights<S: Simd>(simd: S, rays: [&Ray; 4], [p, q, r]: [Vector<f64x4<S>>; 3]) 
     let origin = Vector::new(simd, [&i.origin, &j.origin, &k.origin, &l.origin]);
     let d = Vector::new(simd, [&i.direction, &j.direction, &k.direction, &l.direction]);
     let (p, q, r) = (p - origin, q - origin, r - origin);
+    // Most neighbours are longest along the same axis. They need no selects, which would cost 1.5% of a picture.
     const ALL: u32 = 0b1111;
     match longest_axes(d) {
         (0, _) => sheared_weights(yzx(d), [yzx(p), yzx(q), yzx(r)]),

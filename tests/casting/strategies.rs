@@ -6,7 +6,7 @@ use raytracer::math::ray::Ray;
 use raytracer::math::robust::unit;
 use raytracer::scene::limits::SMALLEST_RADIUS;
 use raytracer::scene::material::{Material, Pattern, Phong, Texture};
-use raytracer::scene::model::Model;
+use raytracer::scene::model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
 use raytracer::scene::{self, Background, Light, MeshFile, Object, ObjectId, Position, Scene};
 
 const AT: Position = Position { line: 1, column: 1 };
@@ -187,7 +187,11 @@ pub fn scene(range: Range) -> impl Strategy<Value = Scene> {
                 meshes,
                 images: vec![],
                 cube_map: None,
-                model: Model::COURSE,
+                screen: Screen::default(),
+                lighting: Lighting::default(),
+                mesh_normals: MeshNormals::default(),
+                measure_colors: MeasureColors::default(),
+                shows: Shows::default(),
             }
         },
     )

@@ -3,7 +3,8 @@
 use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
 use raytracer::math::instructions::Level;
-use raytracer::scene::mesh::{Mesh, parse_obj};
+use raytracer::scene::mesh::Mesh;
+use raytracer::scene::obj::parse_obj;
 use raytracer::scene::parser::parse;
 use raytracer::world::World;
 use std::path::{Path, PathBuf};

@@ -16,7 +16,6 @@ use raytracer::math::ray::{Ray, Visible};
 use raytracer::math::robust::{DETERMINANT_ROUNDINGS, unit};
 use raytracer::stats::Quiet;
 use raytracer::world::World;
-use raytracer::world::shape::Form;
 
 /// The number of roundings that the tests assume. It is stated here independently of the source.
 const SINGULAR_ROUNDINGS: f64 = 16.0;

@@ -16,7 +16,6 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::scene::parser::parse;
 use raytracer::scene::{Object, Position, Scene};
 use raytracer::world::World;
-use raytracer::world::shape::Form;
 use raytracer::world::triangle;
 
 /// The relative rounding error of a double, in which the targets are stated.

@@ -502,14 +502,14 @@ fn mistakes_of_the_editions_are_found() {
     let cases: [(&str, Change, &str); 10] = [
         (
             "screen_2012a4",
-            |scene| scene.model.highlight = Highlight::Blinn,
+            |scene| scene.lighting.highlight = Highlight::Blinn,
             "highlights by the half-way vector",
         ),
-        ("screen_2012a4", |scene| scene.model.screen = Screen::LongerSide, "which is not stretched"),
-        ("mirrors_2019", |scene| scene.model.normals = MeshNormals::Flat, "the normals of the faces"),
+        ("screen_2012a4", |scene| scene.screen = Screen::LongerSide, "which is not stretched"),
+        ("mirrors_2019", |scene| scene.mesh_normals = MeshNormals::Flat, "the normals of the faces"),
         (
             "mirrors_2019",
-            |scene| scene.model.normals = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 0 },
+            |scene| scene.mesh_normals = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 0 },
             "other weights of the faces around a vertex",
         ),
         (
@@ -537,7 +537,7 @@ fn mistakes_of_the_editions_are_found() {
             |scene| scene.materials.iter_mut().for_each(with_highlights),
             "picture with highlights",
         ),
-        ("mirrors_2019", |scene| scene.model.epsilon = Some(1e-4), "an epsilon of 0.0001"),
+        ("mirrors_2019", |scene| scene.lighting.epsilon = Some(1e-4), "an epsilon of 0.0001"),
     ];
     for (name, change, cause) in cases {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/editions/{name}.txt"));

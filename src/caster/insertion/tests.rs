@@ -5,6 +5,7 @@ use crate::caster::dda::{Dda, T_ONE};
 use crate::math::double_double::{Dd, difference, dot};
 use crate::math::ray::Ray;
 use crate::math::worst_case::{Input, Rng, search};
+use crate::world::shape::Form;
 
 fn lattice() -> Lattice {
     Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::new(2.0, 4.0, 1.0) }, [8, 8, 8])

@@ -4,7 +4,7 @@ use super::{Painter, RenderSetting};
 use crate::picture::Color;
 use crate::render::layer::Layer;
 use crate::sampling::sample_packet::Sample;
-use crate::scene::model::Model;
+use crate::scene::model::MeasureColors;
 use glam::DVec3;
 
 impl Painter<'_> {
@@ -16,7 +16,7 @@ impl Painter<'_> {
         let RenderSetting { caster, request, .. } = self.setting;
         let t = |center: &Sample| Some(caster.world.hit(&center.ray, center.visible?).t);
         let normal = |center: &Sample| center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
-        let Model { depths, normal_colors, .. } = caster.world.model;
+        let MeasureColors { depths, normals } = caster.world.measure_colors;
         for (layer, colors) in request.layers.iter().zip(&mut self.row.layers) {
             match *layer {
                 Layer::Depth { near, far } => {
@@ -28,7 +28,7 @@ impl Painter<'_> {
                         .extend(shown.iter().map(|center| Color::splat(t(center).unwrap_or(f64::INFINITY))));
                 }
                 Layer::Normals => {
-                    colors.extend(shown.iter().map(|center| normal_colors.color(normal(center))));
+                    colors.extend(shown.iter().map(|center| normals.color(normal(center))));
                 }
                 Layer::SignedNormals => colors.extend(shown.iter().map(normal)),
                 Layer::Color | Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => {}

@@ -1,17 +1,20 @@
 //! Finds and reads the meshes and pictures that a scene names, and suggests the right file for a wrong name.
 
-use super::Found;
 use crate::base::escape::{escape, quoted};
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::image_io::load_picture;
 use crate::scene::edition::Edition;
-use crate::scene::mesh::{self, ObjFile, memory_for, read_obj};
+use crate::scene::mesh::ObjFile;
+use crate::scene::obj::{self, memory_for, read_obj};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The contents of a file that a scene names, and its path.
+pub type Found<T> = Result<(T, PathBuf), Diagnostic>;
 
 /// The largest number of files examined.
 const MAX_FILES: usize = 10_000;
@@ -75,7 +78,7 @@ pub fn mesh_unreadable(name: &str, at: Position, tried: &[(String, String)]) -> 
 pub fn in_mesh(found: Diagnostic, named_at: Position, file: &str, bytes: &[u8]) -> Diagnostic {
     let line = found.position().map(|at| format!("line {}: ", at.line)).unwrap_or_default();
     let message = format!("in the mesh {}: {line}{}", quoted(file), found.message);
-    let mut found = found.in_text(Path::new(file), &mesh::text(bytes));
+    let mut found = found.in_text(Path::new(file), &obj::text(bytes));
     found.places.insert(0, Place { at: Some(named_at), ..Place::default() });
     Diagnostic { message, ..found }
 }

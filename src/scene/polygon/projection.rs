@@ -82,8 +82,7 @@ fn faced_by_largest_triangle(outline: &[DVec3]) -> Option<usize> {
     let (mut largest, mut axis) = (Scaled::ZERO, None);
     for edge in outline.windows(2) {
         for (candidate, area) in area_vector([outline[0], edge[0], edge[1]]).into_iter().enumerate() {
-            let size = |x: Scaled| (x.exponent, x.significand.abs());
-            if size(area) > size(largest) {
+            if area.magnitude() > largest.magnitude() {
                 (largest, axis) = (area, Some(candidate));
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::picture::{Color, FloatPicture, Picture};
 use crate::scene::material::{Material, Pattern, Phong};
-use crate::scene::model::{FaceWeights, Highlight, MeshNormals, Model, NormalColors, Screen, Split};
+use crate::scene::model::{FaceWeights, Highlight, Lighting, MeshNormals, NormalColors, Screen, Split};
 use crate::scene::{Camera, Light, Scene};
 use crate::tools::compare::{Rgb, colors as pixels_of};
 use crate::trace::{Effects, Shadows};
@@ -162,7 +162,7 @@ pub fn any_attenuation(scene: &mut Scene, change: impl Fn(&mut [f64; 3]) -> bool
 /// Replaces the constant term of the attenuation of lights with falloff. The 2003 and 2004 editions are excluded,
 /// because there it is free.
 pub fn falls_off_from(scene: &mut Scene, constant: f64) -> bool {
-    scene.model != Model::COURSE
+    scene.lighting != Lighting::default()
         && any_attenuation(scene, |[first, _, square]| *square > 0.0 && replaced(first, constant))
 }
 
@@ -184,7 +184,7 @@ pub fn blacken_background(scene: &mut Scene) -> bool {
 
 /// Adds highlights where the edition has none.
 pub fn add_highlights(scene: &mut Scene) -> bool {
-    let is_meant = scene.model.split == Split::Schlick;
+    let is_meant = scene.lighting.split == Split::Schlick;
     is_meant && any_phong(scene, |phong| replaced(&mut phong.specular, phong.reflective))
 }
 
@@ -195,19 +195,20 @@ pub fn invert_index(phong: &mut Phong) -> bool {
 
 /// Shows normals as (N + 1) / 2, which is usual only in later editions.
 pub fn shift_normals(scene: &mut Scene) -> bool {
-    scene.model != Model::COURSE && replaced(&mut scene.model.normal_colors, NormalColors::Shifted)
+    scene.lighting != Lighting::default()
+        && replaced(&mut scene.measure_colors.normals, NormalColors::Shifted)
 }
 
 pub fn use_half_way_vectors(scene: &mut Scene) -> bool {
-    has(scene, |phong| phong.specular) && replaced(&mut scene.model.highlight, Highlight::Blinn)
+    has(scene, |phong| phong.specular) && replaced(&mut scene.lighting.highlight, Highlight::Blinn)
 }
 
 pub fn flatten_meshes(scene: &mut Scene) -> bool {
-    !scene.meshes.is_empty() && replaced(&mut scene.model.normals, MeshNormals::Flat)
+    !scene.meshes.is_empty() && replaced(&mut scene.mesh_normals, MeshNormals::Flat)
 }
 
 pub fn weigh_faces_otherwise(scene: &mut Scene) -> bool {
-    let MeshNormals::Smooth { weights, .. } = &mut scene.model.normals else { return false };
+    let MeshNormals::Smooth { weights, .. } = &mut scene.mesh_normals else { return false };
     *weights = match weights {
         FaceWeights::Area => FaceWeights::Equal,
         FaceWeights::Equal => FaceWeights::Area,

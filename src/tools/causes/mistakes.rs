@@ -220,7 +220,7 @@ const TABLE: &[(Mistake, &str, Make)] = &[
     (BlinnHighlights, "with highlights by the half-way vector",
         Make::Scene(use_half_way_vectors)),
     (AspectKept, "with the view of 2004, which is not stretched",
-        Make::Scene(|scene| replaced(&mut scene.model.screen, Screen::LongerSide))),
+        Make::Scene(|scene| replaced(&mut scene.screen, Screen::LongerSide))),
     (FlatMeshes, "with the normals of the faces", Make::Scene(flatten_meshes)),
     (OtherFaceWeights, "with other weights of the faces around a vertex", Make::Scene(weigh_faces_otherwise)),
     (swapped(OppositeFaces::FrontAndBack), "with the faces front and back of the cube map swapped",
@@ -237,9 +237,9 @@ const TABLE: &[(Mistake, &str, Make)] = &[
         Make::Scene(|scene| falls_off_from(scene, 0.0))),
     (Highlights, "with highlights", Make::Scene(add_highlights)),
     (NearWhite, "with depths that are white where they are near, instead of black",
-        Make::Scene(|scene| replaced(&mut scene.model.depths, Depths::NearWhite))),
+        Make::Scene(|scene| replaced(&mut scene.measure_colors.depths, Depths::NearWhite))),
     (AbsoluteNormals, "with the absolute values of normals instead of (N + 1) / 2",
-        Make::Scene(|scene| replaced(&mut scene.model.normal_colors, NormalColors::Absolute))),
+        Make::Scene(|scene| replaced(&mut scene.measure_colors.normals, NormalColors::Absolute))),
     (ShiftedNormals, "with normals as (N + 1) / 2 instead of their absolute values",
         Make::Scene(shift_normals)),
     (ListsReversed, "with the transformations of a list multiplied in the other order",
@@ -294,7 +294,7 @@ const TABLE: &[(Mistake, &str, Make)] = &[
     (CheckerboardCut, "with checkerboards whose coordinates are cut instead of floored",
         Student(|setting| setting.has_pattern(|pattern| pattern == Pattern::Checkerboard))),
     (SchlickSwapped, "with the mirrored and the refracted part of light at glass swapped",
-        Student(|setting| setting.scene.model.split == Split::Schlick && setting.has_glass())),
+        Student(|setting| setting.scene.lighting.split == Split::Schlick && setting.has_glass())),
     (NormalsFlipped, "with surfaces lit on the side that is seen instead of on their outside",
         Student(|setting| setting.is_lit() && !setting.is_blinn())),
     (HighlightsOnlyWhereLit, "without highlights where the surface faces away from the light",
@@ -420,7 +420,7 @@ impl Make {
         match self {
             Self::Camera(change) => {
                 let camera = request.camera.unwrap_or(scene.camera);
-                let camera = Some(change(camera, scene.model.screen, request.size)?);
+                let camera = Some(change(camera, scene.screen, request.size)?);
                 Some(Request { camera, ..request.clone() })
             }
             Self::Effects(change) => {
@@ -485,7 +485,7 @@ impl Setting<'_> {
     }
 
     fn is_blinn(&self) -> bool {
-        self.scene.model.highlight == Highlight::Blinn
+        self.scene.lighting.highlight == Highlight::Blinn
     }
 
     fn has_shadows(&self) -> bool {
@@ -531,13 +531,13 @@ impl Setting<'_> {
 
     /// Returns true if secondary rays ignore hits up to less than this distance.
     fn overlooks_less_than(&self, distance: f64) -> bool {
-        let epsilon = self.scene.model.epsilon;
+        let epsilon = self.scene.lighting.epsilon;
         (self.has_shadows() || self.bounces() > 0) && epsilon.is_none_or(|epsilon| epsilon < distance)
     }
 
     /// Returns true if secondary rays ignore hits up to more than this distance.
     fn overlooks_more_than(&self, distance: f64) -> bool {
-        let epsilon = self.scene.model.epsilon;
+        let epsilon = self.scene.lighting.epsilon;
         (self.has_shadows() || self.bounces() > 0) && epsilon.is_some_and(|epsilon| epsilon > distance)
     }
 }

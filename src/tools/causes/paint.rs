@@ -16,6 +16,7 @@ use crate::sampling::film::Film;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::sampling::spread::Spread;
+use crate::scene::model::MeasureColors;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -37,17 +38,17 @@ pub fn colors(
         _ => DVec2::ZERO,
     };
     let camera = renderer.camera(request);
-    let model = renderer.scene.model;
+    let MeasureColors { depths, normals } = renderer.scene.measure_colors;
     let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
     match request.layers.first() {
         Some(&Layer::Depth { near, far }) => {
-            let grey = |(t, _)| Color::splat(model.depths.grey(t, [near, far]));
+            let grey = |(t, _)| Color::splat(depths.grey(t, [near, far]));
             let depth = |ray: &Ray| student.seen(ray).map_or(Color::ZERO, grey);
             paint(&camera, &centers(), shift, &depth, is_over)
         }
         Some(Layer::Normals) => {
             let normal = |ray: &Ray| student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
-            paint(&camera, &centers(), shift, &|ray| model.normal_colors.color(normal(ray)), is_over)
+            paint(&camera, &centers(), shift, &|ray| normals.color(normal(ray)), is_over)
         }
         _ => paint(&camera, request, shift, &|ray| student.color(ray), is_over),
     }

@@ -13,7 +13,7 @@ use crate::math::robust::{offset_origin, unit};
 use crate::picture::Color;
 use crate::scene::limits::{BRIGHTEST, LARGEST};
 use crate::scene::material::{Material, Pattern, Phong, Texture};
-use crate::scene::model::{Highlight, MeshNormals, Split};
+use crate::scene::model::{Highlight, Split};
 use crate::scene::{Light, MaterialId};
 use crate::shading::light::{Incident, incident};
 use crate::shading::perlin::turbulence;
@@ -235,9 +235,9 @@ impl Student<'_> {
     /// Returns the surface's own colour: ambient light, and the lights visible from the point.
     fn shade(&self, arrival: &Arrival) -> Color {
         let Arrival { way, surface, material } = arrival;
-        let model = &self.world().model;
+        let highlight = self.world().lighting.highlight;
         let is_back = surface.normal.dot(way.ray.direction) > 0.0;
-        let is_inside = is_back && model.highlight == Highlight::Blinn;
+        let is_inside = is_back && highlight == Highlight::Blinn;
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
@@ -254,7 +254,7 @@ impl Student<'_> {
             // As in the course's program, a shadow ray starts even where the light has no effect.
             let has_ray = self.effects.shadows != Shadows::None;
             let start = has_ray.then(|| self.departing(Departure::Shadow, surface, light.direction));
-            if material.shows(model.highlight, &light, cosine) {
+            if material.shows(highlight, &light, cosine) {
                 let view = View { cosine, normal, to_viewer: -way.ray.direction };
                 let passed = start.map_or(Color::ONE, |start| self.passed(start, surface, &light, index));
                 let lit = passed * self.reflect(material, &light, index, &view);
@@ -274,7 +274,7 @@ impl Student<'_> {
 
     /// Returns the part of a light that a surface reflects to the viewer.
     fn reflect(&self, material: &PointMaterial, light: &Incident, index: usize, view: &View) -> Color {
-        let highlight = self.world().model.highlight;
+        let highlight = self.world().lighting.highlight;
         let View { cosine, normal, .. } = *view;
         let to_light = light.direction * self.length_to(light, index);
         let (highlight, strength) = match self.mistake {
@@ -370,7 +370,7 @@ impl Student<'_> {
     /// Returns the mirrored ray and the factor of its colour, if the ray is followed.
     fn mirrored_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
         let Arrival { way, surface, material } = arrival;
-        let color = match self.world().model.split {
+        let color = match self.world().lighting.split {
             Split::Colors => material.phong.reflective,
             Split::Schlick => material.phong.reflective * self.mirrored(arrival),
         };
@@ -389,7 +389,7 @@ impl Student<'_> {
     /// Returns the refracted ray and the factor of its colour, if the ray is followed.
     fn refracted_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
         let Arrival { way, surface, material } = arrival;
-        let color = match self.world().model.split {
+        let color = match self.world().lighting.split {
             Split::Colors => material.phong.transparent,
             Split::Schlick => material.phong.transparent * (1.0 - self.mirrored(arrival)),
         };
@@ -400,7 +400,7 @@ impl Student<'_> {
         let indices = self.indices(way, material.phong, is_entering);
         let sine = || {
             // An interpolated normal differs from the triangle's.
-            let is_smooth = self.world().model.normals != MeshNormals::Flat && surface.triangle.is_some();
+            let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
             let primitive = surface.primitive.filter(|_| !is_smooth);
             self.world().precise_sine((way.ray.origin, direction), primitive, normal)
         };
@@ -448,7 +448,7 @@ impl Student<'_> {
             return start;
         }
         let beyond = |t_min| Ray { t_min, ..Ray::new(surface.position, direction) };
-        match (self.mistake, why, self.world().model.epsilon) {
+        match (self.mistake, why, self.world().lighting.epsilon) {
             (Some(Mistake::Epsilon { distance } | Mistake::SmallerEpsilon { distance }), ..) => {
                 (beyond(distance), surface.triangle)
             }

@@ -4,7 +4,8 @@ use crate::math::rounded::RoundedAffine;
 use crate::scene::edition::Edition;
 use crate::scene::lexer::Lexer;
 use crate::scene::parser::read_in;
-use crate::scene::{Object, ObjectId, Scene, is_transformation};
+use crate::scene::transform::is_transformation;
+use crate::scene::{Object, ObjectId, Scene};
 
 /// Returns the scene of this text with each list of transformations reversed. `None` if no list has two.
 pub fn with_lists_reversed(scene: &Scene, text: &str) -> Option<Scene> {

@@ -4,7 +4,7 @@ use super::objects::ObjectPart;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::edge_functions::Sides;
-use crate::world::shape::{Form, Shape};
+use crate::world::shape::Shape;
 use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 use serde::Serialize;
@@ -52,6 +52,9 @@ const SAME_T_ROUNDINGS: f64 = 16.0;
 /// A hit this close to the origin of a ray may be the surface that it leaves: secondary rays start up to 128 roundings
 /// from it.
 const START_ROUNDINGS: f64 = 256.0;
+
+/// A line whose distance from a sphere's surface is at most this many roundings is tangent.
+const TANGENT_ROUNDINGS: f64 = 16.0;
 
 /// Returns true if a cosine is about 0.
 pub fn is_about_zero(cosine: f64) -> bool {
@@ -111,10 +114,10 @@ impl Search<'_> {
     }
 
     fn of_shape(&self, id: u32, shape: &Shape, reach: &Ray) -> Option<CloseCallKind> {
-        if shape.tangent_at(self.ray).is_some_and(|t| reach.covers(t)) {
+        if tangent_at(shape, self.ray).is_some_and(|t| reach.covers(t)) {
             return Some(CloseCallKind::Tangent);
         }
-        shape.roots(self.ray)?.into_iter().find_map(|t| self.same_t(t, id))
+        shape.form().roots(self.ray)?.into_iter().find_map(|t| self.same_t(t, id))
     }
 
     fn of_plane(&self, id: u32, i: usize, reach: &Ray) -> Option<CloseCallKind> {
@@ -152,6 +155,16 @@ impl Search<'_> {
         let exact = self.shear.intersect(self.world.corners_in_place(triangle));
         exact.map_or(first < reach.t_max && last >= reach.t_min, |t| reach.covers(t))
     }
+}
+
+/// Returns the t at which the line of a ray with a unit direction is tangent to a shape within roundings.
+fn tangent_at(shape: &Shape, ray: &Ray) -> Option<f64> {
+    let (center, _, inverse) = shape.form().unit_sphere_maps()?;
+    let (o, d) = (inverse * (ray.origin - center), inverse * ray.direction);
+    let (moment, length) = (o.cross(d).length(), d.length());
+    let is_tangent =
+        (moment - length).abs() <= TANGENT_ROUNDINGS * UNIT_ROUNDOFF * (o.length() * length + length);
+    is_tangent.then(|| (center - ray.origin).dot(ray.direction))
 }
 
 impl fmt::Display for CloseCall {

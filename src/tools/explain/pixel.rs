@@ -16,7 +16,7 @@ use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
 use crate::scene::Object;
 use crate::scene::material::{Material, Paint};
-use crate::scene::model::{Highlight, Model};
+use crate::scene::model::Highlight;
 use crate::scene::texels::{FACES, face};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::Counts;
@@ -75,9 +75,9 @@ pub enum MaterialWords {
 }
 
 impl MaterialWords {
-    /// Returns the terms used in scenes with this model.
-    fn of(model: &Model) -> Self {
-        match model.highlight {
+    /// Returns the terms used in scenes with these highlights.
+    fn of(highlight: Highlight) -> Self {
+        match highlight {
             Highlight::Blinn => Self::Reflective,
             Highlight::Phong => Self::Specular,
         }
@@ -186,7 +186,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let mut bytes = [0; CHANNELS];
         truncate_to_bytes::<RED_FIRST>(&[color], &mut bytes);
         let has_grid = self.prepared.cells().is_some();
-        let words = MaterialWords::of(&self.prepared.renderer().scene.model);
+        let words = MaterialWords::of(self.prepared.renderer().scene.lighting.highlight);
         Ok(PixelTree { pixel: [x, y], has_grid, words, samples, more_samples, left_out, color, bytes })
     }
 

@@ -29,7 +29,7 @@ pub fn rays_without_effect(scene: &Scene, effects: &Effects, says_no_bounces: bo
     let of_shadows = (shadows == Shadows::Transparent && nothing_transmits).then(|| {
         "`-transparent_shadows` has no effect beyond that of `-shadows`: no object transmits light".into()
     });
-    let of_backs = (shade_back && scene.model.highlight == Highlight::Phong).then(|| {
+    let of_backs = (shade_back && scene.lighting.highlight == Highlight::Phong).then(|| {
         "`-shade_back` has no effect in this edition: surfaces look the same from both sides".into()
     });
     [of_bounces, of_shadows, of_backs].into_iter().flatten().map(Diagnostic::warning).collect()
@@ -48,7 +48,7 @@ pub fn rays_not_followed(scene: &Scene, effects: &Effects, says_no_bounces: bool
 
 /// Warns about the first material that transmits light and is black from inside because `-shade_back` is missing.
 pub fn black_inside(scene: &Scene, effects: &Effects) -> Option<Diagnostic> {
-    let is_lit_as_outside = effects.shade_back || scene.model.highlight == Highlight::Phong;
+    let is_lit_as_outside = effects.shade_back || scene.lighting.highlight == Highlight::Phong;
     if effects.bounces == 0 || is_lit_as_outside {
         return None;
     }

@@ -50,7 +50,7 @@ fn reason(prepared: &Prepared, request: &Request) -> Reason {
         return ("", None);
     };
     let camera = request.camera.unwrap_or(renderer.scene.camera);
-    let spread = renderer.scene.model.screen;
+    let spread = renderer.scene.screen;
     View::new(&camera, request.size, spread).reason(bounds.corners(), (bounds.min + bounds.max) / 2.0)
 }
 

@@ -78,9 +78,9 @@ impl<'w> Brute<'w> {
     fn each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
         let shear = Shear::new(ray);
         for primitive in self.near(ray) {
-            let crossing = shear.hit(self.world.corners_in_place(primitive as usize));
-            if let Some((t, weights)) = crossing.filter(|&(t, _)| ray.covers(t)) {
-                visit(Hit { t, primitive, weights: Some(weights) });
+            let crossing = shear.intersect(self.world.corners_in_place(primitive as usize));
+            if let Some(t) = crossing.filter(|&t| ray.covers(t)) {
+                visit(Hit { t, primitive });
             }
         }
     }

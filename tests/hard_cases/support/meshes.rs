@@ -3,7 +3,8 @@
 use super::rng::Rng;
 use glam::{DMat3, DVec3};
 use raytracer::math::ray::Ray;
-use raytracer::scene::mesh::{Mesh, parse_obj};
+use raytracer::scene::mesh::Mesh;
+use raytracer::scene::obj::parse_obj;
 use std::collections::BTreeSet;
 
 /// The six orders of three vertices. The last three reverse the winding.

@@ -7,7 +7,7 @@ use raytracer::picture::FloatPicture;
 use raytracer::render::{Request, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::mesh::Mesh;
-use raytracer::scene::model::Model;
+use raytracer::scene::model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
 use raytracer::scene::{self, Background, Light, MeshFile, Object, Scene};
 use raytracer::trace::Effects;
 use raytracer::world::World;
@@ -33,7 +33,11 @@ pub fn scene_of(mut objects: Vec<Object>, lights: Vec<Light>) -> Scene {
         meshes: vec![MeshFile { name: "mesh.obj".into(), ..MeshFile::default() }; named],
         images: vec![],
         cube_map: None,
-        model: Model::COURSE,
+        screen: Screen::default(),
+        lighting: Lighting::default(),
+        mesh_normals: MeshNormals::default(),
+        measure_colors: MeasureColors::default(),
+        shows: Shows::default(),
     }
 }
 

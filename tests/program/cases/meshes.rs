@@ -76,7 +76,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-beyond.txt -output o.tga",
         1,
-        "m-beyond.txt:5:25: error: the object has coordinates beyond 1e100",
+        "m-beyond.txt:5:1: error: the object has coordinates beyond 1e100",
     ),
     (
         "r -input m-weightless.txt -output o.tga",

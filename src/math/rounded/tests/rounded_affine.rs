@@ -64,7 +64,7 @@ fn the_exact_product_is_within_the_error_bound() {
 
 #[test]
 fn the_identity_adds_no_error() {
-    let map = RoundedAffine::exact(DAffine3::from_scale(DVec3::new(0.1, -3.0, 7.0)));
+    let map = RoundedAffine::from(DAffine3::from_scale(DVec3::new(0.1, -3.0, 7.0)));
     assert_eq!([RoundedAffine::IDENTITY * map, map * RoundedAffine::IDENTITY], [map; 2]);
     assert_eq!(map.error, DAffine3::ZERO);
     assert!((map * map).error.transform_point3(DVec3::ONE).min_element() > 0.0);

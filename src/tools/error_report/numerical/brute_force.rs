@@ -2,7 +2,6 @@
 
 use crate::math::ray::{Ray, Visible};
 use crate::tools::causes::Hits;
-use crate::world::shape::Form;
 use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 

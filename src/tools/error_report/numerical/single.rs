@@ -3,7 +3,7 @@
 
 use crate::math::ray::{Ray, Visible};
 use crate::tools::causes::Hits;
-use crate::world::shape::{Form, Shape};
+use crate::world::shape::Shape;
 use crate::world::sphere::Sphere;
 use crate::world::{Primitive, SurfacePoint, World};
 use glam::{Mat3, Vec3};
@@ -53,7 +53,7 @@ impl SinglePrecision<'_> {
                     quadratic(ray, ray.origin - center.as_vec3(), ray.direction, *radius as f32)
                 }
                 shape => {
-                    let (center, _, inverse) = shape.unit_sphere_maps()?;
+                    let (center, _, inverse) = shape.form().unit_sphere_maps()?;
                     let (center, inverse) = (center.as_vec3(), inverse.as_mat3());
                     quadratic(ray, inverse * (ray.origin - center), inverse * ray.direction, 1.0)
                 }
@@ -73,17 +73,19 @@ impl SinglePrecision<'_> {
                 let [a, b, c] = self.world.corners(i).map(|corner| corner.as_vec3());
                 (b - a).cross(c - a).normalize_or_zero()
             }
-            Primitive::Shape(i) => match (&self.world.shapes[i], self.world.shapes[i].unit_sphere_maps()) {
-                (Shape::Sphere(Sphere { center, .. }), _) => {
-                    (position - center.as_vec3()).normalize_or_zero()
+            Primitive::Shape(i) => {
+                match (&self.world.shapes[i], self.world.shapes[i].form().unit_sphere_maps()) {
+                    (Shape::Sphere(Sphere { center, .. }), _) => {
+                        (position - center.as_vec3()).normalize_or_zero()
+                    }
+                    (_, Some((center, _, inverse))) => {
+                        let inverse: Mat3 = inverse.as_mat3();
+                        let on_sphere = inverse * (position - center.as_vec3());
+                        (inverse.transpose() * on_sphere).normalize_or_zero()
+                    }
+                    (_, None) => Vec3::ZERO,
                 }
-                (_, Some((center, _, inverse))) => {
-                    let inverse: Mat3 = inverse.as_mat3();
-                    let on_sphere = inverse * (position - center.as_vec3());
-                    (inverse.transpose() * on_sphere).normalize_or_zero()
-                }
-                (_, None) => Vec3::ZERO,
-            },
+            }
             Primitive::Plane(i) => self.world.planes[i].normal.as_vec3(),
         }
     }

@@ -1,0 +1,399 @@
+//! Reads triangle meshes from Wavefront OBJ text.
+//!
+//! Files with only positions and triangles take a faster path in `plain_obj`. `obj_reader` reads all others.
+
+use super::foreign_format::foreign;
+use super::mesh::{Mesh, ObjFile};
+pub use super::plain_obj::memory_for;
+use super::{obj_reader, plain_obj};
+use crate::base::shortcut::Shortcut;
+use crate::diagnostic::Diagnostic;
+use std::borrow::Cow;
+
+/// Reads a mesh from the bytes of an OBJ file, with its texture coordinates if `is_textured`.
+///
+/// Polygons become triangles. Everything except positions and faces is ignored, such as points, lines and curves. Fails
+/// with the first error found.
+pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
+    let text = without_mark(bytes);
+    if Shortcut::PlainMeshes.is_taken()
+        && let Some((mesh, vertices)) = plain_obj::parse(text)
+    {
+        return Ok(ObjFile { mesh, vertices, ..ObjFile::default() });
+    }
+    foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), Err)
+}
+
+/// Reads a mesh without texture coordinates.
+pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
+    read_obj(bytes, false).map(|file| file.mesh)
+}
+
+/// Returns the text of a mesh file. Positions of errors refer to it.
+pub fn text(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(without_mark(bytes))
+}
+
+/// Removes a byte order mark, and the zero bytes and end-of-file characters that some systems append.
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    const END_OF_FILE: u8 = 0x1a;
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let end = text.iter().rposition(|&byte| byte != 0 && byte != END_OF_FILE);
+    &text[..end.map_or(0, |last| last + 1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::Position;
+    use glam::{DVec2, DVec3};
+    use std::path::Path;
+
+    fn read(text: &str) -> Mesh {
+        parse_obj(text.as_bytes()).unwrap()
+    }
+
+    fn refuse(text: &str) -> Diagnostic {
+        parse_obj(text.as_bytes()).unwrap_err()
+    }
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    #[test]
+    fn triangles_keep_the_order_of_the_file() {
+        let mesh = read(&format!("{SQUARE}f 3 4 1\nf 1 2 3\n"));
+        let corners = mesh.triangles.iter().map(|corners| corners.map(|i| mesh.vertices[i as usize]));
+        let [a, b, c, d] = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+        assert!(corners.eq([[c, d, a], [a, b, c]]));
+        assert_eq!(mesh.vertices.len(), 4);
+    }
+
+    #[test]
+    fn coordinates_are_read_in_full() {
+        let mesh = read("v 0.1 1e300 -5e-324\nv 1 2 3\nv 4 5 6\nf 1 2 3");
+        assert_eq!(mesh.vertices[0], DVec3::new(0.1, 1e300, -5e-324));
+    }
+
+    #[test]
+    fn convex_polygons_become_fans() {
+        let mesh = read(&format!("{SQUARE}v -1 .5 0\nf 1 2 3 4\nf 1 2 3 4 5\n"));
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+    }
+
+    #[test]
+    fn faces_may_name_more_than_positions() {
+        let plain = read(&format!("{SQUARE}f 1 2 3"));
+        for face in
+            ["1/1 2/2 3/3", "1//9 2//9 3//9", "1/7/7 2/8/8 3/9/9", "1/-99999999/6148914691236517206 2 3"]
+        {
+            let text = format!("vn 0 0 1\nvt 0 0\n{SQUARE}f {face}");
+            assert_eq!(read(&text), plain, "{face}");
+        }
+    }
+
+    #[test]
+    fn negative_indices_count_backwards_from_the_face() {
+        let mesh = read(&format!("{SQUARE}f -4 -3 -2\nv 9 9 9\nf -1 -2 -3"));
+        let corners = mesh.triangles[1].map(|corner| mesh.vertices[corner as usize]);
+        assert_eq!(corners, [DVec3::splat(9.0), DVec3::Y, DVec3::new(1.0, 1.0, 0.0)]);
+        assert_eq!((mesh.triangles[0], mesh.vertices.len()), ([0, 1, 2], 5));
+    }
+
+    #[test]
+    fn groups_and_materials_share_their_vertices() {
+        let text = format!(
+            "mtllib no/such.mtl\n{SQUARE}o one\ng\nusemtl\nf 1 2 3\no two\nusemtl red\ns off\nf 1 3 4\n"
+        );
+        let mesh = read(&text);
+        assert_eq!((mesh.vertices.len(), mesh.triangles), (4, vec![[0, 1, 2], [0, 2, 3]]));
+    }
+
+    #[test]
+    fn what_is_not_a_surface_is_ignored() {
+        let mesh = read(&format!("{SQUARE}p 1\nl 1 2\nl 1 2 3\nf 1 2 3\ncurv 0 1 1 2 3\nl x\nvn nan\n"));
+        assert_eq!(mesh.triangles, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn comments_colours_weights_and_byte_order_marks() {
+        let bytes =
+            b"\xef\xbb\xbfv 0 0 0 # \xe9\r\n# \xff\r\n v 2 0 0 2\r\nv\t0 1 0 .1 .2 .3\r\nf 1 2 3 # f 9\r\n";
+        let mesh = parse_obj(bytes).unwrap();
+        assert_eq!(mesh.vertices, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+    }
+
+    #[test]
+    fn meshes_without_faces() {
+        for (text, why) in [
+            ("", ": the file is empty"),
+            ("\n", ""),
+            ("# nothing", ""),
+            (SQUARE, ""),
+            ("v 0 0 0\nv 1 0 0\nl 1 2\n", ", only points, lines or curves"),
+            ("surf 0 1 0 1 1 2 3 4", ": a curved surface is left out"),
+            ("nothing", ": `nothing` is no keyword of OBJ, and its line is left out"),
+        ] {
+            assert_eq!(refuse(text).message, format!("the mesh has no faces{why}"), "{text}");
+        }
+        assert_eq!(refuse("binary \0 rubbish").message, "the file is binary, not OBJ");
+        let library = refuse("newmtl red\nKd 1 0 0\n");
+        assert_eq!(
+            (library.position(), library.message.as_str()),
+            (None, "the file is a material library, not OBJ")
+        );
+    }
+
+    #[test]
+    fn other_formats_are_refused_by_their_names() {
+        let utf16: Vec<u8> = SQUARE.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let marked = [b"\xff\xfe", utf16.as_slice()].concat();
+        for (bytes, format) in [
+            (utf16.as_slice(), "UTF-16 or UTF-32 text"),
+            (&marked, "UTF-16 or UTF-32 text"),
+            (b"ply\nformat binary_little_endian 1.0\n", "PLY"),
+            (b"glTF\x02\0\0\0", "binary glTF"),
+        ] {
+            let error = parse_obj(bytes).unwrap_err();
+            assert_eq!((error.position(), error.message), (None, format!("the file is {format}, not OBJ")));
+        }
+    }
+
+    /// Returns faulty statements (`@` marks the caret), the error message, and the start of its hint.
+    fn faults() -> Vec<(&'static str, String, &'static str)> {
+        const NUMBERS: &str = "a vertex needs three numbers";
+        let word = |word: &str| format!("{NUMBERS}, and `{word}` is none");
+        let few = || NUMBERS.to_owned();
+        let surplus = |count: usize| {
+            format!(
+                "a vertex has {count} numbers: it needs three, and may have a weight or a colour of three or four"
+            )
+        };
+        let corner =
+            |word: &str| format!("a face needs vertex indices such as `1 2 3`, and `{word}` is none");
+        let few_corners = || "a face needs at least three vertices".to_owned();
+        let missing = || "a face names a vertex that does not exist; the mesh has 4".to_owned();
+        let negative = "a negative index counts back";
+        vec![
+            ("@v", few(), ""),
+            ("v 1 @2", few(), ""),
+            ("v 1 @2 # 3", few(), ""),
+            ("v 1 2 @x", word("x"), ""),
+            ("v 1 @x", word("x"), ""),
+            ("v @1,5 2,5 3,5", word("1,5"), "a decimal point"),
+            ("v @1,2,3", word("1,2,3"), "numbers are separated by blanks"),
+            ("v @1, 2, 3", word("1,"), "numbers are separated by blanks"),
+            ("v @1d-5 2 3", word("1d-5"), "an exponent is written with `e`"),
+            ("v 1 \\ @2 \\ 3", word("\\"), "a backslash continues"),
+            ("v 1 2 @3\0", word("3\\0"), "the word has a zero byte"),
+            ("v 1 2 3 4 @5", surplus(5), ""),
+            ("v 1 2 3 4 5 6 7 @8", surplus(8), ""),
+            ("f 1 2 @x", corner("x"), ""),
+            ("f 1 2 @3.0", corner("3.0"), "indices are whole numbers"),
+            ("f @1,2,3", corner("1,2,3"), "indices are separated by blanks"),
+            ("f 1 2 @1/2/3/4", corner("1/2/3/4"), "a corner has at most three indices"),
+            ("f @/ / /", corner("/"), "the index of the position comes first"),
+            ("f 1 2/@x 3", corner("2/x"), ""),
+            ("@f", few_corners(), "a line between two vertices is written"),
+            ("f 1 @2", few_corners(), "a line between"),
+            ("f 1 @2 # two", few_corners(), "a line between"),
+            ("  f 1 @0 2", missing(), "indices start with 1"),
+            ("fo 1 @9 2", missing(), ""),
+            ("f 1 2 @-5", missing(), negative),
+            ("f 1 2 @9223372036854775807", missing(), ""),
+            ("f 1 2 @99999999999999999999", missing(), ""),
+            ("f 1 2 @4294967297", missing(), ""),
+            ("f 1 2 @-9223372036854775808", missing(), negative),
+        ]
+    }
+
+    #[test]
+    fn an_error_has_its_reason_its_place_and_a_hint() {
+        for end in ["\n", "\r", "\r\n"] {
+            for (marked, message, hint) in faults() {
+                // The position of a part of a word is the position of the word.
+                let marked = marked.replace("2/@x", "@2/x").replace("\\ @2", "@\\ 2");
+                let (before, after) = marked.split_once('@').unwrap();
+                let text = format!("{SQUARE}{before}{after}\n\nf 1 2 3\n").replace('\n', end);
+                let at = Position { line: 5, column: before.len() as u32 + 1 };
+                let error = refuse(&text);
+                assert_eq!((error.position(), &error.message), (Some(at), &message), "{marked}");
+                assert_eq!(error.hint.is_some(), !hint.is_empty(), "{marked}");
+                assert!(error.hint.clone().unwrap_or_default().starts_with(hint), "{marked}");
+                let line = format!("{before}{after}").replace('\0', "\u{fffd}");
+                let shown = error.in_text(Path::new("m"), &super::text(text.as_bytes())).to_string();
+                assert!(shown.contains(&format!("\n    5 | {line}\n")), "{marked}");
+            }
+        }
+    }
+
+    #[test]
+    fn vertices_that_faces_use_must_be_finite() {
+        let hint = Some("leave it out, or make it 1".to_owned());
+        let not_finite = "a vertex has a coordinate that is not finite";
+        let zero_weight = "a vertex has the weight 0: it is at infinity";
+        for (marked, message) in [
+            ("@nan 0 0", not_finite),
+            ("0 @inf 0", not_finite),
+            ("0 0 @-1e999", not_finite),
+            ("0 0 0 @nan", not_finite),
+            ("@1e300 0 0 1e-300", not_finite),
+            ("0 @1 0 1e-320", not_finite),
+            ("@-nan(ind) 0 0", not_finite),
+            ("0 @1.#IND 0", not_finite),
+            ("0 0 @-1.#QNAN", not_finite),
+            ("0 0 0 @0", zero_weight),
+            ("1 2 3 @-0", zero_weight),
+        ] {
+            let vertex = marked.replace('@', "");
+            let at = Some(Position { line: 5, column: 3 + marked.find('@').unwrap() as u32 });
+            // The error names the first such vertex that a face uses.
+            let error = refuse(&format!("{SQUARE}v {vertex}\nv 0 0 inf\nv nan 0 0\nf 1 2 7\nf 1 2 5\n"));
+            assert_eq!((error.position(), error.message.as_str()), (at, message), "{vertex}");
+            assert_eq!(error.hint, hint.clone().filter(|_| message == zero_weight), "{vertex}");
+            assert_eq!(read(&format!("{SQUARE}v {vertex}\nf 1 2 3\n")).vertices.len(), 3, "{vertex}");
+        }
+    }
+
+    #[test]
+    fn what_other_programs_write_is_read() {
+        let plain = read(&format!("{SQUARE}f 1 2 3\nf 1 3 4\n"));
+        let utf8 = |text: &str| parse_obj(format!("\u{feff}{text}").as_bytes()).unwrap();
+        let faces = "f 1 2 3\nf 1 3 4\n";
+        for text in [
+            "v 0 0 0 1 0 0 1\nv 1 0 0 .1 .2 .3 0\nv 1 1 0 1 1 1 1\nv 0 1 0 0 0 0 0\nf 1 2 3\nf 1 3 4\n"
+                .to_owned(),
+            "v 0 0 0 1 0 0\nv 1. +0 -0\nv +1 1e0 0\nv 0. 10.0E-1 0 0 1 0\nf 1 2 3\nf 1 3 4\n".to_owned(),
+            format!("{SQUARE}fo 1 2 3\nfo 1 3 4\n"),
+            format!("{SQUARE}f 1/ 2/ 3/\nf 1// 3//9 4/9/9\n"),
+            format!("{SQUARE}f -4 +2 -2\nf 1\t3\x0b-1\n"),
+            format!("{SQUARE}usemtl C:\\wood\\\nf 1 2 3\ng a \\\nb\nmtllib x \\ \nf 1 3 4\n"),
+            format!("{SQUARE}vt 0 \\\n0\nf 1 2 \\ \n 3\nf \\\n1 3\\\n4 # \\\n"),
+            format!("g\no a b\ns off\ns 1\nvp 0 1\ncurv 0 1 1 2\np 1\nl 1 2\n{SQUARE}{faces}end\n"),
+            format!("{SQUARE}{faces}\0\0\x1a"),
+            format!("{SQUARE}# {}\n{faces}", "x".repeat(1 << 16)),
+            format!("{faces}{SQUARE}"),
+        ] {
+            for end in ["\n", "\r", "\r\n"] {
+                let text = text.replace('\n', end);
+                let file = read_obj(text.as_bytes(), true).unwrap();
+                assert_eq!((&file.mesh, file.doubts), (&plain, vec![]), "{text:.200}");
+                assert_eq!(utf8(&text), plain, "{text:.200}");
+            }
+        }
+        let mixed = format!("{SQUARE}{faces}").replacen('\n', "\r", 2).replacen('\n', "\r\n", 1);
+        assert_eq!(read(&mixed), plain);
+        assert_eq!(read(&format!("# one\r{mixed}")), plain);
+    }
+
+    #[test]
+    fn what_is_left_out_is_doubtful() {
+        let text = format!(
+            "{SQUARE}F 1 2 3\nf 1 2 3\nface 1 2 3\n surf 0 1 0 1 1 2 3 4\nf 1 3 2 4\nf 4 2 3 1\n{}",
+            "f 1 2 3 2\n".repeat(3)
+        );
+        let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false).unwrap();
+        assert_eq!(mesh.triangles.len(), 1 + 1 + 1);
+        let said: Vec<_> = doubts.iter().map(Diagnostic::headline).collect();
+        assert_eq!(
+            said,
+            [
+                "line 5, column 1: warning: `F` is no keyword of OBJ, and its line is left out (and 1 more)",
+                "line 8, column 2: warning: a curved surface is left out",
+                "line 9, column 1: warning: the outline of the polygon crosses itself (and 1 more)",
+                "line 11, column 1: warning: the outline of the polygon encloses nothing (and 2 more)",
+            ]
+        );
+        let hints: Vec<_> = doubts.iter().map(|doubt| doubt.hint.clone().unwrap_or_default()).collect();
+        assert_eq!(hints[0], "did you mean `f`?");
+    }
+
+    #[test]
+    fn lines_that_matter_must_be_text() {
+        let text = b"v 0 0 0\nv 0 \xff 0\n";
+        let at = Position { line: 2, column: 5 };
+        let error = parse_obj(text).unwrap_err();
+        assert_eq!(
+            (error.position(), error.message.clone()),
+            (Some(at), "a vertex needs three numbers, and `\u{fffd}` is none".to_owned())
+        );
+        let shown = error.in_text(Path::new("m"), &super::text(text)).to_string();
+        assert!(shown.ends_with("\n    2 | v 0 \u{fffd} 0\n      |     ^"), "{shown}");
+    }
+
+    #[test]
+    fn no_truncation_panics() {
+        let text = format!("{SQUARE}vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 -2\nf 1 2 3 4\nv 1 1 1 1 1 1\n");
+        for end in 0..text.len() {
+            let _ = parse_obj(&text.as_bytes()[..end]);
+        }
+    }
+
+    #[test]
+    fn the_error_names_the_first_face_with_a_missing_vertex() {
+        for (corner, line) in [("6", 7), ("0", 7), ("-6", 7), ("-5", 9), ("5", 9), ("1", 9)] {
+            let text = format!("{SQUARE}v 0 2 0\nf 1/1 -5 5//1\nf 2 3 {corner}\n#\nf 1 2 7\nf 1 2 8\n");
+            let error = refuse(&text);
+            assert!(error.message.ends_with("does not exist; the mesh has 5"), "{corner}");
+            assert_eq!(error.position().map(|at| at.line), Some(line), "{corner}");
+        }
+        // A negative index counts back from its face, even if more vertices follow.
+        let text = format!("{SQUARE}f -1 -2 -4\nf -1 -2 -5\nv 0 2 0\n");
+        assert_eq!(refuse(&text).position(), Some(Position { line: 6, column: 9 }));
+    }
+
+    #[test]
+    fn triangles_have_the_texture_coordinates_that_their_corners_name() {
+        let [a, b, c] = [DVec2::new(0.25, 0.5), DVec2::X, DVec2::Y];
+        let places = "vt 0.25 0.5 # one\nvt 1\nvt 0 1 7\n";
+        let faces =
+            "f 1/1 2/2/9 3/3/-9\nf 1/-1 2/-2/7 3/-3\nf 1 2 3\nf 1/4 2/1 3/1\nf 1/ 2/1 3/1\nf 1//1 2/1 3/1\n";
+        let expected = [Some([a, b, c]), Some([c, b, a]), None, None, None, None];
+        let read = |text: &str| read_obj(text.as_bytes(), true).unwrap();
+        for text in [
+            format!("{SQUARE}{places}{faces}"),
+            format!("\u{feff}{places}{SQUARE}{faces}"),
+            format!("{SQUARE}{places}{faces}").replace("f 1", "fo 1").replace(" 2/", " \\\n2/"),
+            format!("{SQUARE}{places}{faces}").replace('\n', "\r\n").replace("vt 1", "vt \\\r\n1 \\\r\n0 "),
+        ] {
+            assert_eq!(read(&text).texture_coordinates, expected, "{text}");
+            assert_eq!(read_obj(text.as_bytes(), false).unwrap().texture_coordinates, []);
+        }
+        // Coordinates may come after the faces if no index is negative.
+        let later = format!("{SQUARE}f 1/1 2/2 3/3\nf 1/-1 2/2 3/3\n{places}");
+        assert_eq!(read(&later).texture_coordinates, [Some([a, b, c]), None]);
+        // The triangles of a quad and of a cut polygon keep the coordinates of their corners.
+        let quad = format!("{SQUARE}{places}f 1/1 2/2 3/3 4/1\nf 1/3 2/2 3/1\n");
+        assert_eq!(read(&quad).texture_coordinates, [Some([a, b, c]), Some([a, c, a]), Some([c, b, a])]);
+        let dart =
+            "v 0 0 0\nv 4 2 0\nv 0 4 0\nv 1.5 2 0\nvt 0 0\nvt 4 2\nvt 0 4\nvt 1.5 2\nf 1/1 2/2 3/3 4/4\n";
+        let ObjFile { mesh, texture_coordinates, .. } = read(dart);
+        for (corners, places) in mesh.triangles.iter().zip(texture_coordinates) {
+            assert_eq!(corners.map(|corner| mesh.vertices[corner as usize].truncate()), places.unwrap());
+        }
+        // Coordinates that are not finite become `None`. A word that is not a number is an error.
+        for (number, found) in
+            [("nan", None), ("-nan(ind)", None), ("1e999", None), ("0.25", Some([a, b, c]))]
+        {
+            let text = format!("{SQUARE}vt {number} 0.5\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+            assert_eq!(read(&text).texture_coordinates, [found], "{number}");
+        }
+        let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true).unwrap_err();
+        assert_eq!(error.message, "a texture coordinate needs numbers, and `x` is none");
+        // A file without coordinates has an empty list, even if faces refer to some.
+        assert_eq!(read(&format!("{SQUARE}f 1/1 2/2 3/3\n")).texture_coordinates, []);
+        // An index far out of range allocates nothing.
+        let far = read(&format!("{SQUARE}vt 0 0\nf 1/4000000000 2/9223372036854775807 3/-4000000000\n"));
+        assert_eq!(far.texture_coordinates, [None]);
+    }
+
+    #[test]
+    fn vertices_that_no_face_uses_are_counted() {
+        for extra in ["", "vn 0 0 1\n", "v 1 1 1 1\n"] {
+            let text = format!("v 9 9 9\n{SQUARE}{extra}f 2 3 4\nv nan 0 0\n");
+            let count = text.lines().filter(|line| line.starts_with("v ")).count();
+            let file = read_obj(text.replace("nan", "5").as_bytes(), false).unwrap();
+            assert_eq!((file.vertices, file.mesh.vertices.len()), (count, 3));
+            assert_eq!(read_obj(text.as_bytes(), false).unwrap().vertices, count);
+        }
+    }
+}
