@@ -171,27 +171,11 @@ impl CellRange {
         }
     }
 
-    /// Returns, for each axis, true if the range has more than one cell along it.
+    /// Returns true if the range has several cells along at most one axis.
     #[inline(always)]
-    fn spans_cells(&self) -> [bool; 3] {
-        [0, 1, 2].map(|axis| self.end[axis] > self.start[axis] + 1)
-    }
-
-    /// Returns the index of the first cell.
-    #[inline(always)]
-    fn first(&self, lattice: &Lattice) -> u32 {
-        lattice.index(self.start.map(|i| i as usize)) as u32
-    }
-
-    /// Appends all cells of a range that extends along one axis only.
-    #[inline(always)]
-    fn push_line(&self, lattice: &Lattice, axis: usize, out: &mut Vec<u32>) {
-        let mut index = self.first(lattice);
-        out.reserve((self.end[axis] - self.start[axis]) as usize);
-        for _ in self.start[axis]..self.end[axis] {
-            out.push(index);
-            index += lattice.tables.strides[axis];
-        }
+    fn is_line(&self) -> bool {
+        let spans_cells = |axis: &usize| self.end[*axis] > self.start[*axis] + 1;
+        (0..3).filter(spans_cells).count() <= 1
     }
 
     /// Appends the cells for which `is_touched` holds; its argument is the cell's lower corner in units of
@@ -219,43 +203,12 @@ pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], padding: f64, out: &m
     let v = corners.map(|p| lattice.to_cells(p));
     let [min, max] = box_corners(v);
     let range = CellRange::new(lattice, min, max, padding);
-    let half = 0.5 + padding;
-    match range.spans_cells() {
-        [true, true, true] => {
-            let triangle = TriangleOverlap::new(v, half);
-            range.push_if(lattice, out, |cell| triangle.overlaps(cell + 0.5))
-        }
-        // In a single layer of cells the projection along the layer's axis is sufficient.
-        [true, true, false] => push_layer(&range, lattice, &Projection::<0, 1>::new(v, half), out),
-        [false, true, true] => push_layer(&range, lattice, &Projection::<1, 2>::new(v, half), out),
-        [true, false, true] => push_layer(&range, lattice, &Projection::<2, 0>::new(v, half), out),
-        // The triangle touches all cells of a range that extends along one axis only.
-        [true, false, false] => range.push_line(lattice, 0, out),
-        [false, true, false] => range.push_line(lattice, 1, out),
-        [false, false, _] => range.push_line(lattice, 2, out),
-    }
-}
-
-/// Appends the cells of a range that a projected triangle overlaps. The range must be one cell thick along the axis of
-/// projection.
-#[inline(always)]
-fn push_layer<const U: usize, const V: usize>(
-    range: &CellRange,
-    lattice: &Lattice,
-    projection: &Projection<U, V>,
-    out: &mut Vec<u32>,
-) {
-    let mut start = range.first(lattice);
-    for v in range.start[V]..range.end[V] {
-        let mut index = start;
-        out.reserve((range.end[U] - range.start[U]) as usize);
-        for u in range.start[U]..range.end[U] {
-            if projection.overlaps([u, v].map(|i| f64::from(i) + 0.5)) {
-                out.push(index);
-            }
-            index += lattice.tables.strides[U];
-        }
-        start += lattice.tables.strides[V];
+    if range.is_line() {
+        // The triangle touches all of these cells.
+        range.push_if(lattice, out, |_| true);
+    } else {
+        let triangle = TriangleOverlap::new(v, 0.5 + padding);
+        range.push_if(lattice, out, |cell| triangle.overlaps(cell + 0.5));
     }
 }
 

@@ -7,16 +7,11 @@ use crate::base::memory;
 use crate::caster::block::{Frame, LANES, NONE};
 use crate::caster::bounds::{Region, widened};
 use crate::caster::box8::Box8;
-use crate::caster::division::{Bounds, Item, ItemRun};
+use crate::caster::division::{BinaryTree, Bounds, BranchContent, HEURISTIC_LEVELS, Half, Item, ItemRun};
 use crate::caster::lattice::GridTooLarge;
 use crate::math::aabb::Aabb;
 use crate::world::World;
-use binary::{BinaryTree, BranchContent, HEURISTIC_LEVELS, Half};
 use rayon::prelude::*;
-
-pub use binary::MAX_LEVELS;
-
-mod binary;
 
 /// A branch of a tree: the index of a node, or an index marked with one of the following bits.
 pub type Branch = u32;

@@ -11,18 +11,18 @@ use crate::stats::Counts;
 use crate::trace::NoHints;
 #[cfg(feature = "fast")]
 use crate::trace::Shadows;
-use crate::trace::{Effects, Memory, Patience, RayCount, Tracer};
+use crate::trace::{Effects, IsOver, Memory, RayCount, Tracer};
 use fearless_simd::dispatch;
 use std::ops::Range;
 
 /// Traces the samples of a picture.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct PictureTracer<'a> {
     camera: &'a Camera,
     caster: &'a Caster<'a>,
     effects: Effects,
     tracing: Tracing,
-    patience: Patience<'a>,
+    is_over: IsOver<'a>,
     #[cfg(feature = "fast")]
     hints: RasterHints,
     #[cfg(not(feature = "fast"))]
@@ -36,13 +36,13 @@ impl<'a> PictureTracer<'a> {
         view: View,
         request: &Request,
         tracing: Tracing,
-        patience: Patience<'a>,
+        is_over: IsOver<'a>,
     ) -> Self {
         #[cfg(feature = "fast")]
         let hints = RasterHints::new(caster.world, demand(view, request, tracing));
         #[cfg(not(feature = "fast"))]
         let (hints, _) = (NoHints, view);
-        Self { camera, caster, effects: request.effects, tracing, patience, hints }
+        Self { camera, caster, effects: request.effects, tracing, is_over, hints }
     }
 
     /// Returns a tracer that is prepared for these rows, counted from the bottom.
@@ -61,11 +61,11 @@ impl<'a> PictureTracer<'a> {
 
     /// Returns the memory for a row.
     pub fn memory(&self) -> Memory<'a> {
-        Memory::new(self.patience)
+        Memory::until(self.is_over, self.caster.world.lights.len())
     }
 
     /// Traces the samples of a packet in row `j`, and stores their colours if they are wanted. Does not count the
-    /// camera rays. Does nothing once the patience has ended.
+    /// camera rays. Does nothing once `is_over` has returned true.
     pub fn trace(
         &self,
         j: usize,
@@ -92,7 +92,7 @@ impl<'a> PictureTracer<'a> {
                 counts.non_shadow_rays += rays.0;
             }
         }
-        memory.patience.spend(packet.samples().len());
+        memory.spend(packet.samples().len());
     }
 }
 
