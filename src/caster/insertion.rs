@@ -14,7 +14,7 @@ use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::shape::{Form, InCells};
 use crate::world::sphere::Sphere;
 use crate::world::{Primitive, World};
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -212,36 +212,32 @@ pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], padding: f64, out: &m
     }
 }
 
-/// A triangle projected along the third axis, for overlap tests with cells. The cell with the centre (u, v)
-/// overlaps it if `a u + b v + c >= 0` for each of the three edges, where u and v are the coordinates along
-/// the axes `U` and `V`, which follow one another cyclically. The padding of cells is far above the rounding
-/// errors of these sums.
-struct Projection<const U: usize, const V: usize> {
-    edges: [[f64; 3]; 3],
-}
+/// A triangle projected along an axis, for overlap tests with cells. The cell with the centre (u, v) overlaps it if
+/// `a u + b v + c >= 0` for each of the three edges. The padding of cells is far above the rounding errors of these
+/// sums.
+struct Projection([[f64; 3]; 3]);
 
-impl<const U: usize, const V: usize> Projection<U, V> {
-    /// Projects a triangle in units of cells. `half` is half the edge length of a padded cell.
+impl Projection {
+    /// Takes the projected corners in units of cells. `half` is half the edge length of a padded cell.
     #[inline(always)]
-    fn new(v: [DVec3; 3], half: f64) -> Self {
-        let [p, q, r] = v.map(|v| [v[U], v[V]]);
-        let edge = |from: [f64; 2], to: [f64; 2], opposite: [f64; 2]| {
-            let (a, b) = (from[1] - to[1], to[0] - from[0]);
+    fn new([p, q, r]: [DVec2; 3], half: f64) -> Self {
+        let edge = |from: DVec2, to: DVec2, opposite: DVec2| {
+            let (a, b) = (from.y - to.y, to.x - from.x);
             // The sign makes the interior the positive side of the edge, whatever the orientation is. It may be wrong
             // only if rounding errors hide the side of this edge on which the triangle lies. Then the whole triangle
             // practically lies on the edge. A common sign for all edges is not enough: the area of a needle has the
             // rounding errors of its long edges, which hide the side of a short edge.
-            let sign = 1f64.copysign(a * (opposite[0] - from[0]) + b * (opposite[1] - from[1]));
+            let sign = 1f64.copysign(a * (opposite.x - from.x) + b * (opposite.y - from.y));
             let (a, b) = (a * sign, b * sign);
-            [a, b, half * (a.abs() + b.abs()) - (a * from[0] + b * from[1])]
+            [a, b, half * (a.abs() + b.abs()) - (a * from.x + b * from.y)]
         };
-        Self { edges: [edge(p, q, r), edge(q, r, p), edge(r, p, q)] }
+        Self([edge(p, q, r), edge(q, r, p), edge(r, p, q)])
     }
 
     /// Returns true if the cell with this centre, in units of cells, overlaps the projection.
     #[inline(always)]
-    fn overlaps(&self, [u, v]: [f64; 2]) -> bool {
-        min3(self.edges.map(|[a, b, c]| a * u + b * v + c)) >= 0.0
+    fn overlaps(&self, center: DVec2) -> bool {
+        min3(self.0.map(|[a, b, c]| a * center.x + b * center.y + c)) >= 0.0
     }
 }
 
@@ -256,13 +252,13 @@ struct TriangleOverlap {
     /// The largest distance of the plane from the centre of a cell that it touches, times the length of the
     /// normal.
     max_distance: f64,
-    xy: Projection<0, 1>,
-    yz: Projection<1, 2>,
-    zx: Projection<2, 0>,
+    xy: Projection,
+    yz: Projection,
+    zx: Projection,
 }
 
 impl TriangleOverlap {
-    /// Takes the same arguments as [`Projection::new`].
+    /// Takes the corners in units of cells. `half` is half the edge length of a padded cell.
     #[inline(always)]
     fn new(v: [DVec3; 3], half: f64) -> Self {
         let sides = [v[1] - v[0], v[2] - v[1], v[0] - v[2]];
@@ -275,20 +271,19 @@ impl TriangleOverlap {
             normal,
             offset: normal.dot(v[0]),
             max_distance: half * normal.abs().element_sum() + plane_error_bound,
-            xy: Projection::new(v, half),
-            yz: Projection::new(v, half),
-            zx: Projection::new(v, half),
+            xy: Projection::new(v.map(DVec3::xy), half),
+            yz: Projection::new(v.map(DVec3::yz), half),
+            zx: Projection::new(v.map(DVec3::zx), half),
         }
     }
 
     /// Returns true if the cell with this centre, in units of cells, overlaps the triangle.
     #[inline(always)]
     fn overlaps(&self, center: DVec3) -> bool {
-        let [x, y, z] = center.to_array();
         (self.normal.dot(center) - self.offset).abs() <= self.max_distance
-            && self.xy.overlaps([x, y])
-            && self.yz.overlaps([y, z])
-            && self.zx.overlaps([z, x])
+            && self.xy.overlaps(center.xy())
+            && self.yz.overlaps(center.yz())
+            && self.zx.overlaps(center.zx())
     }
 }
 
