@@ -19,7 +19,7 @@ from commands import ROOT, commands, run
 # The files of each shortcut, whose lines without tests are counted.
 FILES = {
     "first_hits": ["src/fast/raster/mod.rs", "src/fast/raster/bins.rs", "src/fast/raster/tile.rs", "src/fast/raster/triangle_bounds.rs",
-                   "src/fast/raster/edge_functions.rs", "src/fast/raster/flat_triangle.rs", "src/fast/raster/parallel_view.rs"],
+                   "src/fast/raster/edge_functions.rs", "src/fast/raster/flat_triangle.rs", "src/fast/raster/viewport.rs", "src/fast/raster/parallel_view.rs"],
     "shadow_maps": ["src/fast/raster/shadow_map.rs", "src/fast/raster/light_view.rs"],
     "avx2": ["src/math/instructions.rs"],
     "plain_meshes": ["src/scene/plain_obj.rs"],

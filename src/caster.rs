@@ -17,8 +17,8 @@ pub mod dda;
 pub mod insertion;
 pub mod choose;
 mod contents;
-mod division;
 mod box8;
+mod division;
 mod tree;
 mod structure;
 mod query;
@@ -26,12 +26,13 @@ mod traverse;
 #[doc(hidden)]
 pub use crate::math::instructions::Level;
 pub use lattice::GridTooLarge;
+pub use query::RayOrigin;
 pub use structure::{Fullness, StructureSize};
 
 use crate::caster::block::NONE;
 use crate::caster::bounds::Entry;
 use crate::caster::choose::{Layout, Rays};
-use crate::caster::query::{AllHits, AnyHit, Goal, Nearest, Query, RayOrigin};
+use crate::caster::query::{AllHits, AnyHit, Goal, Nearest, Query};
 use crate::caster::structure::{AccelerationStructure, Order};
 use crate::math::instructions;
 use crate::math::ray::{Hit, Ray, Visible};
@@ -113,14 +114,12 @@ impl<'w> Caster<'w> {
     /// Returns the nearest hit on the ray.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.nearest(ray, None, probe).map(|visible| self.world.hit(ray, visible))
+        self.nearest(ray, RayOrigin::FREE, probe).map(|visible| self.world.hit(ray, visible))
     }
 
-    /// Finds the primitive that the ray hits first; the decision is exact. `leaves` is the primitive on which the ray
-    /// starts.
+    /// Finds the primitive that the ray hits first; the decision is exact.
     #[inline(always)]
-    pub fn nearest<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> Option<Visible> {
-        let origin = RayOrigin::new(self.world, leaves);
+    pub fn nearest<P: Probe>(&self, ray: &Ray, origin: RayOrigin, probe: &mut P) -> Option<Visible> {
         let best = dispatch!(self.level, simd => {
             let [a, b, c, d] = ray.pairs();
             self.nearest_at(simd, a, b, c, d, origin, probe)
@@ -129,51 +128,35 @@ impl<'w> Caster<'w> {
     }
 
     /// Returns true if the ray hits anything.
-    #[inline]
-    pub fn any<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.any_from(ray, None, probe)
-    }
-
-    /// Returns true if the ray hits anything. `leaves` is the primitive on which the ray starts.
     #[inline(always)]
-    pub fn any_from<P: Probe>(&self, ray: &Ray, leaves: Option<u32>, probe: &mut P) -> bool {
-        let origin = RayOrigin::new(self.world, leaves);
+    pub fn any<P: Probe>(&self, ray: &Ray, origin: RayOrigin, probe: &mut P) -> bool {
         dispatch!(self.level, simd => {
             let [a, b, c, d] = ray.pairs();
             self.any_at(simd, a, b, c, d, origin, probe)
         })
     }
 
-    /// Returns true if the ray hits `primitive`. A ray never hits the triangle on which it starts.
+    /// Returns true if the ray hits this triangle.
     #[inline(never)]
-    pub fn is_hit(&self, ray: &Ray, primitive: u32, leaves: Option<u32>) -> bool {
-        if leaves == Some(primitive) && self.world.is_triangle(primitive) {
-            return false;
-        }
-        self.world.crossing(ray, primitive).is_some()
+    pub fn hits_triangle(&self, ray: &Ray, triangle: u32, origin: RayOrigin) -> bool {
+        origin.primitive != triangle && self.world.crossing(ray, triangle).is_some()
     }
 
-    /// Returns true if the world has no plane other than `primitive`.
+    /// Returns true if the world has no plane other than this origin.
     #[inline(always)]
-    pub fn has_no_plane_but(&self, primitive: Option<u32>) -> bool {
+    pub fn has_no_plane_but(&self, origin: RayOrigin) -> bool {
         match self.world.planes.len() {
             0 => true,
-            1 => primitive == Some(self.world.first_plane()),
+            1 => origin.primitive == self.world.first_plane(),
             _ => false,
         }
     }
 
-    /// Returns true if the ray hits a plane other than the one on which it starts.
+    /// Returns true if the ray hits any plane.
     #[inline(always)]
-    pub fn meets_plane(&self, ray: &Ray, leaves: Option<u32>) -> bool {
+    pub fn hits_plane(&self, ray: &Ray, origin: RayOrigin) -> bool {
         let mut planes = (self.world.first_plane()..).zip(&self.world.planes);
-        planes.any(|(id, plane)| leaves != Some(id) && plane.intersect(ray).is_some())
-    }
-
-    /// Returns true if this is a sphere or an ellipsoid.
-    #[inline(always)]
-    pub fn is_round(&self, primitive: u32) -> bool {
-        self.world.is_shape(primitive)
+        planes.any(|(id, plane)| id != origin.primitive && plane.intersect(ray).is_some())
     }
 
     /// Finds the nearest primitive, or [`NONE`]. It returns [`NONE`] instead of an `Option`, and takes the ray as pairs

@@ -4,13 +4,13 @@
 //! of each source that nothing blocks, and the colours along the reflected and the refracted ray. These secondary rays
 //! wait on a stack. An [`Observer`] counts or records the steps. [`Hints`] spare rays and never change a colour.
 
-use crate::caster::Caster;
+use crate::caster::{Caster, RayOrigin};
 use crate::math::ray::{Ray, Visible};
 use crate::math::robust::offset_origin;
 use crate::picture::Color;
 use crate::scene::model::Highlight;
 use crate::shading::light::incident;
-use crate::shading::phong::{Mixture, PointMaterial, View};
+use crate::shading::phong::{PointMaterial, View};
 use crate::shading::texture::material_of_surface;
 use crate::world::{SurfacePoint, World};
 use fearless_simd::{Simd, dispatch};
@@ -19,20 +19,19 @@ use glam::DVec3;
 use serde::Serialize;
 
 mod hints;
+mod memory;
 mod observer;
 mod optics;
 mod packet;
-mod patience;
 mod secondary;
 mod shadow;
-mod surfaces;
 
 pub use hints::{Blocker, FirstHit, Hints, NoHints};
+pub(crate) use memory::MOST_WAITING;
+pub use memory::{IsOver, Memory};
 pub use observer::{Event, Observer, PathEnd, RayCount, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
 pub(crate) use optics::{mirrored_part, refracted_between};
-pub(crate) use patience::MOST_WAITING;
-pub use patience::Patience;
 use secondary::{Path, SecondaryRay};
 
 /// The objects that cast shadows.
@@ -69,41 +68,12 @@ pub struct Tracer<'a, H = NoHints> {
     hints: &'a H,
 }
 
-/// The memory of a tracer, kept from one camera ray to the next.
-#[derive(Debug)]
-pub struct Memory<'a> {
-    /// The secondary rays that wait to be traced. The stack is empty between two camera rays.
-    pending: Vec<SecondaryRay>,
-    mixture: Mixture,
-    /// Decides when to stop tracing secondary rays.
-    pub(crate) patience: Patience<'a>,
-}
-
 /// A ray, and the surface that it hits.
 struct Arrival<'m> {
     ray: &'m Ray,
     path: &'m Path,
     surface: &'m SurfacePoint,
     material: PointMaterial<'m>,
-}
-
-impl<'a> Memory<'a> {
-    /// Returns a memory whose secondary rays are traced until the patience ends.
-    pub fn new(patience: Patience<'a>) -> Self {
-        Self { pending: vec![], mixture: Mixture::default(), patience }
-    }
-
-    /// Returns true if the patience ended and rays were left out.
-    pub(crate) fn is_cut(&self) -> bool {
-        self.patience.has_ended
-    }
-}
-
-impl Default for Memory<'_> {
-    /// Returns a memory whose secondary rays are all traced.
-    fn default() -> Self {
-        Self::new(Patience::endless())
-    }
 }
 
 impl<'a> Tracer<'a> {
@@ -126,7 +96,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
 
     /// Returns the colour along a camera ray.
     pub fn color<O: Observer>(&self, ray: &Ray, memory: &mut Memory, observer: &mut O) -> Color {
-        let visible = self.nearest(ray, None, observer);
+        let visible = self.nearest(ray, RayOrigin::FREE, observer);
         let surface = visible.map(|visible| self.surface(ray, visible));
         self.color_of(ray, surface.as_ref(), memory, observer)
     }
@@ -174,14 +144,14 @@ impl<'a, H: Hints> Tracer<'a, H> {
         let mut color = *sum;
         // Copy the parts of a ray one by one. They were written one by one just before: reading them as vectors would
         // defeat store forwarding and stall the processor.
-        while let Some(SecondaryRay { ray, leaves, path }) = memory.pending.pop() {
-            if memory.patience.ends(memory.pending.len()) {
+        while let Some(SecondaryRay { ray, origin, path }) = memory.pending.pop() {
+            if memory.ends() {
                 memory.pending.clear();
                 break;
             }
             observer.observe(|| Event::Popped);
             observer.non_shadow_ray();
-            let seen = match self.nearest(&ray, leaves, observer) {
+            let seen = match self.nearest(&ray, origin, observer) {
                 Some(visible) => {
                     self.local_color(&ray, &path, Some(&self.surface(&ray, visible)), memory, observer)
                 }
@@ -192,10 +162,10 @@ impl<'a, H: Hints> Tracer<'a, H> {
         *sum = color;
     }
 
-    /// Returns the first hit of a ray that starts on the primitive `leaves`.
+    /// Returns the first hit of a ray.
     #[inline(always)]
-    fn nearest<O: Observer>(&self, ray: &Ray, leaves: Option<u32>, observer: &mut O) -> Option<Visible> {
-        let visible = self.caster.nearest(ray, leaves, observer);
+    fn nearest<O: Observer>(&self, ray: &Ray, origin: RayOrigin, observer: &mut O) -> Option<Visible> {
+        let visible = self.caster.nearest(ray, origin, observer);
         observer.observe(|| Event::Met(visible.map(|visible| self.world().hit(ray, visible))));
         visible
     }
@@ -203,7 +173,12 @@ impl<'a, H: Hints> Tracer<'a, H> {
     /// Returns the surface that a ray hits first.
     #[inline(always)]
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
-        let mut surface = self.world().visible_surface(ray, visible);
+        self.smooth(self.world().visible_surface(ray, visible))
+    }
+
+    /// Returns a surface with the smooth normal of its mesh, if that has one.
+    #[inline(always)]
+    fn smooth(&self, mut surface: SurfacePoint) -> SurfacePoint {
         if self.world().has_smooth_normals() {
             // Taking a reference to a copy keeps the surface itself in registers.
             let flat = surface;
@@ -232,8 +207,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
                 observer.observe(|| Event::Surface { point: surface, material: material.phong });
                 let arrival = Arrival { ray, path, surface, material };
                 if O::COUNTS || path.bounces < self.effects.bounces {
-                    self.reflect(&arrival, pending, observer);
-                    self.refract(&arrival, pending, observer);
+                    self.push_secondary(&arrival, pending, observer);
                 }
                 self.shade(&arrival, observer)
             }
@@ -290,11 +264,11 @@ impl<'a, H: Hints> Tracer<'a, H> {
         Ray { t_min, ..Ray::new(origin, direction) }
     }
 
-    /// Returns the primitive that is not tested against rays from this surface. If the scene has an epsilon, every
-    /// primitive is tested.
+    /// Returns the origin of rays from a surface. If the scene has an epsilon, they are tested against every primitive.
     #[inline(always)]
-    fn origin_primitive(&self, surface: &SurfacePoint) -> Option<u32> {
-        if self.world().lighting.epsilon.is_some() { None } else { surface.primitive }
+    fn origin(&self, surface: &SurfacePoint) -> RayOrigin {
+        let has_epsilon = self.world().lighting.epsilon.is_some();
+        if has_epsilon { RayOrigin::FREE } else { RayOrigin::on(self.world(), surface.primitive) }
     }
 }
 

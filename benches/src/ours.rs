@@ -2,7 +2,7 @@
 
 use crate::contestant::{Cast, FlatRay};
 use raytracer::caster::choose::{Layout, Rays};
-use raytracer::caster::{Caster, GridTooLarge};
+use raytracer::caster::{Caster, GridTooLarge, RayOrigin};
 use raytracer::math::instructions;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -14,12 +14,12 @@ impl Cast for Caster<'_> {
     }
 
     fn count_closest(&self, rays: &[FlatRay]) -> usize {
-        rays.iter().filter(|ray| self.nearest(&ray.exact(), None, &mut Quiet).is_some()).count()
+        rays.iter().filter(|ray| self.nearest(&ray.exact(), RayOrigin::FREE, &mut Quiet).is_some()).count()
     }
 
     #[inline(always)]
     fn any(&self, ray: &FlatRay) -> bool {
-        Caster::any(self, &ray.exact(), &mut Quiet)
+        Caster::any(self, &ray.exact(), RayOrigin::FREE, &mut Quiet)
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::{Figure, panels};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::offset_origin;
 use raytracer::scene::material::{Material, Phong};
@@ -84,7 +84,7 @@ fn brightness(caster: &Caster, ray: &Ray, hit: Hit) -> [u8; 2] {
     let fixed = Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t).as_vec3().as_dvec3(), to_light) };
     let start = offset_origin(surface.position, surface.normal, to_light, surface.extent);
     [fixed, Ray::new(start, to_light)].map(|shadow| {
-        let lit = !caster.any(&shadow, &mut Quiet);
+        let lit = !caster.any(&shadow, RayOrigin::FREE, &mut Quiet);
         (30.0 + if lit { 200.0 * cosine } else { 0.0 }) as u8
     })
 }

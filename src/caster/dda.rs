@@ -14,7 +14,7 @@
 //! visits at t, and a query that visits all cells up to the t of its best hit cannot miss a nearer one.
 
 use crate::caster::bounds::{RayInterval, intersect_aabb};
-use crate::caster::lattice::{DdaTables, GridTooLarge, Lattice};
+use crate::caster::lattice::{GridTooLarge, Lattice};
 use crate::math::extremes::max;
 use crate::math::instructions::Level;
 use crate::math::ray::Ray;
@@ -156,7 +156,7 @@ impl<'l> Dda<'l> {
     pub fn of_ray(lattice: &'l Lattice, ray: &Ray) -> Option<(Self, [f64; 2])> {
         dispatch!(Level::baseline(), simd => {
             let ray_lanes = RayLanes::all_axes(simd, ray);
-            let interval = intersect_aabb(&lattice.tables.simd_bounds, ray_lanes, ray.t_min, ray.t_max);
+            let interval = intersect_aabb(&lattice.simd_bounds, ray_lanes, ray.t_min, ray.t_max);
             interval.map(|interval| (Self::new(lattice, &interval), [interval.entry, interval.exit]))
         })
     }
@@ -168,11 +168,9 @@ impl<'l> Dda<'l> {
         let RayInterval { entry, exit, ray_lanes: RayLanes { origin, direction, inv_direction } } = *interval;
         let fixed_per_t = T_ONE / max(exit - entry, MIN_INTERVAL);
         let (entry_lanes, scale) = (origin.broadcast(entry), origin.broadcast(fixed_per_t));
-        let DdaTables { simd_bounds, strides, step_offsets, .. } = &lattice.tables;
         let lanes = |table: [f64; 4]| f64x4::simd_from(origin.proof(), table);
-        let (min, cell_size) = (lanes(simd_bounds.min), lanes(lattice.tables.cell_size));
-        let cells_per_unit = lanes(lattice.tables.cells_per_unit);
-        let last_cell = lanes(lattice.tables.last_cell);
+        let (min, cell_size) = (lanes(lattice.simd_bounds.min), lanes(lattice.cell_size_lanes));
+        let (cells_per_unit, last_cell) = (lanes(lattice.cells_per_unit), lanes(lattice.last_cell));
         // From here on, positions are in units of cells.
         let origin = (origin - min) * cells_per_unit;
         let t_per_cell = inv_direction * cell_size;
@@ -183,11 +181,11 @@ impl<'l> Dda<'l> {
         let to_next_face = cell.round() + (inv_direction.one_where_positive() - origin);
         let crossing = (to_next_face * t_per_cell - entry_lanes) * scale;
         Self {
-            index: index(cell.to_i32(), strides),
+            index: index(cell.to_i32(), &lattice.strides),
             // For a ray parallel to the faces the crossing is infinite, or NaN if it lies in a face.
             t_next: FixedT::new(to_fixed(crossing.unless_infinite(inv_direction, T_NEVER))),
             t_delta: FixedT::new(to_fixed(t_per_cell.abs() * scale)),
-            step_offsets: &step_offsets[inv_direction.sign_mask()],
+            step_offsets: &lattice.step_offsets[inv_direction.sign_mask()],
             entry,
             fixed_per_t,
         }

@@ -14,7 +14,7 @@ use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::shape::Shape;
 use crate::world::sphere::Sphere;
 use crate::world::{Primitive, World};
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -171,27 +171,11 @@ impl CellRange {
         }
     }
 
-    /// Returns, for each axis, true if the range has more than one cell along it.
+    /// Returns true if the range has several cells along at most one axis.
     #[inline(always)]
-    fn spans_cells(&self) -> [bool; 3] {
-        [0, 1, 2].map(|axis| self.end[axis] > self.start[axis] + 1)
-    }
-
-    /// Returns the index of the first cell.
-    #[inline(always)]
-    fn first(&self, lattice: &Lattice) -> u32 {
-        lattice.index(self.start.map(|i| i as usize)) as u32
-    }
-
-    /// Appends all cells of a range that extends along one axis only.
-    #[inline(always)]
-    fn push_line(&self, lattice: &Lattice, axis: usize, out: &mut Vec<u32>) {
-        let mut index = self.first(lattice);
-        out.reserve((self.end[axis] - self.start[axis]) as usize);
-        for _ in self.start[axis]..self.end[axis] {
-            out.push(index);
-            index += lattice.tables.strides[axis];
-        }
+    fn is_line(&self) -> bool {
+        let spans_cells = |axis: &usize| self.end[*axis] > self.start[*axis] + 1;
+        (0..3).filter(spans_cells).count() <= 1
     }
 
     /// Appends the cells for which `is_touched` holds; its argument is the cell's lower corner in units of
@@ -219,76 +203,41 @@ pub fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], padding: f64, out: &m
     let v = corners.map(|p| lattice.to_cells(p));
     let [min, max] = box_corners(v);
     let range = CellRange::new(lattice, min, max, padding);
-    let half = 0.5 + padding;
-    match range.spans_cells() {
-        [true, true, true] => {
-            let triangle = TriangleOverlap::new(v, half);
-            range.push_if(lattice, out, |cell| triangle.overlaps(cell + 0.5))
-        }
-        // In a single layer of cells the projection along the layer's axis is sufficient.
-        [true, true, false] => push_layer(&range, lattice, &Projection::<0, 1>::new(v, half), out),
-        [false, true, true] => push_layer(&range, lattice, &Projection::<1, 2>::new(v, half), out),
-        [true, false, true] => push_layer(&range, lattice, &Projection::<2, 0>::new(v, half), out),
-        // The triangle touches all cells of a range that extends along one axis only.
-        [true, false, false] => range.push_line(lattice, 0, out),
-        [false, true, false] => range.push_line(lattice, 1, out),
-        [false, false, _] => range.push_line(lattice, 2, out),
+    if range.is_line() {
+        // The triangle touches all of these cells.
+        range.push_if(lattice, out, |_| true);
+    } else {
+        let triangle = TriangleOverlap::new(v, 0.5 + padding);
+        range.push_if(lattice, out, |cell| triangle.overlaps(cell + 0.5));
     }
 }
 
-/// Appends the cells of a range that a projected triangle overlaps. The range must be one cell thick along the axis of
-/// projection.
-#[inline(always)]
-fn push_layer<const U: usize, const V: usize>(
-    range: &CellRange,
-    lattice: &Lattice,
-    projection: &Projection<U, V>,
-    out: &mut Vec<u32>,
-) {
-    let mut start = range.first(lattice);
-    for v in range.start[V]..range.end[V] {
-        let mut index = start;
-        out.reserve((range.end[U] - range.start[U]) as usize);
-        for u in range.start[U]..range.end[U] {
-            if projection.overlaps([u, v].map(|i| f64::from(i) + 0.5)) {
-                out.push(index);
-            }
-            index += lattice.tables.strides[U];
-        }
-        start += lattice.tables.strides[V];
-    }
-}
+/// A triangle projected along an axis, for overlap tests with cells. The cell with the centre (u, v) overlaps it if
+/// `a u + b v + c >= 0` for each of the three edges. The padding of cells is far above the rounding errors of these
+/// sums.
+struct Projection([[f64; 3]; 3]);
 
-/// A triangle projected along the third axis, for overlap tests with cells. The cell with the centre (u, v)
-/// overlaps it if `a u + b v + c >= 0` for each of the three edges, where u and v are the coordinates along
-/// the axes `U` and `V`, which follow one another cyclically. The padding of cells is far above the rounding
-/// errors of these sums.
-struct Projection<const U: usize, const V: usize> {
-    edges: [[f64; 3]; 3],
-}
-
-impl<const U: usize, const V: usize> Projection<U, V> {
-    /// Projects a triangle in units of cells. `half` is half the edge length of a padded cell.
+impl Projection {
+    /// Takes the projected corners in units of cells. `half` is half the edge length of a padded cell.
     #[inline(always)]
-    fn new(v: [DVec3; 3], half: f64) -> Self {
-        let [p, q, r] = v.map(|v| [v[U], v[V]]);
-        let edge = |from: [f64; 2], to: [f64; 2], opposite: [f64; 2]| {
-            let (a, b) = (from[1] - to[1], to[0] - from[0]);
+    fn new([p, q, r]: [DVec2; 3], half: f64) -> Self {
+        let edge = |from: DVec2, to: DVec2, opposite: DVec2| {
+            let (a, b) = (from.y - to.y, to.x - from.x);
             // The sign makes the interior the positive side of the edge, whatever the orientation is. It may be wrong
             // only if rounding errors hide the side of this edge on which the triangle lies. Then the whole triangle
             // practically lies on the edge. A common sign for all edges is not enough: the area of a needle has the
             // rounding errors of its long edges, which hide the side of a short edge.
-            let sign = 1f64.copysign(a * (opposite[0] - from[0]) + b * (opposite[1] - from[1]));
+            let sign = 1f64.copysign(a * (opposite.x - from.x) + b * (opposite.y - from.y));
             let (a, b) = (a * sign, b * sign);
-            [a, b, half * (a.abs() + b.abs()) - (a * from[0] + b * from[1])]
+            [a, b, half * (a.abs() + b.abs()) - (a * from.x + b * from.y)]
         };
-        Self { edges: [edge(p, q, r), edge(q, r, p), edge(r, p, q)] }
+        Self([edge(p, q, r), edge(q, r, p), edge(r, p, q)])
     }
 
     /// Returns true if the cell with this centre, in units of cells, overlaps the projection.
     #[inline(always)]
-    fn overlaps(&self, [u, v]: [f64; 2]) -> bool {
-        min3(self.edges.map(|[a, b, c]| a * u + b * v + c)) >= 0.0
+    fn overlaps(&self, center: DVec2) -> bool {
+        min3(self.0.map(|[a, b, c]| a * center.x + b * center.y + c)) >= 0.0
     }
 }
 
@@ -303,13 +252,13 @@ struct TriangleOverlap {
     /// The largest distance of the plane from the centre of a cell that it touches, times the length of the
     /// normal.
     max_distance: f64,
-    xy: Projection<0, 1>,
-    yz: Projection<1, 2>,
-    zx: Projection<2, 0>,
+    xy: Projection,
+    yz: Projection,
+    zx: Projection,
 }
 
 impl TriangleOverlap {
-    /// Takes the same arguments as [`Projection::new`].
+    /// Takes the corners in units of cells. `half` is half the edge length of a padded cell.
     #[inline(always)]
     fn new(v: [DVec3; 3], half: f64) -> Self {
         let sides = [v[1] - v[0], v[2] - v[1], v[0] - v[2]];
@@ -322,20 +271,19 @@ impl TriangleOverlap {
             normal,
             offset: normal.dot(v[0]),
             max_distance: half * normal.abs().element_sum() + plane_error_bound,
-            xy: Projection::new(v, half),
-            yz: Projection::new(v, half),
-            zx: Projection::new(v, half),
+            xy: Projection::new(v.map(DVec3::xy), half),
+            yz: Projection::new(v.map(DVec3::yz), half),
+            zx: Projection::new(v.map(DVec3::zx), half),
         }
     }
 
     /// Returns true if the cell with this centre, in units of cells, overlaps the triangle.
     #[inline(always)]
     fn overlaps(&self, center: DVec3) -> bool {
-        let [x, y, z] = center.to_array();
         (self.normal.dot(center) - self.offset).abs() <= self.max_distance
-            && self.xy.overlaps([x, y])
-            && self.yz.overlaps([y, z])
-            && self.zx.overlaps([z, x])
+            && self.xy.overlaps(center.xy())
+            && self.yz.overlaps(center.yz())
+            && self.zx.overlaps(center.zx())
     }
 }
 

@@ -32,24 +32,18 @@ pub struct Lattice {
     cells: [usize; 3],
     /// The edge lengths of a cell.
     pub cell_size: DVec3,
-    /// The tables of the traversal.
-    pub(super) tables: DdaTables,
-}
-
-/// The data that every traversal of a lattice needs, computed once. The fourth lanes are not used.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct DdaTables {
-    pub simd_bounds: SimdAabb,
-    pub cell_size: [f64; 4],
-    pub cells_per_unit: [f64; 4],
+    // The following fields are tables of the traversal, whose fourth lanes are not used.
+    pub(super) simd_bounds: SimdAabb,
+    pub(super) cell_size_lanes: [f64; 4],
+    pub(super) cells_per_unit: [f64; 4],
     /// The coordinate of the last cell along each axis.
-    pub last_cell: [f64; 4],
+    pub(super) last_cell: [f64; 4],
     /// The index difference between neighbouring cells along each axis.
-    pub strides: [u32; 3],
+    pub(super) strides: [u32; 3],
     /// The offset that a step adds to the index, by the set of axes along which the ray's direction is negative and by
     /// the set of axes that do not step (bit 0 for x). Bit 3 of the latter belongs to the unused lane and has no
     /// effect.
-    pub step_offsets: [[isize; 16]; 8],
+    pub(super) step_offsets: [[isize; 16]; 8],
 }
 
 impl Lattice {
@@ -58,24 +52,26 @@ impl Lattice {
     pub fn new(bounds: Aabb, cells: [usize; 3]) -> Self {
         let count = DVec3::from_array(cells.map(|n| n as f64));
         let extent = bounds.extent();
-        let (cell_size, cells_per_unit) = (extent / count, count / extent);
+        let cell_size = extent / count;
         let [nx, ny, _] = cells;
         let strides = [1, nx + 2, (nx + 2) * (ny + 2)];
         let step_offset = |negative_axes: usize, unstepped: usize| -> isize {
             let steps = (0..3).filter(|axis| unstepped >> axis & 1 == 0);
             steps.map(|axis| strides[axis] as isize * (1 - 2 * (negative_axes >> axis & 1) as isize)).sum()
         };
-        let tables = DdaTables {
+        Self {
+            bounds,
+            cells,
+            cell_size,
             simd_bounds: SimdAabb::new(&bounds),
-            cell_size: cell_size.extend(1.0).to_array(),
-            cells_per_unit: cells_per_unit.extend(1.0).to_array(),
+            cell_size_lanes: cell_size.extend(1.0).to_array(),
+            cells_per_unit: (count / extent).extend(1.0).to_array(),
             last_cell: (count - 1.0).extend(0.0).to_array(),
             strides: strides.map(|stride| stride as u32),
             step_offsets: std::array::from_fn(|negative_axes| {
                 std::array::from_fn(|unstepped| step_offset(negative_axes, unstepped))
             }),
-        };
-        Self { bounds, cells, cell_size, tables }
+        }
     }
 
     /// Returns the number of cells along each axis without the border, at least one. It never changes, since a
@@ -104,8 +100,7 @@ impl Lattice {
 
     /// Returns the index difference between neighbouring cells along each axis.
     pub fn strides(&self) -> [usize; 3] {
-        let [nx, ny, _] = self.cells;
-        [1, nx + 2, (nx + 2) * (ny + 2)]
+        self.strides.map(|stride| stride as usize)
     }
 
     /// Returns the index of the cell with these coordinates.
@@ -137,7 +132,7 @@ impl Lattice {
 
     /// Converts a point to units of cells, relative to the lower corner of the lattice.
     pub fn to_cells(&self, point: DVec3) -> DVec3 {
-        let [x, y, z, _] = self.tables.cells_per_unit;
+        let [x, y, z, _] = self.cells_per_unit;
         (point - self.bounds.min) * DVec3::new(x, y, z)
     }
 

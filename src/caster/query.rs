@@ -12,21 +12,25 @@ use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 use fearless_simd::Simd;
 
-/// The primitive on which a ray starts. A triangle or a plane is not tested, because the ray cannot hit it again. A
-/// sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
-#[derive(Clone, Copy)]
+/// The primitive on which a ray starts, if any. A triangle or a plane is not tested, because the ray cannot hit it
+/// again. A sphere or an ellipsoid is tested before all others, because a ray into it seldom hits anything else.
+#[derive(Clone, Copy, Debug)]
 pub struct RayOrigin {
     /// The primitive's id, or [`NONE`].
-    primitive: u32,
+    pub(super) primitive: u32,
     /// True if it is a sphere or an ellipsoid.
-    may_return: bool,
+    pub(crate) is_round: bool,
 }
 
 impl RayOrigin {
+    /// The origin of a ray that starts on no primitive.
+    pub const FREE: Self = Self { primitive: NONE, is_round: false };
+
+    /// Returns the origin of a ray that starts on this primitive.
     #[inline(always)]
-    pub fn new(world: &World, primitive: Option<u32>) -> Self {
+    pub fn on(world: &World, primitive: Option<u32>) -> Self {
         let primitive = primitive.unwrap_or(NONE);
-        Self { primitive, may_return: world.is_shape(primitive) }
+        Self { primitive, is_round: world.is_shape(primitive) }
     }
 }
 
@@ -50,7 +54,7 @@ pub struct Query<'a, P, G> {
 const MAX_TESTED: usize = 4;
 
 /// The goal of a query: the nearest hit, any hit, or all hits.
-pub trait Goal: Sized {
+pub trait Goal {
     /// True if the first hit is enough.
     const ANY: bool = false;
 
@@ -61,23 +65,17 @@ pub trait Goal: Sized {
 
     /// Returns two values: an upper bound on the t of the nearest hit so far, or the ray's end if there is none; and
     /// the t up to which to look for primitives.
-    fn ends<P: Probe>(query: &Query<P, Self>) -> [f64; 2] {
-        [query.ray.t_max; 2]
+    fn ends(&self, _: &World, ray: &Ray) -> [f64; 2] {
+        [ray.t_max; 2]
     }
 
     /// Takes a hit at `t`. Returns true if that changes the rest of the search.
-    fn offer<P: Probe>(query: &mut Query<P, Self>, t: f64, primitive: u32) -> bool;
+    fn offer(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool;
 
-    /// Decides which of the triangles that the filter does not reject are hit, and takes these hits. Returns true if
-    /// that changes the rest of the search.
-    #[inline(always)]
-    fn decide<P: Probe>(
-        query: &mut Query<P, Self>,
-        block: &Block,
-        verdict: &Verdict,
-        _filter_state: &FilterState,
-    ) -> bool {
-        query.test_lanes(block, verdict.possible)
+    /// Takes a hit by a lower and an upper bound on its t, if these decide that it is the nearest so far. Returns true
+    /// if they do.
+    fn offer_between(&mut self, _: &World, _bounds: [f64; 2], _primitive: u32) -> bool {
+        false
     }
 
     /// Records that some primitives that may lie in the same place as the best one were not tested.
@@ -93,13 +91,18 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
     /// Returns an upper bound on the t of the nearest hit so far.
     #[inline(always)]
     pub fn nearest_t(&self) -> f64 {
-        G::ends(self)[0]
+        self.goal.ends(self.world, self.ray)[0]
     }
 
     /// Returns the t up to which to look for primitives.
     #[inline(always)]
     pub fn end(&self) -> f64 {
-        G::ends(self)[1]
+        self.goal.ends(self.world, self.ray)[1]
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, t: f64, primitive: u32) -> bool {
+        self.goal.offer(self.world, self.ray, t, primitive)
     }
 
     /// Tests the primitives outside the structure: the planes, and the sphere or ellipsoid on which the ray starts.
@@ -113,10 +116,10 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
             if id != self.left_out
                 && let Some(t) = plane.intersect(ray)
             {
-                is_hit |= G::offer(self, t, id);
+                is_hit |= self.offer(t, id);
             }
         }
-        if origin.may_return {
+        if origin.is_round {
             is_hit |= self.test_origin();
         }
         is_hit
@@ -152,7 +155,7 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
             // far.
             let left_out = [self.left_out, self.goal.best()];
             let verdict = filter::test(simd, block, &filter_state.ray, left_out);
-            if verdict.possible != 0 && G::decide(self, block, &verdict, filter_state) {
+            if verdict.possible != 0 && self.decide(block, &verdict, filter_state) {
                 if G::ANY {
                     return true;
                 }
@@ -184,17 +187,35 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         ids.iter().fold(false, |changed, &id| (self.is_new(id) && self.test_exactly(id)) | changed)
     }
 
-    /// Tests the lanes of a block that the filter could not decide.
-    #[inline(never)]
-    fn test_lanes(&mut self, block: &Block, possible: u32) -> bool {
+    /// Decides which of the triangles that the filter does not reject are hit, and takes these hits. Returns true if
+    /// that changes the rest of the search.
+    #[inline(always)]
+    fn decide(&mut self, block: &Block, verdict: &Verdict, filter_state: &FilterState) -> bool {
+        // A counting query tests every triangle, because the number of steps depends on t.
+        let certain = if P::COUNTS { 0 } else { verdict.certain };
+        if G::ANY {
+            // Which primitive is hit does not matter.
+            return certain != 0 && self.offer(0.0, NONE) || self.test_any_lane(block, verdict.possible);
+        }
         let mut changed = false;
-        for lane in lanes(possible) {
-            changed |= self.test_triangle(block.index.ids[lane]);
-            if G::ANY && changed {
-                break;
+        for lane in lanes(verdict.possible) {
+            let id = block.index.ids[lane];
+            // Double precision, which loads the vertices, is needed only if the bounds on t do not decide.
+            if certain >> lane & 1 != 0 {
+                let bounds = verdict.depths(lane, block).map(|depth| filter_state.t(depth));
+                if self.goal.offer_between(self.world, bounds, id) {
+                    changed = true;
+                    continue;
+                }
             }
+            changed |= self.test_triangle(id);
         }
         changed
+    }
+
+    #[inline(never)]
+    fn test_any_lane(&mut self, block: &Block, possible: u32) -> bool {
+        lanes(possible).any(|lane| self.test_triangle(block.index.ids[lane]))
     }
 
     /// Tests a triangle exactly, unless it was one of the last to be tested.
@@ -231,7 +252,7 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
     fn test_exactly(&mut self, id: u32) -> bool {
         match self.world.primitive(id) {
             Primitive::Triangle(_) => self.test_triangle_exactly(id),
-            _ => self.world.crossing(self.ray, id).is_some_and(|t| G::offer(self, t, id)),
+            _ => self.world.crossing(self.ray, id).is_some_and(|t| self.offer(t, id)),
         }
     }
 
@@ -243,7 +264,7 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
             None => *self.shear.insert(Shear::new(self.ray)),
         };
         match shear.intersect(self.world.corners_in_place(id as usize)) {
-            Some(t) if self.ray.covers(t) => G::offer(self, t, id),
+            Some(t) if self.ray.covers(t) => self.offer(t, id),
             _ => false,
         }
     }
@@ -259,20 +280,9 @@ impl Goal for AnyHit {
     const ANY: bool = true;
 
     #[inline(always)]
-    fn offer<P: Probe>(query: &mut Query<P, Self>, _t: f64, _primitive: u32) -> bool {
-        query.goal.is_found = true;
+    fn offer(&mut self, _: &World, _: &Ray, _t: f64, _primitive: u32) -> bool {
+        self.is_found = true;
         true
-    }
-
-    #[inline(always)]
-    fn decide<P: Probe>(
-        query: &mut Query<P, Self>,
-        block: &Block,
-        verdict: &Verdict,
-        _filter_state: &FilterState,
-    ) -> bool {
-        query.goal.is_found |= verdict.certain != 0;
-        query.goal.is_found || query.test_lanes(block, verdict.possible)
     }
 }
 
@@ -281,8 +291,8 @@ impl Goal for AnyHit {
 pub struct AllHits(pub Vec<(f64, u32)>);
 
 impl Goal for AllHits {
-    fn offer<P: Probe>(query: &mut Query<P, Self>, t: f64, primitive: u32) -> bool {
-        query.goal.0.push((t, primitive));
+    fn offer(&mut self, _: &World, _: &Ray, t: f64, primitive: u32) -> bool {
+        self.0.push((t, primitive));
         false
     }
 }
@@ -330,52 +340,35 @@ impl Goal for Nearest {
 
     /// Extends the search behind the best primitive, where others may lie in the same place.
     #[inline(always)]
-    fn ends<P: Probe>(query: &Query<P, Self>) -> [f64; 2] {
-        let t = query.goal.best.t_bound;
-        [t, t + query.world.coincidence_reach(t)]
+    fn ends(&self, world: &World, _: &Ray) -> [f64; 2] {
+        let t = self.best.t_bound;
+        [t, t + world.coincidence_reach(t)]
     }
 
     #[inline(always)]
-    fn offer<P: Probe>(query: &mut Query<P, Self>, t: f64, primitive: u32) -> bool {
-        if t > query.end() {
+    fn offer(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool {
+        if t > self.ends(world, ray)[1] {
             return false;
         }
-        let Query { world, ray, goal, .. } = query;
-        let better = t + world.coincidence_reach(t) < goal.t_lower_bound
-            || goal.precedes_close(world, ray, t, primitive);
+        let better = t + world.coincidence_reach(t) < self.t_lower_bound
+            || self.precedes_close(world, ray, t, primitive);
         if better {
-            goal.best = Visible { primitive, t_bound: t };
-            goal.t_lower_bound = t;
+            self.best = Visible { primitive, t_bound: t };
+            self.t_lower_bound = t;
         }
         better
     }
 
-    /// Tests a triangle in double precision, which loads its vertices, only if the filter's bounds on t do not decide.
-    /// A counting query tests every triangle, because the number of steps depends on t.
     #[inline(always)]
-    fn decide<P: Probe>(
-        query: &mut Query<P, Self>,
-        block: &Block,
-        verdict: &Verdict,
-        filter_state: &FilterState,
-    ) -> bool {
-        let certain = if P::COUNTS { 0 } else { verdict.certain };
-        let mut changed = false;
-        for lane in lanes(verdict.possible) {
-            let id = block.index.ids[lane];
-            if certain >> lane & 1 != 0 {
-                let [lower, upper] = verdict.depths(lane, block).map(|depth| filter_state.t(depth));
-                let reach = query.world.coincidence_reach(lower.abs().max(upper.abs()));
-                if upper + reach < query.goal.t_lower_bound {
-                    query.goal.best = Visible { primitive: id, t_bound: upper };
-                    query.goal.t_lower_bound = lower;
-                    changed = true;
-                    continue;
-                }
-            }
-            changed |= query.test_triangle(id);
+    fn offer_between(&mut self, world: &World, bounds: [f64; 2], primitive: u32) -> bool {
+        let [lower, upper] = bounds;
+        let reach = world.coincidence_reach(lower.abs().max(upper.abs()));
+        let better = upper + reach < self.t_lower_bound;
+        if better {
+            self.best = Visible { primitive, t_bound: upper };
+            self.t_lower_bound = lower;
         }
-        changed
+        better
     }
 
     #[inline(always)]
@@ -407,13 +400,12 @@ mod tests {
         for (t, is_kept) in [(3.4, true), (3.9, true), (4.0, false), (4.1, false), (4.6, false)] {
             let mut probe = Quiet;
             let mut query = Query::new(&world, &ray, &mut probe, goal(0, [3.5, 4.5]));
-            assert_eq!(Nearest::offer(&mut query, t, 1), is_kept, "{t}");
+            assert_eq!(query.offer(t, 1), is_kept, "{t}");
             assert_eq!(query.goal.best.primitive, u32::from(is_kept), "{t}");
         }
         let mut probe = Quiet;
         let mut query = Query::new(&world, &ray, &mut probe, goal(1, [5.0; 2]));
-        let [behind, same, again] =
-            [(5.5, 0), (5.0, 0), (5.0, 1)].map(|(t, id)| Nearest::offer(&mut query, t, id));
+        let [behind, same, again] = [(5.5, 0), (5.0, 0), (5.0, 1)].map(|(t, id)| query.offer(t, id));
         assert_eq!([behind, same, again], [false, true, false]);
     }
 }

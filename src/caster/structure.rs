@@ -64,9 +64,8 @@ impl AccelerationStructure {
     pub fn new(world: &World, layout: Layout) -> Result<Self, GridTooLarge> {
         let bounds = bounds_of(world);
         match layout {
-            // A tree needs primitives to divide.
-            Layout::Tree if world.hittable_count() > 0 => Self::tree(world, &bounds),
-            Layout::List | Layout::Tree => Self::list(world, &bounds, |id| world.may_be_hit(id)),
+            Layout::Tree => Self::tree(world, &bounds),
+            Layout::List => Self::list(world, &bounds, |id| world.may_be_hit(id)),
             Layout::Grid(cells) => Self::grid(world, bounds, cells, false),
             Layout::Course(None) => Self::list(world, &bounds, |_| true),
             Layout::Course(Some(cells)) => Self::grid(world, bounds, cells, true),

@@ -7,16 +7,11 @@ use crate::base::memory;
 use crate::caster::block::{Frame, LANES, NONE};
 use crate::caster::bounds::{Region, widened};
 use crate::caster::box8::Box8;
-use crate::caster::division::{Bounds, Item, ItemRun};
+use crate::caster::division::{BinaryTree, Bounds, BranchContent, HEURISTIC_LEVELS, Half, Item, ItemRun};
 use crate::caster::lattice::GridTooLarge;
 use crate::math::aabb::Aabb;
 use crate::world::World;
-use binary::{BinaryTree, BranchContent, HEURISTIC_LEVELS, Half};
 use rayon::prelude::*;
-
-pub use binary::MAX_LEVELS;
-
-mod binary;
 
 /// A branch of a tree: the index of a node, or an index marked with one of the following bits.
 pub type Branch = u32;
@@ -33,7 +28,7 @@ const LEVELS_OF_SMALL: usize = HEURISTIC_LEVELS / 8;
 /// A tree of boxes.
 #[derive(Debug)]
 pub struct Tree {
-    /// The branch that holds everything. It is not a leaf.
+    /// The branch that holds everything.
     pub root: Branch,
     pub nodes: Vec<Box8>,
     /// The branches with frames of their own.
@@ -68,9 +63,9 @@ impl Tree {
         let tree = Self { root: 0, nodes: vec![], small: vec![] };
         let mut growing = Growing { tree, leaves: Leaves { ids: vec![], frames: vec![(0, *frame)] }, world };
         let mut items = growing.items(&ids, frame);
-        let ItemRun { items, bounds, is_small, .. } = ItemRun::new(&mut items);
+        let ItemRun { items, is_small, .. } = ItemRun::new(&mut items);
         growing.tree.root = match items.len() {
-            0..=LANES => growing.add_single_leaf(items, bounds),
+            0..=LANES => growing.add_leaf(items),
             _ if is_small => growing.add_small(items, frame, 0),
             _ => growing.add_tree(items, frame, 0),
         };
@@ -105,13 +100,6 @@ struct Growing<'w> {
 }
 
 impl Growing<'_> {
-    /// Adds a node with a single leaf.
-    fn add_single_leaf(&mut self, items: &[Item], bounds: Bounds) -> Branch {
-        let mut node = Box8::EMPTY;
-        node.set(0, [bounds.min, bounds.max], self.add_leaf(items));
-        self.push_node(node)
-    }
-
     fn add_leaf(&mut self, items: &[Item]) -> Branch {
         let mut ids = [NONE; LANES];
         ids.iter_mut().zip(items).for_each(|(id, item)| *id = item.id);
@@ -146,7 +134,8 @@ impl Growing<'_> {
     }
 
     fn add_node(&mut self, tree: &BinaryTree, half: &Half, items: &[Item], frame: &Frame) -> Branch {
-        let index = self.push_node(Box8::EMPTY);
+        let index = self.tree.nodes.len() as Branch;
+        self.tree.nodes.push(Box8::EMPTY);
         for (lane, child) in tree.children(half).into_iter().enumerate() {
             let own = &items[child.items.clone()];
             let branch = match child.content {
@@ -158,11 +147,6 @@ impl Growing<'_> {
             self.tree.nodes[index as usize].set(lane, [min, max], branch);
         }
         index
-    }
-
-    fn push_node(&mut self, node: Box8) -> Branch {
-        self.tree.nodes.push(node);
-        self.tree.nodes.len() as u32 - 1
     }
 
     /// Returns primitives in the coordinates of a frame.

@@ -171,7 +171,7 @@ fn gap(axis: DVec3, one: &[DVec3; 3], other: &[DVec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::Caster;
+    use crate::caster::{Caster, RayOrigin};
     use crate::scene::parser::parse;
     use crate::stats::Quiet;
     use proptest::prelude::*;
@@ -189,7 +189,7 @@ mod tests {
     fn world(scale: &str, angle: f64, mesh: &str) -> World {
         let text =
             SCENE.replace("SCALE", scale).replace("ANGLE", &angle.to_string()).replace("MESH", "m.obj");
-        let mesh = crate::scene::mesh::parse_obj(mesh.as_bytes()).unwrap();
+        let mesh = crate::scene::obj::parse_obj(mesh.as_bytes()).unwrap();
         World::new(&parse(&text).unwrap(), &[mesh]).unwrap()
     }
 
@@ -215,7 +215,7 @@ mod tests {
             let direction = unit(DVec3::from_array(direction));
             if meshes.block(1, &surface, direction) {
                 let start = crate::math::robust::offset_origin(surface.position, surface.normal, direction, surface.extent);
-                prop_assert!(caster.any_from(&Ray::new(start, direction), surface.primitive, &mut Quiet));
+                prop_assert!(caster.any(&Ray::new(start, direction), RayOrigin::on(&world, surface.primitive), &mut Quiet));
             }
             prop_assert!(!meshes.block(0, &surface, direction));
         }

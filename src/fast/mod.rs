@@ -74,8 +74,11 @@ impl RasterHints {
     /// Returns hints about shadows.
     pub fn new(world: &World, demand: Demand) -> Self {
         let shadow_maps = Arc::new(ShadowMaps::new(world, demand.shadow_rays));
-        let enters_objects = demand.shadow_rays > 0 && demand.enters_objects && world.model.epsilon.is_none();
-        let closed_meshes = if enters_objects { ClosedMeshes::new(world) } else { ClosedMeshes::default() };
+        let is_worth = demand.shadow_rays > 0 && demand.enters_objects;
+        // The bounds hold for rays that start off the triangle along its own normal.
+        let is_certain = world.lighting.epsilon.is_none() && !world.has_smooth_normals();
+        let closed_meshes =
+            if is_worth && is_certain { ClosedMeshes::new(world) } else { ClosedMeshes::default() };
         Self { demand, shadow_maps, closed_meshes: Arc::new(closed_meshes), visibility: None }
     }
 

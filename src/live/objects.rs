@@ -1,5 +1,6 @@
 //! Finds the object of the scene's text behind each pixel.
 
+use crate::caster::RayOrigin;
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
 use crate::render::renderer::Prepared;
@@ -24,7 +25,7 @@ pub fn object_map(
     // All rays are cast, without rasterization.
     let seen = |pixel: usize| {
         let at = DVec2::new((pixel % width) as f64, (height - 1 - pixel / width) as f64);
-        let nearest = || prepared.caster().nearest(&view.ray(at, DVec2::ZERO), None, &mut Quiet);
+        let nearest = || prepared.caster().nearest(&view.ray(at, DVec2::ZERO), RayOrigin::FREE, &mut Quiet);
         if stop.is_over() { None } else { nearest().map(|visible| visible.primitive) }
     };
     let primitives: Vec<Option<u32>> = (0..width * height).into_par_iter().map(seen).collect();

@@ -26,7 +26,7 @@ use crate::sampling::blur::Blur;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::stats::Counts;
-use crate::trace::{MOST_WAITING, Patience};
+use crate::trace::MOST_WAITING;
 use glam::DVec2;
 use plan::Planner;
 use rayon::prelude::*;
@@ -124,8 +124,7 @@ pub fn render(
     memory::ask(Strip::below(&setting, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = |waiting| tally.asks(waiting);
-    let patience = Patience::until(&is_cancelled, caster.world.lights.len());
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing, &is_cancelled);
     let planner = Planner::new(camera, setting);
     let (mut counts, mut bands, mut end) = (Counts::default(), vec![], rows.end);
     while end > rows.start {
@@ -153,9 +152,8 @@ pub fn render_some_rows(
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = |waiting| tally.asks(waiting);
-    let patience = Patience::until(&is_cancelled, caster.world.lights.len());
     let tracing = Tracing::Fast;
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing, &is_cancelled);
     // The plan of adaptive samples is the same for all samplers.
     let planner = Planner::new(camera, RenderSetting { caster, view, request, tracing });
     let all = request.traced_rows(request.rows());
@@ -167,7 +165,7 @@ pub fn render_some_rows(
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
         let setting = RenderSetting { caster, view, request, tracing };
-        let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
+        let tracer = PictureTracer::new(camera, caster, view, request, tracing, &is_cancelled);
         let colors = |row: &usize| {
             let end = request.rows().end - row;
             let mut colors = memory::with_room(request.columns().len())?;
@@ -227,8 +225,7 @@ pub fn adaptive_offsets(
     let request = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tally = Tally::new(1, watch);
     let is_cancelled = |waiting| tally.asks(waiting);
-    let patience = Patience::until(&is_cancelled, caster.world.lights.len());
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing, patience);
+    let tracer = PictureTracer::new(camera, caster, view, request, tracing, &is_cancelled);
     let setting = RenderSetting { caster, view, request, tracing };
     let planner = Planner::new(camera, setting);
     let bands = planner.and_then(|planner| planner.bands(&tracer, &(row..row + 1), vec![], &tally).ok()?);

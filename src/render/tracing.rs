@@ -13,18 +13,18 @@ use crate::stats::Counts;
 use crate::trace::NoHints;
 #[cfg(feature = "fast")]
 use crate::trace::Shadows;
-use crate::trace::{Effects, Memory, Patience, RayCount, Tracer};
+use crate::trace::{Effects, IsOver, Memory, RayCount, Tracer};
 use fearless_simd::dispatch;
 use std::ops::Range;
 
 /// Traces the samples of a picture.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct PictureTracer<'a> {
     camera: &'a Camera,
     caster: Caster<'a>,
     effects: Effects,
     tracing: Tracing,
-    patience: Patience<'a>,
+    is_over: IsOver<'a>,
     /// The number of samples and rows of the picture.
     #[cfg(feature = "fast")]
     picture: [usize; 2],
@@ -41,7 +41,7 @@ impl<'a> PictureTracer<'a> {
         view: View,
         request: &Request,
         tracing: Tracing,
-        patience: Patience<'a>,
+        is_over: IsOver<'a>,
     ) -> Self {
         #[cfg(feature = "fast")]
         let hints = RasterHints::new(caster.world, demand(view, request, tracing));
@@ -52,7 +52,7 @@ impl<'a> PictureTracer<'a> {
             caster: caster.clone(),
             effects: request.effects,
             tracing,
-            patience,
+            is_over,
             #[cfg(feature = "fast")]
             picture: [request.camera_rays(), request.rows().len()],
             hints,
@@ -79,11 +79,11 @@ impl<'a> PictureTracer<'a> {
 
     /// Returns the memory for a row.
     pub fn memory(&self) -> Memory<'a> {
-        Memory::new(self.patience)
+        Memory::until(self.is_over, self.caster.world.lights.len())
     }
 
     /// Traces the samples of a packet in row `j`, and stores their colours if they are wanted. Does not count the
-    /// camera rays. Does nothing once the patience has ended.
+    /// camera rays. Does nothing once `is_over` has returned true.
     pub fn trace(
         &self,
         j: usize,
@@ -110,7 +110,7 @@ impl<'a> PictureTracer<'a> {
                 counts.non_shadow_rays += rays.0;
             }
         }
-        memory.patience.spend(packet.samples().len());
+        memory.spend(packet.samples().len());
     }
 }
 
@@ -188,8 +188,8 @@ mod tests {
             let camera = Camera::new(&scene.camera, [40, 40]);
             let request = Request::new([40, 40]);
             let has_grid = |caster: Caster| {
-                let (tracing, patience) = (Tracing::Fast, Patience::endless());
-                let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, tracing, patience);
+                let (tracing, is_over): (_, IsOver) = (Tracing::Fast, &|_| false);
+                let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, tracing, is_over);
                 tracer.rows(0..40).caster.is_selective()
             };
             assert_eq!(has_grid(Caster::new(&world, None).unwrap().replaceable()), is_selective, "{far}");

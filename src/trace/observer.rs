@@ -86,40 +86,26 @@ pub enum PathEnd {
 
 /// A step of the tracer. The events of one ray follow each other, from its surface to its colour. Then the next
 /// secondary ray is popped from the stack: the ray that was pushed last.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'e> {
-    /// The ray hits this surface, made of this material.
-    Surface {
-        /// The point of the hit.
-        point: &'e SurfacePoint,
-        /// The material there, with its textures evaluated.
-        material: &'e Phong,
-    },
+    /// The ray hits this surface, whose material has its textures evaluated.
+    Surface { point: &'e SurfacePoint, material: &'e Phong },
     /// A secondary ray is pushed to the stack.
     Pushed {
-        /// Reflected or refracted.
         kind: Secondary,
-        /// The ray.
         ray: Ray,
         /// The triangle that it starts on.
         exclude: Option<u32>,
         /// The factor by which its colour contributes to the picture.
         filter: Color,
-        /// Its weight, by which the tracer decides whether to trace it.
         weight: f64,
     },
     /// A secondary ray is not traced.
-    NotFollowed {
-        /// Reflected or refracted.
-        kind: Secondary,
-        /// The reason.
-        end: PathEnd,
-    },
-    /// The ray is refracted or totally reflected.
+    NotFollowed { kind: Secondary, end: PathEnd },
+    /// The ray is refracted or totally reflected. `normal` points against `direction`, and both are unit vectors.
     Refracting {
-        /// The direction of the ray before the surface, a unit vector.
         direction: DVec3,
-        /// The unit normal, which points against the direction.
         normal: DVec3,
         /// The indices of refraction in front of the surface and behind it.
         indices: [f64; 2],

@@ -1,12 +1,18 @@
 //! Packets of camera rays. The rays of neighbouring samples pass through the stages together: rays, first hits,
 //! surfaces, colours. The stages of one sample depend on each other. The processor overlaps the stages of different
-//! samples, which hides the latency of divisions and of memory.
+//! samples, which hides the latency of divisions and of memory. The surfaces of triangles are computed four at a time.
 
-use super::surfaces::find_surfaces;
 use super::{FirstHit, Hints, Memory, Observer, Tracer};
 use crate::camera::Camera;
+use crate::caster::RayOrigin;
+use crate::math::instructions::prefetch;
+use crate::math::ray::{Ray, Visible};
 use crate::math::simd::LANES;
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
+use crate::scene::MaterialId;
+use crate::world::triangle4::{Hits4, Triangles4};
+use crate::world::{SurfacePoint, World};
+use arrayvec::ArrayVec;
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
@@ -34,7 +40,7 @@ impl<H: Hints> Tracer<'_, H> {
                 sample.visible = match self.hints.first_hit(self.caster.world, ray, [source.column, j]) {
                     FirstHit::Nothing => None,
                     FirstHit::Primitive(visible) => Some(visible),
-                    FirstHit::Unknown => self.nearest(ray, None, observer),
+                    FirstHit::Unknown => self.nearest(ray, RayOrigin::FREE, observer),
                 };
             }
         }
@@ -43,7 +49,7 @@ impl<H: Hints> Tracer<'_, H> {
             find_surfaces::<S>(simd, world, packet);
             if world.has_smooth_normals() {
                 for surface in packet.samples_mut().iter_mut().filter_map(|sample| sample.surface.as_mut()) {
-                    surface.normal = world.smooth_normal(surface).unwrap_or(surface.normal);
+                    *surface = self.smooth(*surface);
                 }
             }
         }
@@ -68,11 +74,91 @@ fn aim<S: Simd>(simd: S, packet: &mut SamplePacket, camera: &Camera, j: usize) {
     }
 }
 
+/// Four triangles that rays hit.
+struct Group<S: Simd> {
+    ids: [u32; LANES],
+    materials: [MaterialId; LANES],
+    triangles: Triangles4<S>,
+}
+
+impl<S: Simd> Group<S> {
+    #[inline(always)]
+    fn new(simd: S, world: &World, ids: [u32; LANES]) -> Self {
+        let [a, b, c, d] = ids;
+        let corners = [
+            world.corners_in_place(a as usize),
+            world.corners_in_place(b as usize),
+            world.corners_in_place(c as usize),
+            world.corners_in_place(d as usize),
+        ];
+        // Most of the triangles are neighbours.
+        let (run, material) = world.material_run(a);
+        let materials = ids.map(|id| if run.contains(&id) { material } else { world.material_of(id) });
+        Self { ids, materials, triangles: Triangles4::new(simd, corners) }
+    }
+}
+
+/// Computes the surface that each ray of a packet hits first, with the same result as [`World::visible_surface`].
+#[inline(always)]
+fn find_surfaces<S: Simd>(simd: S, world: &World, packet: &mut SamplePacket) {
+    let samples = packet.samples_mut();
+    // The indices of the samples whose rays hit triangles, and the ids of these.
+    let mut on_triangles = ArrayVec::<(usize, u32), { SamplePacket::SIZE }>::new();
+    for (i, Sample { ray, visible, surface, .. }) in samples.iter_mut().enumerate() {
+        let Some(visible) = *visible else { continue };
+        let id = visible.primitive;
+        if world.is_triangle(id) {
+            if !matches!(on_triangles.last(), Some((_, last)) if *last == id) {
+                world.corners_in_place(id as usize).into_iter().for_each(prefetch);
+            }
+            on_triangles.push((i, id));
+        } else {
+            *surface = Some(world.visible_surface(ray, visible));
+        }
+    }
+    // Neighbours often lie on the same triangles.
+    let mut last: Option<Group<S>> = None;
+    for some in on_triangles.chunks(LANES) {
+        let [(i, a), (j, b), (k, c), (l, d)] = match some {
+            // Constant indices are faster than computed ones.
+            [a, b, c, d] => [*a, *b, *c, *d],
+            _ => [0, 1, 2, 3].map(|i: usize| some[i.min(some.len() - 1)]),
+        };
+        let ids = [a, b, c, d];
+        let group = match &last {
+            Some(group) if group.ids == ids => group,
+            _ => last.insert(Group::new(simd, world, ids)),
+        };
+        let rays = [&samples[i].ray, &samples[j].ray, &samples[k].ray, &samples[l].ray];
+        let Hits4 { points, certain } = group.triangles.hits(simd, rays);
+        for (lane, &(i, id)) in some.iter().enumerate() {
+            let Sample { ray, visible, surface, .. } = &mut samples[i];
+            if certain >> lane & 1 != 0 {
+                *surface = Some(SurfacePoint {
+                    position: points[lane],
+                    normal: group.triangles.normals[lane],
+                    extent: group.triangles.extents[lane],
+                    material: group.materials[lane],
+                    primitive: Some(id),
+                    triangle: Some(id),
+                });
+            } else if let Some(visible) = *visible {
+                *surface = Some(surface_alone(world, ray, visible));
+            }
+        }
+    }
+}
+
+/// Computes a surface that needs exact arithmetic.
+#[cold]
+fn surface_alone(world: &World, ray: &Ray, visible: Visible) -> SurfacePoint {
+    world.visible_surface(ray, visible)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::instructions;
-    use crate::math::ray::Visible;
     use crate::scene::parser::parse;
     use crate::world::{SurfacePoint, World};
     use fearless_simd::dispatch;

@@ -3,7 +3,7 @@
 use super::observer::{Event, Observer, PathEnd, Secondary};
 use super::optics::{mirrored_part, reflected, refracted_between};
 use super::{Arrival, Hints, Tracer};
-use crate::math::double_double::SquaredSine;
+use crate::caster::RayOrigin;
 use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::scene::limits::BRIGHTEST;
@@ -31,74 +31,53 @@ impl Path {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecondaryRay {
     pub ray: Ray,
-    /// The primitive on which the ray starts.
-    pub leaves: Option<u32>,
+    pub origin: RayOrigin,
     pub path: Path,
 }
 
-impl Arrival<'_> {
-    fn is_entering(&self) -> bool {
-        self.ray.direction.dot(self.surface.normal) < 0.0
-    }
-
-    /// Returns the indices of refraction in front of the surface and behind it.
-    fn indices(&self) -> [f64; 2] {
-        let behind = if self.is_entering() { self.material.phong.index_of_refraction } else { 1.0 };
-        [self.path.index, behind]
-    }
-
-    /// Returns the part of the light that is reflected. At an opaque surface it is 1.
-    fn mirrored_part(&self) -> f64 {
-        if self.material.phong.transparent == Color::ZERO {
-            return 1.0;
-        }
-        mirrored_part(self.ray.direction.dot(self.surface.normal).abs(), self.indices())
-    }
-}
-
 impl<H: Hints> Tracer<'_, H> {
-    /// Pushes the reflected ray if it is to be traced.
+    /// Pushes the reflected and the refracted ray if they are to be traced.
     #[inline(always)]
-    pub(super) fn reflect<O: Observer>(
+    pub(super) fn push_secondary<O: Observer>(
         &self,
         arrival: &Arrival,
         pending: &mut Vec<SecondaryRay>,
         observer: &mut O,
     ) {
-        let kind = Secondary::Reflected;
-        let color = match self.world().lighting.split {
-            Split::Colors => arrival.material.phong.reflective,
-            Split::Schlick => arrival.material.phong.reflective * arrival.mirrored_part(),
-        };
-        let Some(path) = self.next_path(kind, arrival.path, color, observer) else { return };
-        let direction = reflected(arrival.ray.direction, arrival.surface.normal);
-        pending.push(self.secondary_ray(kind, arrival, direction, path, observer));
-    }
+        let Arrival { ray, path, surface, material } = arrival;
+        let (direction, normal, phong) = (ray.direction, surface.normal, &material.phong);
+        let cosine = direction.dot(normal);
+        let is_entering = cosine < 0.0;
+        // In front of the surface and behind it.
+        let indices = [path.index, if is_entering { phong.index_of_refraction } else { 1.0 }];
+        let (mut reflective, mut transparent) = (phong.reflective, phong.transparent);
+        // An opaque surface mirrors all light.
+        if self.world().lighting.split == Split::Schlick && transparent != Color::ZERO {
+            let part = mirrored_part(cosine.abs(), indices);
+            reflective *= part;
+            transparent *= 1.0 - part;
+        }
 
-    /// Pushes the refracted ray if it is to be traced.
-    #[inline(always)]
-    pub(super) fn refract<O: Observer>(
-        &self,
-        arrival: &Arrival,
-        pending: &mut Vec<SecondaryRay>,
-        observer: &mut O,
-    ) {
+        let kind = Secondary::Reflected;
+        if let Some(path) = self.next_path(kind, path, reflective, observer) {
+            pending.push(self.secondary_ray(kind, surface, reflected(direction, normal), path, observer));
+        }
+
         let kind = Secondary::Refracted;
-        let color = match self.world().lighting.split {
-            Split::Colors => arrival.material.phong.transparent,
-            Split::Schlick => arrival.material.phong.transparent * (1.0 - arrival.mirrored_part()),
-        };
-        let Some(path) = self.next_path(kind, arrival.path, color, observer) else { return };
-        let (direction, normal, indices) = (arrival.ray.direction, arrival.surface.normal, arrival.indices());
-        let against = if arrival.is_entering() { normal } else { -normal };
+        let Some(path) = self.next_path(kind, path, transparent, observer) else { return };
+        let against = if is_entering { normal } else { -normal };
         observer.observe(|| Event::Refracting { direction, normal: against, indices });
+        // A smooth normal is not the exact normal of the triangle.
+        let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
+        let (world, primitive) = (self.world(), surface.primitive.filter(|_| !is_smooth));
         // The closure takes copies. References to the ray or its path would force them into memory, written part by
         // part and read as vectors, which stalls the processor.
-        let (line, surface) = ((arrival.ray.origin, direction), arrival.surface);
-        match refracted_between(direction, against, indices, move || self.precise_sine(line, surface)) {
+        let line = (ray.origin, direction);
+        let precise_sine = move || world.precise_sine(line, primitive, normal);
+        match refracted_between(direction, against, indices, precise_sine) {
             Some(direction) => {
                 let path = Path { index: indices[1], ..path };
-                pending.push(self.secondary_ray(kind, arrival, direction, path, observer));
+                pending.push(self.secondary_ray(kind, surface, direction, path, observer));
             }
             None => observer.observe(|| Event::NotFollowed { kind, end: PathEnd::TotalReflection }),
         }
@@ -133,25 +112,14 @@ impl<H: Hints> Tracer<'_, H> {
     fn secondary_ray<O: Observer>(
         &self,
         kind: Secondary,
-        arrival: &Arrival,
+        surface: &SurfacePoint,
         direction: DVec3,
         path: Path,
         observer: &mut O,
     ) -> SecondaryRay {
-        let ray = self.departing(arrival.surface, direction);
-        let Path { filter, weight, .. } = path;
-        let exclude = arrival.surface.triangle;
+        let ray = self.departing(surface, direction);
+        let (Path { filter, weight, .. }, exclude) = (path, surface.triangle);
         observer.observe(|| Event::Pushed { kind, ray, exclude, filter, weight });
-        SecondaryRay { ray, leaves: self.origin_primitive(arrival.surface), path }
-    }
-
-    /// Returns the sine of the angle between the ray and the surface's normal. It has less rounding than the unit
-    /// normal if the exact normal is known.
-    #[inline(always)]
-    fn precise_sine(&self, line: (DVec3, DVec3), surface: &SurfacePoint) -> SquaredSine {
-        // A smooth normal is not the exact normal of the triangle.
-        let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
-        let primitive = surface.primitive.filter(|_| !is_smooth);
-        self.world().precise_sine(line, primitive, surface.normal)
+        SecondaryRay { ray, origin: self.origin(surface), path }
     }
 }

@@ -4,6 +4,7 @@ use super::hints::{Blocker, Hints};
 use super::observer::{Event, Observer};
 use super::optics::transmittance;
 use super::{Shadows, Tracer};
+use crate::caster::RayOrigin;
 use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::scene::Light;
@@ -31,9 +32,9 @@ impl<H: Hints> Tracer<'_, H> {
                 observer.shadow_ray();
                 // The function gets copies: a light that is referred to lies in memory, written part by part and read as
                 // vectors, for which the processor stalls.
-                let start = (self.shadow_ray(surface, light, observer), self.origin_primitive(surface));
+                let (ray, origin) = (self.shadow_ray(surface, light, observer), self.origin(surface));
                 let starts_within = surface.normal.dot(light.direction) < 0.0;
-                self.filtered(start, starts_within, index, observer)
+                self.filtered(ray, origin, starts_within, index, observer)
             }
         }
     }
@@ -59,39 +60,39 @@ impl<H: Hints> Tracer<'_, H> {
         // A ray to a light that lies on a surface ends there. Roundings would decide whether it is blocked, so it
         // always is.
         let is_at_rest = !self.world().primitives_at_light(index).is_empty();
+        let origin = self.origin(surface);
         // Hints do not hold for a ray from a sphere.
-        let is_round = surface.primitive.is_some_and(|primitive| self.caster.is_round(primitive));
         let blocker =
-            if is_round { Blocker::Any } else { self.hints.blocker(index, surface, light.direction) };
+            if origin.is_round { Blocker::Any } else { self.hints.blocker(index, surface, light.direction) };
         if !O::COUNTS && blocker == Blocker::Certain {
             return true;
         }
-        let leaves = self.origin_primitive(surface);
-        if !O::COUNTS && blocker == Blocker::Nothing && self.caster.has_no_plane_but(leaves) {
+        if !O::COUNTS && blocker == Blocker::Nothing && self.caster.has_no_plane_but(origin) {
             return is_at_rest;
         }
         let ray = self.shadow_ray(surface, light, observer);
         let is_hit = match blocker {
             // The course's program searches the nearest hit, even if any hit would do.
-            _ if O::COUNTS => self.caster.nearest(&ray, leaves, observer).is_some(),
-            Blocker::Any | Blocker::Certain => self.caster.any_from(&ray, leaves, observer),
+            _ if O::COUNTS => self.caster.nearest(&ray, origin, observer).is_some(),
+            Blocker::Any | Blocker::Certain => self.caster.any(&ray, origin, observer),
             Blocker::Only(triangle) => {
-                self.caster.is_hit(&ray, triangle, leaves) || self.caster.meets_plane(&ray, leaves)
+                self.caster.hits_triangle(&ray, triangle, origin) || self.caster.hits_plane(&ray, origin)
             }
-            Blocker::Nothing => self.caster.meets_plane(&ray, leaves),
+            Blocker::Nothing => self.caster.hits_plane(&ray, origin),
         };
         is_hit || is_at_rest
     }
 
     /// Returns the fraction of light that transparent objects transmit along a shadow ray. At each exit from an
-    /// object, this is the object's colour to the power of the distance since the last surface (Beer's law). The ray comes
-    /// with the primitive that it leaves, and `is_within` is true if it starts inside an object.
+    /// object, this is the object's colour to the power of the distance since the last surface (Beer's law). `is_within`
+    /// is true if the ray starts inside an object.
     ///
     /// If the light lies on surfaces, they are crossed at the light itself, and only if the ray was inside an object
     /// before. So it does not matter which of them the ray hits by rounding. An opaque one blocks the light.
     fn filtered<O: Observer>(
         &self,
-        (mut ray, mut leaves): (Ray, Option<u32>),
+        mut ray: Ray,
+        mut origin: RayOrigin,
         mut is_within: bool,
         index: usize,
         observer: &mut O,
@@ -104,7 +105,7 @@ impl<H: Hints> Tracer<'_, H> {
             (passed * transmittance(tint, way)).min(Color::splat(LARGEST))
         };
         for _ in 0..self.world().most_crossings() {
-            let Some(visible) = self.caster.nearest(&ray, leaves, observer) else { break };
+            let Some(visible) = self.caster.nearest(&ray, origin, observer) else { break };
             let (hit, surface) = (self.world().hit(&ray, visible), self.surface(&ray, visible));
             let is_exit = surface.normal.dot(ray.direction) >= 0.0;
             if at_light.iter().any(|place| place.is_crossed(hit.primitive, ray.direction, is_exit)) {
@@ -122,7 +123,7 @@ impl<H: Hints> Tracer<'_, H> {
                 (is_within, way) = (!is_exit, 0.0);
             }
             ray = Ray { t_max: ray.t_max - hit.t, ..self.departing(&surface, ray.direction) };
-            leaves = self.origin_primitive(&surface);
+            origin = self.origin(&surface);
         }
         let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));
         match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {

@@ -3,6 +3,7 @@
 
 use super::support::{automatic, random, world};
 use glam::DVec3;
+use raytracer::caster::RayOrigin;
 use raytracer::caster::choose::{Layout, Rays, Resolution, Structure};
 use raytracer::caster::{Caster, StructureSize};
 use raytracer::math::instructions;
@@ -175,7 +176,11 @@ fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
                 hits += usize::from(expected.is_some());
                 for caster in &casters {
                     assert_eq!(caster.closest(&ray, &mut Quiet), expected, "{name}, {n}: {ray:?}");
-                    assert_eq!(caster.any(&ray, &mut Quiet), expected.is_some(), "{name}, {n}: {ray:?}");
+                    assert_eq!(
+                        caster.any(&ray, RayOrigin::FREE, &mut Quiet),
+                        expected.is_some(),
+                        "{name}, {n}: {ray:?}"
+                    );
                 }
             }
             assert!(2 * hits > count, "{name}, {n}: {hits}");

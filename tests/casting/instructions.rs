@@ -3,8 +3,8 @@
 
 use super::support::{rabbit, random, world};
 use glam::DVec3;
-use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::stats::{Counts, Quiet};
@@ -66,7 +66,7 @@ fn hits_depend_neither_on_instructions_nor_on_structure() {
                     let context = (level, layout, ray);
                     assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
                     assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
-                    assert_eq!(caster.any(ray, &mut Quiet), hit.is_some(), "{context:?}");
+                    assert_eq!(caster.any(ray, RayOrigin::FREE, &mut Quiet), hit.is_some(), "{context:?}");
                 }
             }
         }
@@ -84,11 +84,13 @@ fn what_is_tested_first_changes_no_answer() {
             let caster = Caster::with(&world, layout, level).unwrap();
             let step = if layout == Layout::List { 50 } else { 1 };
             for ray in rays().step_by(step) {
-                let expected = caster.nearest(&ray, None, &mut Quiet).map(|visible| visible.primitive);
+                let expected =
+                    caster.nearest(&ray, RayOrigin::FREE, &mut Quiet).map(|visible| visible.primitive);
                 for leaves in round.clone() {
-                    let found = caster.nearest(&ray, Some(leaves), &mut Quiet);
+                    let origin = RayOrigin::on(&world, Some(leaves));
+                    let found = caster.nearest(&ray, origin, &mut Quiet);
                     assert_eq!(found.map(|visible| visible.primitive), expected, "{ray:?}");
-                    assert_eq!(caster.any_from(&ray, Some(leaves), &mut Quiet), expected.is_some());
+                    assert_eq!(caster.any(&ray, origin, &mut Quiet), expected.is_some());
                 }
             }
         }
@@ -103,7 +105,7 @@ fn the_course_tests_a_sphere_where_it_comes_to_it() {
     for ray in rays().take(3000) {
         let [plain, leaving] = [None, Some(sphere)].map(|leaves| {
             let mut counts = Counts::default();
-            (caster.nearest(&ray, leaves, &mut counts), counts)
+            (caster.nearest(&ray, RayOrigin::on(&world, leaves), &mut counts), counts)
         });
         assert_eq!(plain, leaving, "{ray:?}");
     }

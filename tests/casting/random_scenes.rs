@@ -8,8 +8,8 @@ use super::fuzz_findings::checks::{bytes_and_nans, meshes};
 use super::strategies::{Range, rays, scene};
 use glam::DVec3;
 use proptest::prelude::*;
-use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::math::robust::rescaled;
@@ -43,7 +43,7 @@ fn pictures(scene: &Scene, caster: &Caster, tracing: Tracing) -> (Vec<u8>, u64) 
 /// A ray's nearest hit. An error if the query for any hit disagrees.
 fn hit(caster: &Caster, ray: &Ray, probe: &mut impl Probe) -> Result<Option<Hit>, TestCaseError> {
     let hit = caster.closest(ray, probe);
-    prop_assert_eq!(hit.is_some(), caster.any(ray, &mut Quiet), "{:?}: any", ray);
+    prop_assert_eq!(hit.is_some(), caster.any(ray, RayOrigin::FREE, &mut Quiet), "{:?}: any", ray);
     Ok(hit)
 }
 

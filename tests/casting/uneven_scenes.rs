@@ -4,8 +4,8 @@
 use super::support::{rabbit, random, scene_folder, world};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
 use raytracer::caster::choose::{Layout, Rays, cubic};
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::Ray;
 use raytracer::scene::load::load;
@@ -78,7 +78,11 @@ fn what_is_chosen_gives_the_hits_that_testing_everything_gives() {
                 for caster in &casters {
                     assert_eq!(caster.closest(&ray, &mut Quiet), expected, "{size} {ray:?}");
                     assert_eq!(caster.closest(&ray, &mut Counts::default()), expected, "{size} {ray:?}");
-                    assert_eq!(caster.any(&ray, &mut Quiet), expected.is_some(), "{size} {ray:?}");
+                    assert_eq!(
+                        caster.any(&ray, RayOrigin::FREE, &mut Quiet),
+                        expected.is_some(),
+                        "{size} {ray:?}"
+                    );
                 }
             }
             assert!(hits > 1000, "{hits}");
@@ -105,7 +109,7 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
             let origin = DVec3::new(-3.0 * random(), 0.05 + 0.1 * random(), -2.0);
             let ray = Ray::new(origin, target - origin);
             assert_eq!(caster.closest(&ray, &mut Quiet).map(|hit| hit.primitive), Some(200), "{ray:?}");
-            assert!(caster.any(&ray, &mut Quiet));
+            assert!(caster.any(&ray, RayOrigin::FREE, &mut Quiet));
         }
     }
 }
@@ -125,7 +129,7 @@ fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
     let with = instructions::available()[0];
     let world = stadium(None);
     let alone = chosen(&world, 1_000_000, with);
-    let at_rabbit = || rays(60_000, 1.0).filter(|ray| alone.any(ray, &mut Quiet));
+    let at_rabbit = || rays(60_000, 1.0).filter(|ray| alone.any(ray, RayOrigin::FREE, &mut Quiet));
     assert!(at_rabbit().count() > 10_000);
     let least = work(&alone, at_rabbit());
     for size in [10.0, 1e3, 1e5] {

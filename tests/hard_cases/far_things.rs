@@ -10,8 +10,8 @@ use crate::support::scenes::scene_of;
 use crate::support::secondary::blocked;
 use glam::{DAffine3, DVec3};
 use num_traits::Signed;
-use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::{Object, Position};
@@ -121,7 +121,7 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
         });
         let by_world = 32.0 * UNIT_ROUNDOFF * (surface.position.abs().max_element() + world.max_abs_coord);
         let from = surface.position + by_world * DVec3::Y;
-        let textbook = caster.any(&Ray::new(from, direction), &mut Quiet) != is_in_shadow;
+        let textbook = caster.any(&Ray::new(from, direction), RayOrigin::FREE, &mut Quiet) != is_in_shadow;
         let found = [1, is_in_shadow as u64, wrong, textbook as u64];
         counts = std::array::from_fn(|k| counts[k] + found[k]);
     }

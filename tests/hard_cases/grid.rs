@@ -11,8 +11,8 @@ use crate::support::scenes::world_of_mesh;
 use crate::support::textbook_grid::TextbookGrid;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::caster::Caster;
 use raytracer::caster::lattice::Lattice;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::stats::Quiet;
@@ -41,7 +41,7 @@ pub fn differences(
         let found = caster.closest(&ray, &mut Quiet);
         let differs = found.map(|h| (h.t.to_bits(), h.primitive))
             != expected.map(|h| (h.t.to_bits(), h.primitive))
-            || caster.any(&ray, &mut Quiet) != expected.is_some();
+            || caster.any(&ray, RayOrigin::FREE, &mut Quiet) != expected.is_some();
         failures.note(differs, || {
             format!("{}\n{found:?} {expected:?}", failed_ray(case, seed, index, ray.origin, ray.direction))
         });

@@ -8,7 +8,7 @@ use crate::support::scenes::{layers_and_nans, render_picture, scene_of};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
@@ -88,7 +88,7 @@ fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
         let of_broken = if broken { hits.iter().flatten().count() as u64 } else { 0 };
         failures.note(not_finite + of_broken > 0, || failed_ray(61, 61, index, origin, direction));
         for caster in &casters {
-            std::hint::black_box(caster.any(&ray, &mut Quiet));
+            std::hint::black_box(caster.any(&ray, RayOrigin::FREE, &mut Quiet));
         }
         ([not_finite, of_broken, broken as u64], [])
     });

@@ -8,7 +8,7 @@ use crate::support::rng::Rng;
 use crate::support::scenes::world_with;
 use crate::support::{failed_ray, rays};
 use glam::{DVec3, Vec3};
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object};
 use raytracer::stats::Quiet;
@@ -150,7 +150,9 @@ fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator>
         surface.position - below * normals[i]
     });
     let lit = |normal: DVec3| normal.dot(to_light) > 0.0;
-    let blocked = |from: DVec3| caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), &mut Quiet);
+    let blocked = |from: DVec3| {
+        caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), RayOrigin::FREE, &mut Quiet)
+    };
     let flat_lit = lit(surface.normal);
     let effects = Effects { shadows: Shadows::Opaque, shade_back: false, bounces: 0, min_weight: 0.0 };
     let color = Tracer::new(caster, effects).color(ray, &mut Memory::default(), &mut Quiet);

@@ -12,7 +12,7 @@ use crate::support::secondary::blocked;
 use crate::support::textbook_offsets::{FIXED, integer_offset};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::Object;
 use raytracer::scene::mesh::Mesh;
@@ -94,7 +94,7 @@ impl Stage {
             Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t).as_vec3().as_dvec3(), direction) },
             Ray::new(integer_offset(ray.at(hit.t).as_vec3(), side.as_vec3()).as_dvec3(), direction),
         ]
-        .map(|r| caster.any(&r, &mut Quiet));
+        .map(|r| caster.any(&r, RayOrigin::FREE, &mut Quiet));
         Some(Shadow { truth, found: [blocked(caster, &surface, direction), fixed, integer] })
     }
 }
@@ -266,7 +266,7 @@ fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
             Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t), direction) },
             Ray::new(integer_offset(ray.at(hit.t).as_vec3(), up.as_vec3()).as_dvec3(), direction),
         ]
-        .map(|r| caster.any(&r, &mut Quiet));
+        .map(|r| caster.any(&r, RayOrigin::FREE, &mut Quiet));
         let wrong = [blocked(&caster, &surface, direction), a, b, c].map(|b| (b != covered) as u64);
         failures.note(wrong[0] > 0, || failed_ray(42, seed, index, ray.origin, ray.direction));
         (wrong, [])

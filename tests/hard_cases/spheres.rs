@@ -9,7 +9,7 @@ use crate::support::secondary::secondary;
 use crate::support::spheres::{nearest, tangency, textbook32, textbook64};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::Object;
@@ -268,7 +268,8 @@ fn leave(rng: &mut Rng) -> Option<([u64; 3], [f64; 1])> {
     let surface = world.surface(&ray, &hit);
     let truth = far_side(&sphere, surface.position, out)?;
     let secondary = secondary(&surface, out);
-    let found = caster.nearest(&secondary, surface.triangle, &mut Quiet).map(|visible| visible.t_bound);
+    let origin = RayOrigin::on(&world, surface.triangle);
+    let found = caster.nearest(&secondary, origin, &mut Quiet).map(|visible| visible.t_bound);
     let spurious = found.is_some_and(|t| truth.is_none_or(|far| t < 0.5 * far));
     let lost = found.is_none() && truth.is_some();
     let error = match (found, nearest(&sphere, &secondary)) {

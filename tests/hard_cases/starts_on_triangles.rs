@@ -9,8 +9,8 @@ use crate::support::scenes::world_of;
 use glam::DVec3;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::instructions::available;
 use raytracer::math::ray::Ray;
 use raytracer::scene::Object;
@@ -73,7 +73,7 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
         for layout in [Layout::List, Layout::Grid([3, 2, 4])] {
             let caster = Caster::with(&world, layout, level).expect("a grid");
             wrong |= caster.closest(&ray, &mut Quiet).is_some() != (sign >= 0);
-            wrong |= caster.any(&ray, &mut Quiet) != (sign >= 0);
+            wrong |= caster.any(&ray, RayOrigin::FREE, &mut Quiet) != (sign >= 0);
             wrong |= caster.closest(&ray, &mut Counts::default()).is_some() != (sign >= 0);
         }
     }

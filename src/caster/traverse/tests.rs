@@ -1,6 +1,6 @@
 use super::*;
-use crate::caster::Caster;
 use crate::caster::choose::Layout;
+use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::{self, Level};
 use crate::math::ray::Ray;
 use crate::scene::parser::parse;
@@ -79,7 +79,11 @@ fn a_tree_is_searched_where_testing_everything_finds_a_hit() {
             let ray = Ray { t_max: 1.2, ..Ray::new(from, target - from) };
             let expected = plain.closest(&ray, &mut Quiet);
             assert_eq!(crowded.closest(&ray, &mut Quiet), expected, "{level:?} {ray:?}");
-            assert_eq!(crowded.any(&ray, &mut Quiet), expected.is_some(), "{level:?} {ray:?}");
+            assert_eq!(
+                crowded.any(&ray, RayOrigin::FREE, &mut Quiet),
+                expected.is_some(),
+                "{level:?} {ray:?}"
+            );
             hits += usize::from(expected.is_some());
             tiny += usize::from(expected.is_some_and(|hit| hit.primitive % 3 == 0 && hit.primitive < 900));
         }

@@ -56,11 +56,6 @@ impl Bins {
         Self { rows: rows.clone(), parts: parts.collect() }
     }
 
-    /// Returns the rows that the tiles fill.
-    pub fn rows(&self) -> Range<usize> {
-        self.rows.clone()
-    }
-
     /// Returns the number of pixels in the bounds of all triangles.
     pub fn pixels(&self) -> usize {
         self.parts.iter().flatten().fold(0usize, |pixels, bin| pixels.saturating_add(bin.pixels))

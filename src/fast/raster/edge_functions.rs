@@ -25,7 +25,8 @@
 //! If V is clearly not zero, the relative error of the t of the ray's own test is less than `T_ROUNDINGS` u R / t, as
 //! `proofs/triangle_t.g` proves. n is 1 / t.
 
-use super::{Affine, Viewport};
+use super::Affine;
+use super::viewport::Viewport;
 use crate::math::extremes::max3;
 use crate::math::robust::UNIT_ROUNDOFF as U;
 use crate::world::edge_functions::T_ROUNDINGS;

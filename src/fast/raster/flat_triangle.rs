@@ -7,9 +7,9 @@
 //! triangle's area exceeds the error of an edge function, and e is at least a billionth of the vertices' distances
 //! from the middle of the picture.
 
+use super::Affine;
 use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::ScreenVertex;
-use super::{Affine, Screen};
 use glam::DVec2;
 
 /// The position of a point in a picture.
@@ -23,9 +23,9 @@ pub struct Projected {
 }
 
 impl Projected {
-    /// Returns the point as a vertex on the screen.
-    pub fn on(self, screen: &Screen) -> ScreenVertex {
-        ScreenVertex::at(self.at + screen.middle, self.nearness)
+    /// Returns the point as a vertex on a screen with this middle.
+    pub fn on(self, middle: DVec2) -> ScreenVertex {
+        ScreenVertex::at(self.at + middle, self.nearness)
     }
 }
 

@@ -3,9 +3,10 @@
 //! All of these primitives are inside the picture and well ahead of a point light, so nothing is clipped. The
 //! coordinates of points are accurate to a small fraction of a pixel. Otherwise there is no such picture.
 
-use super::Screen;
-use super::edge_functions::ErrorBound;
-use super::flat_triangle::Projected;
+use super::edge_functions::{EdgeFunctions, ErrorBound};
+use super::flat_triangle::{self, Projected};
+use super::triangle_bounds::ScreenVertex;
+use super::{Screen, View};
 use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -130,6 +131,16 @@ impl LightView {
         } else {
             MapPlace::Outside
         }
+    }
+}
+
+impl View for LightView {
+    fn vertex(&self, point: DVec3) -> ScreenVertex {
+        self.project(point).on(DVec2::splat(self.middle))
+    }
+
+    fn edge_functions(&self, corners: [DVec3; 3]) -> Option<EdgeFunctions> {
+        flat_triangle::edge_functions(corners.map(|corner| self.project(corner)), SCREEN_ERROR)
     }
 }
 

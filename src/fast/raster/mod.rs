@@ -18,6 +18,7 @@ mod parallel_view;
 mod shadow_map;
 mod tile;
 mod triangle_bounds;
+mod viewport;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -25,7 +26,7 @@ mod worst_cases;
 
 use crate::base::memory;
 use crate::base::shortcut::Shortcut;
-use crate::camera::{Camera, Eye, Projection, TURN_ROUNDINGS};
+use crate::camera::{Camera, Projection};
 use crate::caster::Caster;
 use crate::caster::bounds::widened;
 use crate::math::aabb::Aabb;
@@ -33,13 +34,13 @@ use crate::math::ray::{Ray, Visible};
 use crate::trace::FirstHit;
 use crate::world::{Primitive, World};
 use bins::Bins;
-use edge_functions::{EDGE_ROUNDINGS, EdgeFunctions, ErrorBound, InvDepthPlane};
-use flat_triangle::Projected;
+use edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use glam::{DVec2, DVec3};
 use parallel_view::ParallelView;
 use rayon::prelude::*;
 use std::ops::Range;
 use triangle_bounds::{ScreenVertex, TriangleBounds};
+use viewport::Viewport;
 
 pub use shadow_map::ShadowMaps;
 
@@ -160,100 +161,87 @@ impl VisibilityBuffer {
 
 /// Returns the ids that the pixels show to rays from an eye, or `None` as in [`VisibilityBuffer::new`].
 fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
-    memory::ask(bytes_for::<ScreenVertex>(world, viewport.rows.len() * viewport.screen.stride())).ok()?;
-    let vertices: Vec<_> = world.vertices.par_iter().map(|&v| ScreenVertex::of(v, viewport)).collect();
-    let bounds_of =
-        |id: u32| world.may_be_hit(id).then(|| TriangleBounds::new(viewport, world, &vertices, id)).flatten();
-    let bins = Bins::new(&viewport.rows, world.triangles.len(), bounds_of);
-    let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(viewport, plane));
-    let of_box = |bounds: &Aabb| TriangleBounds::of_box(viewport, bounds);
-    let others = Others { planes: planes.collect(), boxes: boxes(world, of_box) };
-    let edge_functions = |id: u32| EdgeFunctions::new(viewport, world.corners(id as usize));
-    drawn(&bins, viewport.screen, &others, world, edge_functions)
+    let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(viewport, plane)).collect();
+    drawn_by_camera(viewport, viewport.screen, &viewport.rows, world, planes)
 }
 
 /// Returns the ids that the pixels show to parallel rays, or `None` as in [`VisibilityBuffer::new`].
 fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) -> Option<Vec<u32>> {
-    memory::ask(bytes_for::<Projected>(world, rows.len() * view.screen.stride())).ok()?;
-    let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect();
-    let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
-    let bounds_of = |id: u32| {
-        let on_screen = || corners(id).map(|corner| corner.on(&view.screen));
-        world.may_be_hit(id).then(|| TriangleBounds::ahead(&view.screen, rows, on_screen(), id)).flatten()
-    };
-    let bins = Bins::new(rows, world.triangles.len(), bounds_of);
-    let planes = world.planes.iter().map(|plane| view.plane(plane));
-    let of_box = |bounds: &Aabb| {
-        let corners = bounds.corners().map(|corner| view.project(corner).on(&view.screen));
-        TriangleBounds::of_box_ahead(&view.screen, rows, corners)
-    };
-    let others = Others { planes: planes.collect(), boxes: boxes(world, of_box) };
-    let edge_functions = |id: u32| flat_triangle::edge_functions(corners(id), view.screen_error);
-    drawn(&bins, view.screen, &others, world, edge_functions)
+    let planes = world.planes.iter().map(|plane| view.plane(plane)).collect();
+    drawn_by_camera(view, view.screen, rows, world, planes)
 }
 
-/// The primitives other than triangles.
-struct Others {
+/// Returns the ids that the pixels show to a camera, or `None` as in [`VisibilityBuffer::new`].
+fn drawn_by_camera(
+    view: &impl View,
+    screen: Screen,
+    rows: &Range<usize>,
+    world: &World,
     planes: Vec<InvDepthPlane>,
-    /// The boxes of the visible spheres and ellipsoids.
-    boxes: Vec<TriangleBounds>,
+) -> Option<Vec<u32>> {
+    memory::ask(bytes_to_draw(world, rows.len() * screen.stride())).ok()?;
+    drawn(view, screen, rows, world, &planes, PIXELS_PER_RAY * screen.width * rows.len())
 }
 
-/// Returns the bounds of spheres and ellipsoids on the screen.
-fn boxes(world: &World, of_box: impl Fn(&Aabb) -> Option<TriangleBounds>) -> Vec<TriangleBounds> {
-    world.boxes().filter_map(|bounds| of_box(&widened(bounds))).collect()
+/// A projection of the world to a screen.
+trait View: Sync {
+    /// Projects a point.
+    fn vertex(&self, point: DVec3) -> ScreenVertex;
+
+    /// Returns true if points certainly lie beyond one side of the screen. This is only asked if they are not all
+    /// ahead.
+    fn are_outside<const N: usize>(&self, _points: [DVec3; N]) -> bool {
+        false
+    }
+
+    /// Returns the edge functions of the triangle with these corners, or `None` if it may be seen edge on.
+    fn edge_functions(&self, corners: [DVec3; 3]) -> Option<EdgeFunctions>;
 }
 
 /// Returns the memory in bytes of the world's vertices on the screen, of the bounds of its triangles, and of this
 /// number of pixels.
-fn bytes_for<Vertex>(world: &World, pixels: usize) -> u64 {
-    let bytes = world.vertices.len() * size_of::<Vertex>()
+fn bytes_to_draw(world: &World, pixels: usize) -> u64 {
+    let bytes = world.vertices.len() * size_of::<ScreenVertex>()
         + world.triangles.len() * size_of::<TriangleBounds>()
         + pixels * size_of::<u32>();
     bytes as u64
 }
 
-/// Returns the ids that the pixels show after all primitives are drawn, or `None` if that takes too many pixel tests.
+/// Draws the primitives of a world into these rows of a screen, with planes of these depths. Returns the ids that the
+/// pixels show, or `None` if that takes more than `most_tests` pixel tests. The pixels in the boxes of spheres and
+/// ellipsoids are unsure, unless something is certainly nearer.
 fn drawn(
-    bins: &Bins,
+    view: &impl View,
     screen: Screen,
-    Others { planes, boxes }: &Others,
+    rows: &Range<usize>,
     world: &World,
-    edge_functions: impl Fn(u32) -> Option<EdgeFunctions> + Sync,
+    planes: &[InvDepthPlane],
+    most_tests: usize,
 ) -> Option<Vec<u32>> {
+    let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.vertex(vertex)).collect();
+    let bins = Bins::new(rows, world.triangles.len(), |id| {
+        let on_screen = world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
+        let corners = || world.corners(id as usize);
+        let bounds = || TriangleBounds::new(view, &screen, rows, on_screen, corners, id);
+        Some((world.may_be_hit(id).then(bounds)??, triangle_bounds::is_front(on_screen)))
+    });
+    let of_box = |bounds: Aabb| {
+        let corners = widened(bounds).corners();
+        let on_screen = corners.map(|corner| view.vertex(corner));
+        TriangleBounds::new(view, &screen, rows, on_screen, || corners, UNSURE)
+    };
+    let boxes: Vec<_> = world.boxes().filter_map(of_box).collect();
     let marked = boxes.iter().map(TriangleBounds::pixels).sum::<usize>();
-    if bins.pixels().saturating_add(marked) > PIXELS_PER_RAY * screen.width * bins.rows().len() {
+    if bins.pixels().saturating_add(marked) > most_tests {
         return None;
     }
+    let edge_functions = |id: u32| view.edge_functions(world.corners(id as usize));
     Some(bins.draw(screen, edge_functions, |tile| {
         planes.iter().zip(world.first_plane()..).for_each(|(plane, id)| tile.fill(plane, id));
-        for TriangleBounds { columns, rows, max_inv_depth, .. } in boxes {
+        for TriangleBounds { columns, rows, max_inv_depth, .. } in &boxes {
             tile.mark_unsure(columns.range(), rows.range(), *max_inv_depth);
         }
     }))
-}
-
-/// The factor of the `max_direction_length` of a turned eye. All error bounds are at least proportional to this
-/// length. For an edge function, the factor adds exactly the further roundings of a direction. It adds more than these
-/// for the depths of triangles, which have 47.5 roundings and to which the roundings of a direction apply 2.6 times,
-/// and for the depths of planes, which have 19 roundings.
-const TURNED: f64 = 1.0 + TURN_ROUNDINGS / EDGE_ROUNDINGS;
-
-/// The projection onto the rows that are drawn.
-///
-/// The direction of a pixel's ray is d + x h + y v, where x and y are in pixels from the eye's `middle`.
-struct Viewport {
-    eye: Eye,
-    /// A power of two that scales all finite primitives to within a distance of 1 from the eye.
-    scale: f64,
-    /// The vectors whose dot products with a point at depth 1 are the point's x and y.
-    axes: [DVec3; 2],
-    /// Upper bound on the distance of the outermost pixel centres from the eye's `middle` along each axis, in pixels.
-    far: DVec2,
-    /// Upper bound on |d| + |x h| + |y v|, times [`TURNED`] if the eye is turned.
-    max_direction_length: f64,
-    screen: Screen,
-    rows: Range<usize>,
 }
 
 /// The pixels on which primitives are drawn.
@@ -275,53 +263,6 @@ impl Screen {
     /// Returns the number of elements from one row of a buffer to the next.
     fn stride(&self) -> usize {
         self.width + tile::LANES
-    }
-}
-
-impl Viewport {
-    /// Returns `None` if numbers are too large or too small for the error bounds, or if the view is so narrow or so
-    /// skewed that the error of a projected vertex may exceed a small fraction of a pixel. The last parameter is
-    /// [`World::coincidence_reach_by_t`].
-    fn new(
-        eye: Eye,
-        bounds: Aabb,
-        size: [usize; 2],
-        rows: Range<usize>,
-        footprint: Footprint,
-        [margin, per_t]: [f64; 2],
-    ) -> Option<Self> {
-        let distance = |corner: DVec3| (corner - eye.center).length();
-        let farthest = bounds.corners().map(distance).into_iter().fold(0.0, f64::max);
-        let scale = libm::ldexp(1.0, -libm::frexp(farthest).1);
-        let axes = [eye.right, eye.up].map(|axis| axis / axis.length_squared());
-        let [width, height] = size;
-        let last = DVec2::new(width as f64, height as f64) - 1.0;
-        // The `middle` of a turned eye is not exact.
-        let clearance = if eye.is_turned { 1.0 } else { 0.0 };
-        let far = eye.middle.abs().max((last - eye.middle).abs()) + clearance;
-        let (across, along) = ((far.x + 0.5) * eye.right.length(), (far.y + 0.5) * eye.up.length());
-        let allowed = if eye.is_turned { TURNED } else { 1.0 };
-        let max_direction_length = allowed * (eye.direction.length() + across + along);
-        let screen_error = triangle_bounds::screen_error_bound(&eye, axes, max_direction_length);
-        let is_usual = (1e-60..1e60).contains(&scale)
-            && max_direction_length < 1e12
-            && screen_error < triangle_bounds::MAX_SCREEN_ERROR;
-        // With n = 1 / t, a difference of e in t is a difference of less than e n^2 in n. The directions of rays are
-        // no shorter than 1.
-        let same_place = ErrorBound([0.0, per_t, margin * scale]);
-        let screen = Screen { middle: eye.middle, width, reach: footprint.reach(), nothing: 0.0, same_place };
-        is_usual.then_some(Self { eye, scale, axes, far, max_direction_length, screen, rows })
-    }
-
-    /// Returns a point relative to the eye, scaled.
-    fn eye_space(&self, point: DVec3) -> DVec3 {
-        (point - self.eye.center) * self.scale
-    }
-
-    /// Returns the dot product of `normal` and a pixel's ray direction, as a function of the pixel.
-    fn affine(&self, normal: DVec3) -> Affine {
-        let Eye { direction, right, up, .. } = self.eye;
-        Affine { constant: normal.dot(direction), per_x: normal.dot(right), per_y: normal.dot(up) }
     }
 }
 

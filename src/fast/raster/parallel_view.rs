@@ -6,9 +6,10 @@
 //! [`T_ROUNDINGS`]. If the sum of all errors may exceed a small fraction of a pixel, or of the depth of the finite
 //! primitives, there is no view.
 
-use super::edge_functions::{ErrorBound, InvDepthPlane};
-use super::flat_triangle::{NEARNESS_ERROR, Projected};
-use super::{Affine, Footprint, Screen};
+use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
+use super::flat_triangle::{self, NEARNESS_ERROR, Projected};
+use super::triangle_bounds::ScreenVertex;
+use super::{Affine, Footprint, Screen, View};
 use crate::camera::Eye;
 use crate::math::aabb::Aabb;
 use crate::math::robust::UNIT_ROUNDOFF as U;
@@ -37,7 +38,7 @@ pub struct ParallelView {
     /// The largest coordinate and distance involved.
     extent: f64,
     /// Upper bound on the error of the coordinates of a point and of a ray in the picture, in pixels.
-    pub screen_error: f64,
+    screen_error: f64,
     pub screen: Screen,
 }
 
@@ -76,7 +77,7 @@ impl ParallelView {
     }
 
     /// Projects a point into the picture.
-    pub fn project(&self, point: DVec3) -> Projected {
+    fn project(&self, point: DVec3) -> Projected {
         let across = point - self.eye.center;
         Projected {
             at: DVec2::new(across.dot(self.axes[0]), across.dot(self.axes[1])),
@@ -103,6 +104,16 @@ impl ParallelView {
             0.0,
         ]);
         InvDepthPlane { inv_depth: nearness, error_bound }
+    }
+}
+
+impl View for ParallelView {
+    fn vertex(&self, point: DVec3) -> ScreenVertex {
+        self.project(point).on(self.screen.middle)
+    }
+
+    fn edge_functions(&self, corners: [DVec3; 3]) -> Option<EdgeFunctions> {
+        flat_triangle::edge_functions(corners.map(|corner| self.project(corner)), self.screen_error)
     }
 }
 

@@ -7,14 +7,11 @@
 //! rays near spheres. So shadows are as exact as without maps. [`light_view`](super::light_view) and
 //! [`flat_triangle`](super::flat_triangle) state the error bounds of the pictures.
 
-use super::bins::Bins;
-use super::flat_triangle::{Projected, edge_functions};
-use super::light_view::{LightView, MapPlace, SCREEN_ERROR};
-use super::tile::{self, Tile};
-use super::triangle_bounds::TriangleBounds;
-use super::{NOTHING, UNSURE, bytes_for};
+use super::light_view::{LightView, MapPlace};
+use super::{NOTHING, UNSURE, bytes_to_draw, drawn, tile};
 use crate::base::memory;
 use crate::base::shortcut::Shortcut;
+use crate::caster::bounds::widened;
 use crate::math::aabb::Aabb;
 use crate::scene::Light;
 use crate::trace::Blocker;
@@ -55,7 +52,7 @@ impl ShadowMaps {
             return Self::default();
         }
         let at_once = world.lights.len().min(rayon::current_num_threads()) as u64;
-        if memory::ask(at_once * bytes_for::<Projected>(world, SIZE * (SIZE + tile::LANES))).is_err() {
+        if memory::ask(at_once * bytes_to_draw(world, SIZE * (SIZE + tile::LANES))).is_err() {
             return Self::default();
         }
         let most_pixels = MAX_PIXELS / world.lights.len().max(1);
@@ -74,10 +71,11 @@ impl ShadowMaps {
 
 impl ShadowMap {
     fn new(world: &World, light: &Light, most_pixels: usize) -> Option<Self> {
-        let boxes: Vec<Aabb> = world.boxes().collect();
-        let bounds = Aabb::around(boxes.iter().flat_map(Aabb::corners).chain(world.vertices.iter().copied()));
+        let of_boxes = world.boxes().flat_map(|bounds| widened(bounds).corners());
+        let bounds = Aabb::around(of_boxes.chain(world.vertices.iter().copied()));
         let view = LightView::new(light, &bounds, SIZE)?;
-        Some(Self { view, nearest_ids: draw(&view, world, &boxes, most_pixels)? })
+        let nearest_ids = drawn(&view, view.screen(), &(0..SIZE), world, &[], most_pixels)?;
+        Some(Self { view, nearest_ids })
     }
 
     #[inline(always)]
@@ -92,33 +90,6 @@ impl ShadowMap {
             },
         }
     }
-}
-
-/// Draws the triangles, and marks the pixels of these boxes as unsure. Returns `None` if the bounds of the triangles
-/// have more than `most_pixels` pixels in total.
-fn draw(view: &LightView, world: &World, boxes: &[Aabb], most_pixels: usize) -> Option<Vec<u32>> {
-    let (screen, rows) = (view.screen(), 0..SIZE);
-    let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.project(vertex)).collect();
-    let corners = |id: u32| world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
-    let bins = Bins::new(&rows, world.triangles.len(), |id| {
-        let on_screen = || corners(id).map(|corner| corner.on(&screen));
-        world.may_be_hit(id).then(|| TriangleBounds::ahead(&screen, &rows, on_screen(), id)).flatten()
-    });
-    if bins.pixels() > most_pixels {
-        return None;
-    }
-    let on_screen = |bounds: &Aabb| {
-        let corners = bounds.corners().map(|corner| view.project(corner).on(&screen));
-        TriangleBounds::of_box_ahead(&screen, &rows, corners)
-    };
-    let boxes: Vec<_> = boxes.iter().map(on_screen).collect();
-    // The depth of the objects in the boxes counts as unknown.
-    let mark = |tile: &mut Tile| {
-        for TriangleBounds { columns, rows, .. } in boxes.iter().flatten() {
-            tile.mark_unsure(columns.range(), rows.range(), f32::INFINITY);
-        }
-    };
-    Some(bins.draw(screen, |id| edge_functions(corners(id), SCREEN_ERROR), mark))
 }
 
 #[cfg(test)]

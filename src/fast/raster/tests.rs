@@ -1,6 +1,7 @@
 //! Compares the visibility buffer with the rays that it replaces.
 
 use super::*;
+use crate::caster::RayOrigin;
 use crate::scene;
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Screen::BothSides;
@@ -66,7 +67,7 @@ fn counts(
         let mut kind = 0;
         for &offset in &offsets {
             let ray = camera.ray(DVec2::new(i as f64, j as f64), offset);
-            let cast = caster.nearest(&ray, None, &mut Quiet);
+            let cast = caster.nearest(&ray, RayOrigin::FREE, &mut Quiet);
             kind = match buffer.first_hit(world, &ray, [i, j]) {
                 FirstHit::Nothing => {
                     assert_eq!(cast, None, "{i} {j} {offset}");

@@ -134,40 +134,51 @@ impl<'c> Tile<'c> {
         rows: Range<usize>,
         id: u32,
     ) {
-        let middle = self.screen.middle;
-        let corner = [columns.start as f64 - middle.x, rows.start as f64 - middle.y];
-        let extent = [columns.len() + LANES, rows.len()];
-        let reach = self.screen.reach;
-        let of_edges = ErrorBound([edge_functions.edge_error_bound, 0.0, 0.0]);
-        let edges = edge_functions.edges.map(|edge| AffineRow::new(edge, corner, extent, reach, of_edges));
-        let InvDepthPlane { inv_depth, error_bound } = edge_functions.inv_depth_plane;
-        let inv_depth =
-            AffineRow::new(inv_depth, corner, extent, reach, error_bound.plus(self.screen.same_place));
-        for j in rows {
-            let y = j as f64 - middle.y;
-            for i in columns.clone().step_by(LANES) {
-                let x = i as f64 - middle.x;
-                let coverage = Coverage::new(&edges, x, y);
-                self.update([i, j], &coverage, &inv_depth.from(x, y), inv_depth.error_bound, id);
-            }
-        }
+        let error_bound = ErrorBound([edge_functions.edge_error_bound, 0.0, 0.0]);
+        let edges = edge_functions.edges.map(|edge| self.row(edge, error_bound, &columns, &rows));
+        let coverage = |x: f64, y: f64| Coverage::new(&edges, x, y);
+        self.draw_part(&edge_functions.inv_depth_plane, coverage, columns, rows, id);
     }
 
     /// Draws a plane, which may cover any pixel.
     pub fn fill(&mut self, plane: &InvDepthPlane, id: u32) {
-        let (middle, width) = (self.screen.middle, self.screen.width);
-        let corner = [-middle.x, self.rows.start as f64 - middle.y];
-        let extent = [width + LANES, self.rows.len()];
-        let reach = self.screen.reach;
+        self.draw_part(plane, |_, _| Coverage::FULL, 0..self.screen.width, self.rows.clone(), id);
+    }
+
+    /// Draws the part of a plane that covers pixels by `coverage`.
+    #[inline(always)]
+    fn draw_part(
+        &mut self,
+        plane: &InvDepthPlane,
+        coverage: impl Fn(f64, f64) -> Coverage,
+        columns: Range<usize>,
+        rows: Range<usize>,
+        id: u32,
+    ) {
+        let middle = self.screen.middle;
         let error_bound = plane.error_bound.plus(self.screen.same_place);
-        let inv_depth = AffineRow::new(plane.inv_depth, corner, extent, reach, error_bound);
-        for j in self.rows.clone() {
+        let inv_depth = self.row(plane.inv_depth, error_bound, &columns, &rows);
+        for j in rows {
             let y = j as f64 - middle.y;
-            for i in (0..width).step_by(LANES) {
-                let lanes = inv_depth.from(i as f64 - middle.x, y);
-                self.update([i, j], &Coverage::FULL, &lanes, inv_depth.error_bound, id);
+            for i in columns.clone().step_by(LANES) {
+                let x = i as f64 - middle.x;
+                let lanes = inv_depth.from(x, y);
+                self.update([i, j], &coverage(x, y), &lanes, inv_depth.error_bound, id);
             }
         }
+    }
+
+    /// Returns a function of the pixel with this error bound, to evaluate it in these columns and rows.
+    fn row(
+        &self,
+        function: Affine,
+        error_bound: ErrorBound,
+        columns: &Range<usize>,
+        rows: &Range<usize>,
+    ) -> AffineRow {
+        let Screen { middle, reach, .. } = self.screen;
+        let corner = [columns.start as f64 - middle.x, rows.start as f64 - middle.y];
+        AffineRow::new(function, corner, [columns.len() + LANES, rows.len()], reach, error_bound)
     }
 
     /// Marks pixels as unsure, so that their rays are cast: a primitive with at most this inverse depth may cover

@@ -6,11 +6,11 @@
 //! certainly outside the view frustum, or its bounds are the whole picture. `proofs/raster_bounds.g` proves that the
 //! bounds leave out no pixel.
 
-use super::{Eye, Screen, UNSURE, Viewport};
-use crate::math::aabb::Aabb;
-use crate::math::extremes::{max3, min3};
+use super::viewport::Viewport;
+use super::{Screen, View};
+use crate::camera::Eye;
+use crate::math::extremes::{max, min};
 use crate::math::robust::UNIT_ROUNDOFF;
-use crate::world::World;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
@@ -106,82 +106,34 @@ pub struct TriangleBounds {
 }
 
 impl TriangleBounds {
-    /// Returns the bounds of triangle `id`, and true if it seems to be front-facing. Returns `None` if it covers no
-    /// pixel. `vertices` are the world's vertices on the screen.
+    /// Returns the bounds of the primitive with these corners, which has the vertices `on_screen`, or `None` if it
+    /// covers no pixel of these rows.
     #[inline]
-    pub fn new(
-        viewport: &Viewport,
-        world: &World,
-        vertices: &[ScreenVertex],
-        id: u32,
-    ) -> Option<(Self, bool)> {
-        let [a, b, c] = world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
-        let inv_depth = [a.inv_depth, b.inv_depth, c.inv_depth];
-        if min3(inv_depth) > 0.0 {
-            Self::ahead(&viewport.screen, &viewport.rows, [a, b, c], id)
-        } else if max3(inv_depth) < 0.0 || is_outside_frustum(viewport, world.corners(id as usize)) {
-            None
-        } else {
-            Some((Self::whole(&viewport.screen, &viewport.rows, id), true))
-        }
-    }
-
-    /// Returns the bounds of a box, whose pixels are unsure, or `None` if it covers no pixel.
-    pub fn of_box(viewport: &Viewport, bounds: &Aabb) -> Option<Self> {
-        let corners = bounds.corners();
-        let on_screen = corners.map(|corner| ScreenVertex::of(corner, viewport));
-        if on_screen.iter().all(|corner| corner.inv_depth > 0.0) {
-            Self::of_box_ahead(&viewport.screen, &viewport.rows, on_screen)
-        } else if on_screen.iter().all(|corner| corner.inv_depth < 0.0)
-            || is_outside_frustum(viewport, corners)
-        {
-            None
-        } else {
-            Some(Self::whole(&viewport.screen, &viewport.rows, UNSURE))
-        }
-    }
-
-    /// Returns the bounds of a box whose corners are all well ahead of the eye, or `None` if it covers no pixel.
-    pub fn of_box_ahead(screen: &Screen, rows: &Range<usize>, corners: [ScreenVertex; 8]) -> Option<Self> {
-        let max_inv_depth = corners.iter().fold(f32::NEG_INFINITY, |most, corner| most.max(corner.inv_depth));
-        Self::around(screen, rows, corners, UNSURE, max_inv_depth)
-    }
-
-    /// Returns the whole picture, at any depth.
-    fn whole(screen: &Screen, rows: &Range<usize>, id: u32) -> Self {
-        let (columns, rows) = (Span::new(&(0..screen.width)), Span::new(rows));
-        Self { id, columns, rows, max_inv_depth: f32::INFINITY }
-    }
-
-    /// Returns the bounds of some corners, or `None` if they cover no pixel. `max_inv_depth` is the corners' largest
-    /// inverse depth.
-    #[inline(always)]
-    fn around<const N: usize>(
+    pub fn new<const N: usize>(
+        view: &impl View,
         screen: &Screen,
         rows: &Range<usize>,
-        corners: [ScreenVertex; N],
+        on_screen: [ScreenVertex; N],
+        corners: impl FnOnce() -> [DVec3; N],
         id: u32,
-        max_inv_depth: f32,
     ) -> Option<Self> {
-        // The factor exceeds the error of single precision, so the result is an upper bound.
-        let max_inv_depth = 1.000_001 * max_inv_depth;
-        let [columns, rows] = [(0, &(0..screen.width)), (1, rows)]
-            .map(|(axis, pixels)| Span::around(corners, axis, pixels, screen.reach));
-        let is_seen = !columns.is_empty() && !rows.is_empty();
-        is_seen.then_some(Self { id, columns, rows, max_inv_depth })
-    }
-
-    /// Returns the result of [`TriangleBounds::new`] for a triangle whose vertices are all well ahead of the eye.
-    #[inline]
-    pub fn ahead(
-        screen: &Screen,
-        rows: &Range<usize>,
-        [a, b, c]: [ScreenVertex; 3],
-        id: u32,
-    ) -> Option<(Self, bool)> {
-        let max_inv_depth = max3([a.inv_depth, b.inv_depth, c.inv_depth]);
-        let bounds = Self::around(screen, rows, [a, b, c], id, max_inv_depth)?;
-        Some((bounds, is_front([a, b, c])))
+        let [least, most] =
+            on_screen.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[least, most], vertex| {
+                [min(least, vertex.inv_depth), max(most, vertex.inv_depth)]
+            });
+        let all = 0..screen.width;
+        if least > 0.0 {
+            let [columns, rows] = [(0, &all), (1, rows)]
+                .map(|(axis, pixels)| Span::around(on_screen, axis, pixels, screen.reach));
+            let is_seen = !columns.is_empty() && !rows.is_empty();
+            // The factor exceeds the error of single precision, so the result is an upper bound.
+            is_seen.then_some(Self { id, columns, rows, max_inv_depth: 1.000_001 * most })
+        } else if most < 0.0 || view.are_outside(corners()) {
+            None
+        } else {
+            // Any pixel, at any depth.
+            Some(Self { id, columns: Span::new(&all), rows: Span::new(rows), max_inv_depth: f32::INFINITY })
+        }
     }
 
     /// Returns the number of pixels within the bounds.
@@ -195,8 +147,8 @@ impl TriangleBounds {
 pub const SIDE_ROUNDINGS: f64 = 4.3;
 
 /// Returns true if all points certainly lie beyond one of the four side planes of the view frustum.
-fn is_outside_frustum<const N: usize>(viewport: &Viewport, corners: [DVec3; N]) -> bool {
-    let points = corners.map(|corner| viewport.eye_space(corner));
+pub fn is_outside_frustum<const N: usize>(viewport: &Viewport, points: [DVec3; N]) -> bool {
+    let points = points.map(|point| viewport.eye_space(point));
     (0..2).any(|k| {
         let axis = viewport.axes[k];
         // The plane runs a pixel and a half outside the last centre, which exceeds the error of a pixel's
@@ -257,7 +209,7 @@ impl Span {
 
 /// Returns true if a triangle's vertices run counter-clockwise on the screen, up to rounding. This only affects the
 /// order of drawing.
-fn is_front(corners: [ScreenVertex; 3]) -> bool {
+pub fn is_front(corners: [ScreenVertex; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| corner.at.map(i64::from));
     (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0])
 }

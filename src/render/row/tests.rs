@@ -3,7 +3,6 @@ use crate::camera::Camera;
 use crate::render::tracing::PictureTracer;
 use crate::scene::Scene;
 use crate::scene::parser::parse;
-use crate::trace::Patience;
 use glam::DVec3;
 
 const TEXT: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
@@ -23,7 +22,7 @@ fn with_painter(check: impl FnOnce(&mut Painter)) {
     let camera = Camera::new(&scene.camera, request.size);
     let (view, tracing) = (View::Scene, Tracing::Counted);
     let setting = RenderSetting { caster: &caster, view, request: &request, tracing };
-    let picture = PictureTracer::new(&camera, &caster, view, &request, tracing, Patience::endless());
+    let picture = PictureTracer::new(&camera, &caster, view, &request, tracing, &|_| false);
     check(&mut Painter {
         shown: 2..10,
         center_weight: 1.0,

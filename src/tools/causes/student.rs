@@ -6,7 +6,7 @@
 
 use super::mistakes::Mistake;
 use super::object_space::ObjectSpaces;
-use crate::caster::Caster;
+use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
 use crate::math::robust::{offset_origin, unit};
@@ -97,7 +97,7 @@ impl Hits for Caster<'_> {
     }
 
     fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
-        Caster::nearest(self, ray, leaves, &mut Quiet)
+        Caster::nearest(self, ray, RayOrigin::on(self.world, leaves), &mut Quiet)
     }
 }
 

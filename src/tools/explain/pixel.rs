@@ -5,7 +5,7 @@ use super::objects::{MaterialPart, Objects};
 use super::ray_tree::{LeftOut, LightBlocker, RayNode, Recorder, Shadow, Surface};
 use super::stop::Stop;
 use crate::base::escape::escape;
-use crate::caster::Caster;
+use crate::caster::{Caster, RayOrigin};
 use crate::diagnostic::Diagnostic;
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -20,7 +20,7 @@ use crate::scene::model::Highlight;
 use crate::scene::texels::{FACES, face};
 use crate::shading::texture::is_in_boundary;
 use crate::stats::Counts;
-use crate::trace::{Memory, Observer, Patience, Tracer};
+use crate::trace::{Memory, Observer, Tracer};
 use crate::world::{SurfacePoint, World};
 use glam::DVec2;
 use serde::Serialize;
@@ -221,7 +221,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let tracer = Tracer::new(self.prepared.caster(), request.effects);
         let lights = self.prepared.renderer().scene.lights.len();
         let is_over = |_| stop.is_over();
-        let mut memory = Memory::new(Patience::until(&is_over, lights));
+        let mut memory = Memory::until(&is_over, lights);
         let color = tracer.color(ray, &mut memory, &mut recorder);
         let (mut rays, left_out) = recorder.finish();
         // A ray leaves the primitive that its parent hits.
@@ -312,7 +312,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let first = shadow.crossed.first().map(|crossing| crossing.hit);
         let sees = first.or_else(|| {
             caster
-                .nearest(&shadow.ray, Some(leaves), &mut Counts::default())
+                .nearest(&shadow.ray, RayOrigin::on(world, Some(leaves)), &mut Counts::default())
                 .map(|visible| world.hit(&shadow.ray, visible))
         });
         let sees = sees.map(|hit| (hit.primitive, hit.t));

@@ -1,7 +1,7 @@
 //! Secondary rays as the renderer casts them.
 
 use glam::DVec3;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::offset_origin;
 use raytracer::stats::Quiet;
@@ -14,5 +14,6 @@ pub fn secondary(surface: &SurfacePoint, direction: DVec3) -> Ray {
 
 /// Whether anything blocks this ray.
 pub fn blocked(caster: &Caster, surface: &SurfacePoint, direction: DVec3) -> bool {
-    caster.any_from(&secondary(surface, direction), surface.primitive, &mut Quiet)
+    let origin = RayOrigin::on(caster.world, surface.primitive);
+    caster.any(&secondary(surface, direction), origin, &mut Quiet)
 }

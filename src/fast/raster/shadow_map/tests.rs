@@ -1,5 +1,7 @@
 use super::*;
-use crate::caster::Caster;
+use crate::caster::{Caster, RayOrigin};
+use crate::fast::raster::flat_triangle::{Projected, edge_functions};
+use crate::fast::raster::light_view::SCREEN_ERROR;
 use crate::math::ray::Ray;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
@@ -53,18 +55,19 @@ fn check(world: &World, maps: &ShadowMaps, points: &[(DVec3, Option<u32>)]) -> [
         for &(point, leaves) in points {
             let incident = incident(light, point);
             let ray = Ray { t_max: incident.distance, ..Ray::new(point, incident.direction) };
-            let is_blocked = caster.any_from(&ray, leaves, &mut Quiet);
+            let origin = RayOrigin::on(world, leaves);
+            let is_blocked = caster.any(&ray, origin, &mut Quiet);
             match maps.blocker(index, point) {
                 Blocker::Nothing => {
                     assert!(!is_blocked, "{light:?} {point}");
                     counts[0] += 1;
                 }
                 Blocker::Only(triangle) => {
-                    let meets = caster.is_hit(&ray, triangle, leaves);
+                    let meets = caster.hits_triangle(&ray, triangle, origin);
                     assert_eq!(meets, is_blocked, "{light:?} {point} {triangle}");
                     counts[1] += 1;
                 }
-                Blocker::Any => counts[2] += 1,
+                Blocker::Any | Blocker::Certain => counts[2] += 1,
             }
         }
     }
