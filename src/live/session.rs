@@ -298,7 +298,8 @@ impl Session {
         let compared = Comparison::new_unless(picture, &own.picture, &|| stop.is_over())?;
         let shown = DifferencePicture::new(picture, &own.picture)?;
         let meta = json!({
-            "size": picture_size(picture), "block": compared.to_string(), "amplification": shown.amplification,
+            "size": picture_size(picture), "block": compared.to_string(), "largest": compared.largest,
+            "amplification": shown.amplification,
         });
         let difference = rgba(&shown.picture);
         // The last of the panels that stand side by side.
