@@ -22,7 +22,7 @@ pub use answer::{Answer, USUAL_TARGETS};
 pub use csv::csv;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
-pub use setting::{Axis, Samples, SamplingKind, Setting, filter_flag, separate};
+pub use setting::{Axis, Samples, SamplingKind, Setting, separate};
 pub use sweep::{Bench, Sweep, SweepProgress};
 pub use text::text;
 

@@ -1,11 +1,11 @@
 //! The page of a report: a single self-contained file. Its text is in `templates/error_report.html`.
 
 use super::plot::{against_samples, against_time, marker};
-use super::{Answer, ErrorReport, MeasuredFilter, Measurement, SamplingKind, filter_flag};
+use super::{Answer, ErrorReport, MeasuredFilter, Measurement, SamplingKind};
 use crate::picture::Picture;
 use crate::tools::compare::{colors, largest_channel_difference};
 use crate::tools::embedded::file;
-use crate::tools::explain::color_scale::cubehelix;
+use crate::tools::explain::cubehelix;
 use askama::Template;
 
 /// The difference, in levels, shown as white in the maps.

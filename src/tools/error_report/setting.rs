@@ -148,7 +148,7 @@ impl Setting {
     pub fn label_with_filter(&self) -> String {
         let (label, samples) = (self.label(), self.samples_flag());
         let rest = label.strip_prefix(&samples).unwrap_or_default();
-        format!("{samples} {}{rest}", filter_flag(self.filter))
+        format!("{samples} {}{rest}", self.filter.flag())
     }
 
     /// Returns all its flags, separated by spaces. `None` if flags cannot express it.
@@ -161,7 +161,7 @@ impl Setting {
         };
         let back = if shade_back { " -shade_back" } else { "" };
         let (samples, secondary) = (self.samples_flag(), self.secondary_flags());
-        let (filter, structure) = (filter_flag(self.filter), structure_flag(self.structure));
+        let (filter, structure) = (self.filter.flag(), structure_flag(self.structure));
         self.octaves.is_none().then(|| format!("{samples} {filter}{shadows}{back}{secondary}{structure}"))
     }
 
@@ -191,16 +191,6 @@ pub fn separate(flags: &str) -> Vec<String> {
     let mut parts = flags.split(" -");
     let first = parts.next().map(str::to_owned);
     first.into_iter().chain(parts.map(|part| format!("-{part}"))).collect()
-}
-
-/// Returns the flag of a filter.
-pub fn filter_flag(filter: Filter) -> String {
-    match filter {
-        Filter::Box { radius } => format!("-box_filter {radius}"),
-        Filter::Tent { radius } => format!("-tent_filter {radius}"),
-        Filter::Gaussian { sigma } => format!("-gaussian_filter {sigma}"),
-        Filter::Mitchell { radius } => format!("-mitchell_filter {radius}"),
-    }
 }
 
 fn structure_flag(structure: Structure) -> String {

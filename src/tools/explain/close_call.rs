@@ -53,29 +53,41 @@ const SAME_T_ROUNDINGS: f64 = 16.0;
 /// from it.
 const START_ROUNDINGS: f64 = 256.0;
 
+impl CloseCall {
+    /// Makes a close call that involves no other object.
+    pub(super) fn of(kind: CloseCallKind) -> Self {
+        Self { kind, object: None }
+    }
+}
+
+/// Returns true if a few roundings could change the byte of a channel.
+pub fn is_about_to_change(channel: f64) -> bool {
+    const ROUNDINGS: f64 = 16.0;
+    let level = 255.0 * channel;
+    let whole = level.round();
+    (1.0..=255.0).contains(&whole) && (level - whole).abs() <= ROUNDINGS * UNIT_ROUNDOFF * whole
+}
+
 /// Returns true if a cosine is about 0.
 pub fn is_about_zero(cosine: f64) -> bool {
     cosine.abs() <= COSINE_BOUND
 }
 
-/// The start and the visible hit of a ray.
-#[derive(Clone, Copy, Debug)]
-pub struct RayEnds {
-    /// The primitive that the ray leaves. It is not examined.
-    pub leaves: Option<u32>,
-    /// The primitive that the ray hits first, and its t.
-    pub sees: Option<(u32, f64)>,
-}
-
 /// The largest number of close calls reported for a ray.
 const MAX_CLOSE_CALLS: usize = 1 << 8;
 
-/// Returns the first primitives of the world with which a ray has a close call. Examines every primitive.
-pub fn close_primitives(world: &World, ray: &Ray, seen: RayEnds) -> Vec<(CloseCallKind, u32)> {
-    let search = Search { world, ray, seen, shear: Shear::new(ray) };
+/// Returns the first primitives of the world with which a ray has a close call, except the one that it leaves. `sees`
+/// is the primitive that it hits first, and its t. Examines every primitive.
+pub fn close_primitives(
+    world: &World,
+    ray: &Ray,
+    leaves: Option<u32>,
+    sees: Option<(u32, f64)>,
+) -> Vec<(CloseCallKind, u32)> {
+    let search = Search { world, ray, sees, shear: Shear::new(ray) };
     let count = world.finite_count() + world.planes.len();
     (0..count as u32)
-        .filter(|&id| seen.leaves != Some(id))
+        .filter(|&id| leaves != Some(id))
         .filter_map(|id| search.close_call(id).map(|kind| (kind, id)))
         .take(MAX_CLOSE_CALLS)
         .collect()
@@ -84,14 +96,14 @@ pub fn close_primitives(world: &World, ray: &Ray, seen: RayEnds) -> Vec<(CloseCa
 struct Search<'a> {
     world: &'a World,
     ray: &'a Ray,
-    seen: RayEnds,
+    sees: Option<(u32, f64)>,
     shear: Shear<'a>,
 }
 
 impl Search<'_> {
     fn close_call(&self, id: u32) -> Option<CloseCallKind> {
         // The part of the line that the ray could reach with different rounding.
-        let far = self.seen.sees.map_or(self.ray.t_max, |(_, t)| t);
+        let far = self.sees.map_or(self.ray.t_max, |(_, t)| t);
         let margin = self.roundings(START_ROUNDINGS, if far.is_finite() { far } else { 0.0 });
         let reach = Ray { t_min: self.ray.t_min - margin, t_max: far + margin, ..*self.ray };
         match self.world.primitive(id) {
@@ -134,7 +146,7 @@ impl Search<'_> {
 
     fn same_t(&self, t: f64, id: u32) -> Option<CloseCallKind> {
         let near = |other: f64, count: f64| (t - other).abs() <= self.roundings(count, t);
-        match self.seen.sees {
+        match self.sees {
             Some((sees, at)) if sees != id && near(at, SAME_T_ROUNDINGS) => Some(CloseCallKind::SameT),
             _ if near(self.ray.t_min, START_ROUNDINGS) => Some(CloseCallKind::Start),
             seen if near(self.ray.t_max, START_ROUNDINGS) && seen.is_none_or(|(sees, _)| sees == id) => {

@@ -1,14 +1,15 @@
 //! Finds the object in the scene's text that a primitive of the world belongs to.
 
+use super::tree::Surface;
 use crate::base::escape::escape;
 use crate::diagnostic::Diagnostic;
 use crate::math::instructions::Level;
 use crate::math::rounded::RoundedPoint;
 use crate::render::renderer::Renderer;
-use crate::scene::material::{Material, Pattern, Phong};
+use crate::scene::material::{Material, Paint, Pattern, Phong};
 use crate::scene::{MaterialId, Object, Position, Scene};
-use crate::shading::texture::first_weight;
-use crate::world::World;
+use crate::shading::texture::{first_weight, is_in_boundary};
+use crate::world::{SurfacePoint, World};
 use serde::Serialize;
 use std::fmt;
 
@@ -52,15 +53,6 @@ pub struct MaterialPart {
     pub phong: Phong,
 }
 
-/// How a surface's material is mixed at a point.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mixing {
-    /// The textures with nonzero weight, outermost first.
-    pub textures: Vec<TextureWeight>,
-    /// The materials with nonzero weight, in the order of the scene.
-    pub parts: Vec<MaterialPart>,
-}
-
 /// Looks objects up.
 ///
 /// The numbering of primitives is internal to the world. So a second world is built from a copy of the scene in which
@@ -102,17 +94,22 @@ impl<'r> Objects<'r> {
         self.scene.positions.materials.get(material).copied()
     }
 
-    /// Returns the textures and materials with nonzero weight in a material at a point.
-    pub fn mixing(&self, material: MaterialId, point: &RoundedPoint) -> Mixing {
+    /// Returns the textures with nonzero weight in a material at a point, outermost first, and the materials, in the
+    /// order of the scene.
+    pub fn mixing(
+        &self,
+        material: MaterialId,
+        point: &RoundedPoint,
+    ) -> (Vec<TextureWeight>, Vec<MaterialPart>) {
         let mut weights = vec![0.0; material + 1];
         weights[material] = 1.0;
-        let mut mixing = Mixing::default();
+        let (mut textures, mut parts) = (vec![], vec![]);
         for id in (0..=material).rev() {
             let (weight, at) = (weights[id], self.material_position(id));
             let texture = match self.scene.materials.get(id) {
                 Some(Material::Texture(texture)) if weight != 0.0 => texture,
                 Some(&Material::Phong(phong)) if weight != 0.0 => {
-                    mixing.parts.push(MaterialPart { material: id, at, weight, phong });
+                    parts.push(MaterialPart { material: id, at, weight, phong });
                     continue;
                 }
                 _ => continue,
@@ -121,10 +118,32 @@ impl<'r> Objects<'r> {
             weights[texture.children[0]] += weights[id] * first;
             weights[texture.children[1]] += weights[id] * (1.0 - first);
             let name = pattern_name(texture.pattern);
-            mixing.textures.push(TextureWeight { name, material: id, at, children: texture.children, first });
+            textures.push(TextureWeight { name, material: id, at, children: texture.children, first });
         }
-        mixing.parts.reverse();
-        mixing
+        parts.reverse();
+        (textures, parts)
+    }
+
+    /// Returns the source of the diffuse colour at a point, if it is not the material itself.
+    pub fn paint(&self, point: &SurfacePoint, world: &World) -> Option<String> {
+        match self.scene.materials.get(point.material)? {
+            &Material::Painted(_, Paint::Image { image, .. }) => {
+                world.image_color(image, point)?;
+                Some(format!("the texture {}", escape(&self.scene.images.get(image)?.name)))
+            }
+            Material::Painted(_, Paint::Pattern(..)) => Some("the noise".into()),
+            Material::Phong(_) | Material::Texture(_) => None,
+        }
+    }
+
+    /// Returns true if rounding decides which material of a checkerboard the surface has.
+    pub fn is_in_boundary(&self, Surface { textures, point, .. }: &Surface, world: &World) -> bool {
+        textures.iter().any(|texture| match self.scene.materials.get(texture.material) {
+            Some(Material::Texture(texture)) => {
+                world.with_rounded_point(point, |point| is_in_boundary(texture, point))
+            }
+            _ => false,
+        })
     }
 }
 
