@@ -1,5 +1,6 @@
 //! Answers the questions of pages.
 
+use super::flags::Most;
 use super::http::Answer;
 use super::limits::*;
 use super::objects::object_map;

@@ -11,8 +11,8 @@ const HEAD: &str = "filter,shows,setting,flags,CPU seconds least,CPU seconds med
 /// Returns the table's lines, filter by filter. Missing numbers are left empty.
 pub fn csv(report: &ErrorReport) -> String {
     let lines = report.groups.iter().flat_map(|group| {
-        let rows = group.measurements.iter().zip(group.front());
-        rows.map(|(measurement, is_on_front)| line(report, group, measurement, is_on_front))
+        let front = group.front();
+        group.measurements.iter().map(move |one| line(report, group, one, one.is_among(&front)))
     });
     std::iter::once(HEAD.to_owned()).chain(lines).collect()
 }

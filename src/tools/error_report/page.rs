@@ -1,7 +1,7 @@
 //! The page of a report: a single self-contained file. Its text is in `templates/error_report.html`.
 
 use super::plot::{against_samples, against_time, marker};
-use super::{Answer, ErrorReport, MeasuredFilter, Measurement, SamplingKind};
+use super::{Answer, ErrorReport, SamplingKind};
 use crate::picture::Picture;
 use crate::tools::compare::{colors, largest_channel_difference};
 use crate::tools::embedded::file;
@@ -22,16 +22,6 @@ struct Page<'p> {
     report: &'p ErrorReport,
     command: &'p str,
     answers: &'p [Answer<'p>],
-}
-
-impl Page<'_> {
-    /// Returns the measurements on the front, from the cheapest.
-    fn shown<'g>(&self, group: &'g MeasuredFilter) -> Vec<&'g Measurement> {
-        let all = group.measurements.iter().zip(group.front());
-        let mut shown: Vec<_> = all.filter_map(|(one, is_on_front)| is_on_front.then_some(one)).collect();
-        shown.sort_by(|a, b| a.least().total_cmp(&b.least()));
-        shown
-    }
 }
 
 fn data(picture: &Picture) -> String {

@@ -8,7 +8,7 @@ use crate::picture::Color;
 use crate::render::renderer::Prepared;
 use crate::render::{Layer, Request, Watch};
 use crate::scene::Camera;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use std::ops::ControlFlow;
 
 /// Warns if no ray through a pixel's centre hits anything. This takes as long as rendering such a picture up to the
@@ -70,9 +70,13 @@ fn reason(prepared: &Prepared, request: &Request, bounds: Aabb) -> (&'static str
     if (0..4).any(is_beside) {
         return (": the camera looks away from the scene", Some(hint));
     }
+    // A step to the next pixel, as far away as the scene, is longer than the scene in its direction.
     let distance = (middle - center).length();
-    let pixel = |x: f64, y: f64| (ray(x, y).at(distance) - ray(0.0, 0.0).at(distance)).length();
-    if DVec3::distance(bounds.min, bounds.max) < pixel(1.0, 0.0).min(pixel(0.0, 1.0)) {
+    let is_small = |x: f64, y: f64| {
+        let step = ray(x, y).at(distance) - ray(0.0, 0.0).at(distance);
+        unit(step).abs().dot(bounds.extent()) < step.length()
+    };
+    if is_small(1.0, 0.0) && is_small(0.0, 1.0) {
         let hint = "a smaller `angle` or `size` of the camera shows it larger";
         return (": the scene is smaller than a pixel", Some(hint.into()));
     }
