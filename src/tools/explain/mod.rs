@@ -2,18 +2,18 @@
 
 mod close_call;
 mod cost_map;
-mod objects;
+mod explainer;
 mod pixel;
+mod recorder;
 mod stop;
 mod text;
 mod tree;
 
-pub use close_call::{CloseCall, CloseCallKind};
 pub use cost_map::{CostMap, cubehelix};
-pub use objects::{MaterialPart, ObjectPart, Objects, TextureWeight};
-pub use pixel::Explainer;
+pub use explainer::Explainer;
 pub use stop::Stop;
 pub use text::Line;
 pub use tree::{
-    Crossing, LeftOut, LightBlocker, Lighting, NotFollowed, PixelTree, RayNode, SampleTree, Shadow, Surface,
+    CloseCall, CloseCallKind, Crossing, LeftOut, LightBlocker, Lighting, MaterialPart, NotFollowed,
+    ObjectPart, PixelTree, RayNode, SampleTree, Shadow, Surface, TextureWeight,
 };

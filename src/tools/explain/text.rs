@@ -1,7 +1,6 @@
 //! Writes the tree of a pixel as text.
 
-use super::objects::{MaterialPart, ObjectPart};
-use super::tree::{Crossing, LightBlocker, Lighting, NotFollowed};
+use super::tree::{Crossing, LightBlocker, Lighting, MaterialPart, NotFollowed, ObjectPart};
 use super::tree::{PixelTree, RayNode, SampleTree, Shadow, Surface};
 use crate::diagnostic::Position;
 use crate::picture::Color;

@@ -1,10 +1,11 @@
 //! The tree of a pixel: everything that contributes to it. `Display` prints it as text, serde as JSON.
 
-use super::close_call::{CloseCall, is_about_to_change};
-use super::objects::{MaterialPart, ObjectPart, TextureWeight};
+use crate::base::escape::escape;
 use crate::diagnostic::Position;
 use crate::math::ray::{Hit, Ray};
+use crate::math::robust::UNIT_ROUNDOFF;
 use crate::picture::{CHANNELS, Color};
+use crate::scene::MaterialId;
 use crate::scene::material::Phong;
 use crate::scene::model::Highlight;
 use crate::shading::light::Incident;
@@ -13,6 +14,7 @@ use crate::trace::{PathEnd, Secondary};
 use crate::world::SurfacePoint;
 use glam::DVec2;
 use serde::Serialize;
+use std::fmt;
 
 /// A pixel with everything that contributes to it.
 #[derive(Clone, Debug, Serialize)]
@@ -190,6 +192,79 @@ pub struct Crossing {
     pub leaves: bool,
 }
 
+/// A primitive, as a part of an object in the scene's text.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ObjectPart {
+    /// The keyword of the object, and the name of its file if it has one.
+    pub name: String,
+    /// The position of the object.
+    #[serde(flatten)]
+    pub at: Position,
+    /// The index of the triangle in the object. `None` if the object is a single primitive.
+    pub triangle: Option<u32>,
+}
+
+/// How a texture mixes its two materials at a point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TextureWeight {
+    /// The texture's keyword.
+    pub name: &'static str,
+    /// Its index among the scene's materials.
+    pub material: MaterialId,
+    /// The position of the texture.
+    pub at: Option<Position>,
+    /// The indices of its two materials.
+    pub children: [MaterialId; 2],
+    /// The weight of the first material. The second has the rest.
+    pub first: f64,
+}
+
+/// A material without parts, as a component of a mixture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialPart {
+    /// Its index among the scene's materials.
+    pub material: MaterialId,
+    /// The position of the material.
+    pub at: Option<Position>,
+    /// Its share of the mixture. All shares sum to 1.
+    pub weight: f64,
+    /// The material itself.
+    pub phong: Phong,
+}
+
+/// The kind of a close call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CloseCallKind {
+    /// The ray passes an edge of a triangle within the error bound of its edge function.
+    Edge,
+    /// The ray is tangent to a sphere or an ellipsoid.
+    Tangent,
+    /// The ray is parallel to a plane.
+    Parallel,
+    /// The ray hits something at the same distance as the visible hit.
+    SameT,
+    /// The ray hits something at its origin.
+    Start,
+    /// The ray hits something at the light.
+    End,
+    /// The cosine between a normal and a direction is about 0.
+    Cosine,
+    /// The point lies on a boundary between a checkerboard's squares.
+    Boundary,
+    /// The ray hits a surface at the critical angle of total internal reflection.
+    Critical,
+}
+
+/// A decision that a few roundings could reverse.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct CloseCall {
+    /// The kind.
+    pub kind: CloseCallKind,
+    /// The object involved, if any.
+    pub object: Option<ObjectPart>,
+}
+
 impl PixelTree {
     /// Returns the work for all samples.
     pub fn counts(&self) -> Counts {
@@ -217,5 +292,51 @@ impl RayNode {
     pub(super) fn lines(&self) -> usize {
         let lights = self.surface.as_ref().map_or(0, |surface| surface.lights.len());
         1 + lights + self.shadows().map(|shadow| shadow.crossed.len()).sum::<usize>()
+    }
+}
+
+impl CloseCall {
+    /// Makes a close call that involves no other object.
+    pub(super) fn of(kind: CloseCallKind) -> Self {
+        Self { kind, object: None }
+    }
+}
+
+/// Returns true if a few roundings could change the byte of a channel.
+fn is_about_to_change(channel: f64) -> bool {
+    const ROUNDINGS: f64 = 16.0;
+    let level = 255.0 * channel;
+    let whole = level.round();
+    (1.0..=255.0).contains(&whole) && (level - whole).abs() <= ROUNDINGS * UNIT_ROUNDOFF * whole
+}
+
+impl fmt::Display for ObjectPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, at, triangle } = self;
+        if let Some(triangle) = triangle {
+            write!(f, "triangle {triangle} of ")?;
+        }
+        write!(f, "{} in line {}", escape(name), at.line)
+    }
+}
+
+impl fmt::Display for CloseCall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("close call: ")?;
+        f.write_str(match self.kind {
+            CloseCallKind::Edge => "within roundings the ray passes through an edge",
+            CloseCallKind::Tangent => "within roundings the ray is tangent",
+            CloseCallKind::Parallel => "within roundings the ray lies in a plane",
+            CloseCallKind::SameT => "within roundings something else is as near",
+            CloseCallKind::Start => "within roundings the ray starts in a surface",
+            CloseCallKind::End => "within roundings the ray ends in a surface",
+            CloseCallKind::Cosine => "the cosine between normal and direction is 0 within roundings",
+            CloseCallKind::Critical => "the angle is that of total internal reflection within roundings",
+            CloseCallKind::Boundary => "the point lies in a boundary of the checkerboard within roundings",
+        })?;
+        match &self.object {
+            Some(object) => write!(f, ": {object}"),
+            None => Ok(()),
+        }
     }
 }
