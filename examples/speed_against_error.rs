@@ -9,7 +9,7 @@ use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::scene::load::load;
 use raytracer::tools::error_report::{
-    Axis, Bench, Departure, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Setting, Sweep,
+    self, Axis, Bench, Departure, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Setting,
 };
 use std::error::Error;
 use std::fmt::Write;
@@ -108,9 +108,8 @@ fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
     let (many, one) = (ThreadPoolBuilder::new().build()?, ThreadPoolBuilder::new().num_threads(1).build()?);
     let clock = || ProcessTime::now().as_duration();
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &|_| ControlFlow::Continue(()) };
-    let request = options.request();
-    let own = Setting::of(&request, options.structure, Edition::default());
-    Ok(Sweep::new(&renderer, &request, own, bench).of_one_filter().run()?)
+    let own = Setting::new(options.request(), options.structure, Edition::default());
+    Ok(error_report::measure(&renderer, &own, bench, false)?)
 }
 
 fn add_report(text: &mut String, report: &ErrorReport) {
@@ -170,10 +169,7 @@ fn add_curves(text: &mut String, group: &MeasuredFilter) {
 
 /// What nothing else beats, from the cheapest.
 fn add_front(text: &mut String, group: &MeasuredFilter) {
-    let mut front: Vec<_> =
-        group.measurements.iter().zip(group.front()).filter(|(_, is_on)| *is_on).collect();
-    front.sort_by(|(a, _), (b, _)| a.least().total_cmp(&b.least()));
-    let names: Vec<String> = front.iter().map(|(one, _)| format!("`{}`", one.setting.label())).collect();
+    let names: Vec<String> = group.front().iter().map(|one| format!("`{}`", one.setting.label())).collect();
     let _ = writeln!(text, "Front: {}.\n", names.join(", "));
 }
 

@@ -14,7 +14,7 @@ use raytracer::image_io::{check_distinct, put_in_place};
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::tools::error_report::{
-    Answer, Bench, Setting, Sweep, SweepProgress, USUAL_TARGETS, csv, page, separate, text,
+    Answer, Bench, Setting, SweepProgress, USUAL_TARGETS, csv, measure, page, separate, text,
 };
 use raytracer::tools::warnings::no_lights;
 use std::fs;
@@ -45,7 +45,6 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let [page_file, csv_file] = prepare_report(reporting.report_files())?;
 
     // Measure.
-    let request = options.request();
     let clock = || ProcessTime::now().as_duration();
     signals.note_first();
     let line = ProgressLine::new(options.progress);
@@ -54,8 +53,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
         signals.goes_on()
     };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
-    let own = Setting::of(&request, options.structure, options.edition.unwrap_or_default());
-    let mut report = Sweep::new(&renderer, &request, own, bench).run()?;
+    let own = Setting::new(options.request(), options.structure, options.edition.unwrap_or_default());
+    let mut report = measure(&renderer, &own, bench, true)?;
     drop(line);
     report.stages.insert(0, ("reading the scene", reading));
 

@@ -8,7 +8,7 @@ use raytracer::render::renderer::Renderer;
 use raytracer::scene::material::{Material, Pattern, Texture};
 use raytracer::scene::{Light, Object};
 use raytracer::tools::compare::Tolerance;
-use raytracer::tools::explain::{CostReport, PixelTree};
+use raytracer::tools::explain::{CostMap, PixelTree};
 use raytracer::world::shape::Shape;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -87,10 +87,10 @@ fn counts<T>(all: &[T], kinds: &[Kind<T>]) -> Value {
     kinds.iter().map(|&(name, is)| (name.to_owned(), Value::from(count(is)))).collect()
 }
 
-fn cost_map(CostReport { map, cells }: &CostReport) -> Value {
+fn cost_map(map: &CostMap) -> Value {
     let (pixel, count) = map.most_expensive();
     let full_cell = |&(cell, primitives): &_| -> Value { json!({ "cell": cell, "primitives": primitives }) };
-    let cells = cells.as_ref().map(|cells| {
+    let cells = map.cells.as_ref().map(|cells| {
         let fullest: Vec<Value> = cells.fullest.iter().map(full_cell).collect();
         json!({ "all": cells.cells, "empty": cells.empty, "fullest": fullest })
     });

@@ -58,7 +58,8 @@ impl<'r> Products<'r> {
             Ok(match (files.next(), layer) {
                 (None, _) => Product::Kept(size, with_room(width * height * CHANNELS)?),
                 (Some((file, format)), Layer::Cost(cost)) => {
-                    Product::Costs(file, format, CostMap { cost, size, counts: with_room(width * height)? })
+                    let counts = with_room(width * height)?;
+                    Product::Costs(file, format, CostMap { cost, size, counts, cells: None })
                 }
                 (Some((file, format)), layer) => {
                     let content = if layer.is_distance() { Content::Distances } else { Content::Colors };

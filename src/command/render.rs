@@ -17,7 +17,7 @@ use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request, Stopped, Tracing};
 use raytracer::scene::edition::Edition;
 use raytracer::stats::{self, Counts, Repeats, Timings};
-use raytracer::tools::explain::{CostReport, ExplainError, Explainer, PixelTree, Stop};
+use raytracer::tools::explain::{CostMap, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
 use raytracer::tools::warnings::{lights_without_effect, nothing_visible};
 use std::ffi::OsString;
@@ -92,7 +92,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let statistics = statistics(options, &prepared, &request, counts, timings)?;
     let repeats =
         options.repeat.map(|count| repeated(options, &prepared, &request, count, rendering)).transpose()?;
-    let costs = costs.map(|map| CostReport { map, cells: prepared.fullness(FULLEST) });
+    let costs = costs.map(|map| CostMap { cells: prepared.fullness(FULLEST), ..map });
     let pixel =
         options.pixel.map(|pixel| explanation(options, &renderer, prepared, pixel)).transpose()?.flatten();
     let compare = |pair: Pair| pair.compare(Some(&renderer), picture.as_ref(), files.difference, &outputs);
@@ -214,14 +214,14 @@ fn explanation(
     pixel: [usize; 2],
 ) -> Result<Option<PixelTree>, Diagnostic> {
     let request = options.request();
+    if (0..2).any(|axis| pixel[axis] >= request.size[axis]) {
+        return Ok(None);
+    }
     let prepared = match prepared.tracing() {
         Tracing::Counted => prepared,
         Tracing::Fast => options.prepare(renderer, &request, Tracing::Counted)?,
     };
     let explainer = Explainer::new(&prepared)?;
     let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
-    match explainer.pixel(&request, pixel, &stop) {
-        Err(ExplainError::Outside) => Ok(None),
-        explained => Ok(Some(explained?)),
-    }
+    explainer.pixel(&request, pixel, &stop).map(Some)
 }

@@ -8,7 +8,7 @@ use raytracer::cli::{Options, Output};
 use raytracer::image_io::OutputFile;
 use raytracer::render::renderer::Renderer;
 use raytracer::stats::{self, Repeats};
-use raytracer::tools::explain::{CostReport, PixelTree};
+use raytracer::tools::explain::{CostMap, PixelTree};
 use std::fmt::Display;
 use std::io::{Write, stderr};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub struct Report<'r> {
     /// The times of all renderings, if there are several.
     pub repeats: Option<Repeats>,
     /// The costs of a cost map's pixels.
-    pub costs: Option<CostReport>,
+    pub costs: Option<CostMap>,
     /// The rays behind the pixel in question.
     pub pixel: Option<PixelTree>,
     pub comparison: Option<ComparisonResult>,

@@ -9,6 +9,7 @@
 //! are worked on by threads, and end when their client has left; what cannot be ended is bounded beforehand.
 
 mod access;
+mod flags;
 mod http;
 mod limits;
 mod objects;

@@ -6,7 +6,7 @@ use crate::render::Request;
 use crate::render::renderer::Prepared;
 use crate::scene::Camera;
 use crate::stats::Quiet;
-use crate::tools::explain::{ObjectPart, Objects, Stop};
+use crate::tools::explain::{Explainer, ObjectPart, Stop};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -20,7 +20,7 @@ pub fn object_map(
     [width, height]: [usize; 2],
     stop: &Stop,
 ) -> Result<(Vec<ObjectPart>, Vec<u8>), Diagnostic> {
-    let known = Objects::new(prepared.renderer())?;
+    let known = Explainer::new(prepared)?;
     let view = prepared.camera(&Request { camera, ..Request::new([width, height]) });
     // All rays are cast, without rasterization.
     let seen = |pixel: usize| {
@@ -34,7 +34,7 @@ pub fn object_map(
     for primitive in primitives {
         let place = primitive.map_or(0, |id| {
             *of_primitives.entry(id).or_insert_with(|| {
-                let Some(part) = known.of(id) else { return 0 };
+                let Some(part) = known.object(id) else { return 0 };
                 *of_positions.entry((part.at.line, part.at.column)).or_insert_with(|| {
                     objects.push(part);
                     u16::try_from(objects.len()).unwrap_or(0)

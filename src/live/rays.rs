@@ -8,6 +8,7 @@ use crate::tools::explain::{PixelTree, RayNode};
 use crate::trace::Secondary;
 use glam::DVec3;
 use serde::Serialize;
+use std::collections::HashMap;
 
 /// Lines and cells beyond this number are not drawn.
 const MAX_DRAWN: usize = 4000;
@@ -42,93 +43,63 @@ impl Rays {
     /// The rays of a pixel in a scene with these bounds, and the cells that they pass if there is a grid.
     pub fn of(tree: &PixelTree, bounds: Option<Aabb>, cells: Option<[usize; 3]>) -> Self {
         let far = bounds.map_or(10.0, |bounds| bounds.extent().length().max(f64::MIN_POSITIVE));
-        let mut drawing = Drawing { far, segments: vec![], owners: vec![] };
-        for sample in &tree.samples {
-            let mut waiting: Vec<usize> = (0..sample.rays.len().min(1)).collect();
-            while let Some(node) = waiting.pop().map(|place| &sample.rays[place]) {
-                drawing.add(node);
-                waiting.extend(node.children.iter().rev());
-            }
-        }
-        let text: Vec<String> = tree.to_string().lines().take(MAX_TEXT).map(str::to_owned).collect();
-        let tells = tells(&text, &drawing.owners);
-        let lattice = bounds.zip(cells).map(|(bounds, cells)| Lattice::new(bounds, cells));
-        let passed = lattice.as_ref().map(|lattice| cells_passed(lattice, tree)).unwrap_or_default();
-        let cell_size = lattice.map_or(DVec3::ZERO, |lattice| lattice.cell_size);
-        drawing.segments.truncate(MAX_DRAWN);
-        Self { text, tells, segments: drawing.segments, cells: passed, cell_size }
-    }
-}
-
-/// Lines in space under construction, in the order of the text.
-struct Drawing {
-    /// The length of a ray that hits nothing.
-    far: f64,
-    segments: Vec<Segment>,
-    /// For each ray of the text, the index of its line, and the indices of its lights' lines.
-    owners: Vec<(usize, Vec<Option<usize>>)>,
-}
-
-impl Drawing {
-    /// Draws a ray, the normal where it ends, and a line towards each light to which a ray is cast from there.
-    fn add(&mut self, node: &RayNode) {
-        let kind = match node.kind {
-            None => "camera",
-            Some(Secondary::Reflected) => "reflected",
-            Some(Secondary::Refracted) => "refracted",
-        };
-        let own = self.ray(kind, &node.ray, node.surface.as_ref().map(|surface| surface.t));
-        let mut lights = vec![];
-        if let Some(surface) = &node.surface {
-            let from = surface.point.position;
-            for light in &surface.lights {
-                let distance = light.incident.distance;
-                lights.push(light.shadow.as_ref().map(|shadow| match &shadow.blocker {
-                    Some(blocker) => self.ray("shadow", &shadow.ray, Some(blocker.t)),
-                    None => {
-                        let ray = Ray::new(from, light.incident.direction);
-                        self.ray("light", &ray, distance.is_finite().then_some(distance))
+        let mut segments = vec![];
+        // For the rays of the first sample and their lights, the indices of their lines in space.
+        let mut drawn = HashMap::new();
+        for (number, sample) in tree.samples.iter().enumerate() {
+            for (place, node) in sample.rays.iter().enumerate() {
+                for (light, segment) in lines_of(node, far) {
+                    if number == 0 && segment.kind != "normal" {
+                        drawn.insert((place, light), segments.len());
                     }
-                }));
+                    segments.push(segment);
+                }
             }
-            let to = from + 0.06 * self.far * surface.point.normal;
-            self.segments.push(Segment { kind: "normal", from, to });
         }
-        self.owners.push((own, lights));
+        let lines = tree.lines().into_iter().take(MAX_TEXT);
+        let (text, tells) = lines
+            .map(|line| {
+                let drawn = |(ray, light)| drawn.get(&(ray, light)).or_else(|| drawn.get(&(ray, None)));
+                (line.text, line.about.and_then(drawn).copied())
+            })
+            .unzip();
+        let lattice = bounds.zip(cells).map(|(bounds, cells)| Lattice::new(bounds, cells));
+        let cells = lattice.as_ref().map(|lattice| cells_passed(lattice, tree)).unwrap_or_default();
+        let cell_size = lattice.map_or(DVec3::ZERO, |lattice| lattice.cell_size);
+        segments.truncate(MAX_DRAWN);
+        Self { text, tells, segments, cells, cell_size }
     }
+}
 
-    /// Draws a ray up to `t`, and returns its index. An orthographic camera's may start behind its plane.
-    fn ray(&mut self, kind: &'static str, ray: &Ray, t: Option<f64>) -> usize {
-        let far = self.far / ray.direction.length().max(f64::MIN_POSITIVE);
+/// Returns the line of a ray, a line towards each light to which a ray is cast from its end, with the light's index,
+/// and the normal there. A ray that hits nothing has the length `far`.
+fn lines_of(node: &RayNode, far: f64) -> Vec<(Option<usize>, Segment)> {
+    // An orthographic camera's ray may start behind its plane.
+    let line = |kind: &'static str, ray: &Ray, t: Option<f64>| {
+        let far = far / ray.direction.length().max(f64::MIN_POSITIVE);
         let t = t.unwrap_or(far);
         let start = if t < 0.0 { t - far } else { 0.0 };
-        self.segments.push(Segment { kind, from: ray.at(start), to: ray.at(t) });
-        self.segments.len() - 1
-    }
-}
-
-/// Returns for each line of the text the index of its line in space. The text has the rays and lights in the order in
-/// which they were drawn.
-fn tells(text: &[String], owners: &[(usize, Vec<Option<usize>>)]) -> Vec<Option<usize>> {
-    let (mut rays, mut lights) = (owners.iter(), [].iter());
-    let (mut ray, mut current) = (None, None);
-    let mut tell = |line: &String| {
-        let words = line.trim_start();
-        let starts_with = |starts: &[&str]| starts.iter().any(|start| words.starts_with(start));
-        if starts_with(&["camera ray", "reflected ray,", "refracted ray,"])
-            && let Some((own, its_lights)) = rays.next()
-        {
-            (ray, current, lights) = (Some(*own), Some(*own), its_lights.iter());
-        } else if starts_with(&["light "]) {
-            current = lights.next().copied().flatten().or(ray);
-        } else if starts_with(&["own colour"]) {
-            current = ray;
-        } else if starts_with(&["the sample's colour", "sample "]) {
-            (ray, current) = (None, None);
-        }
-        current
+        Segment { kind, from: ray.at(start), to: ray.at(t) }
     };
-    text.iter().map(&mut tell).collect()
+    let kind = match node.kind {
+        None => "camera",
+        Some(Secondary::Reflected) => "reflected",
+        Some(Secondary::Refracted) => "refracted",
+    };
+    let mut lines = vec![(None, line(kind, &node.ray, node.surface.as_ref().map(|surface| surface.t)))];
+    let Some(surface) = &node.surface else { return lines };
+    let from = surface.point.position;
+    for (index, light) in surface.lights.iter().enumerate() {
+        let distance = Some(light.incident.distance).filter(|distance| distance.is_finite());
+        let to_light = light.shadow.as_ref().map(|shadow| match &shadow.blocker {
+            Some(blocker) => line("shadow", &shadow.ray, Some(blocker.t)),
+            None => line("light", &Ray::new(from, light.incident.direction), distance),
+        });
+        lines.extend(to_light.map(|segment| (Some(index), segment)));
+    }
+    let to = from + 0.06 * far * surface.point.normal;
+    lines.push((None, Segment { kind: "normal", from, to }));
+    lines
 }
 
 /// The cells of a grid that the rays of a pixel pass, without those to the lights.

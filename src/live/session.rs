@@ -1,5 +1,6 @@
 //! Answers the questions of pages.
 
+use super::flags::Most;
 use super::http::Answer;
 use super::limits::*;
 use super::objects::object_map;
@@ -209,14 +210,14 @@ impl Session {
         let start = Instant::now();
         let Painted { picture, costs, nans } = self.painter.paint(view, stop)?;
         let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
-        let counts = costs.iter().flat_map(|report| report.map.counts.iter().flat_map(saturated));
+        let counts = costs.iter().flat_map(|map| map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
         let meta = json!({
             "size": picture_size(&picture),
             "shows": view.sketch.unwrap_or_else(|| view.options.picture_size()),
             "milliseconds": start.elapsed().as_secs_f64() * 1000.0,
             "nans": nans,
-            "costs": costs.map(|report| report.to_string()),
+            "costs": costs.map(|map| map.to_string()),
             "command": self.command_line(view),
         });
         Ok(Answer::described(&meta, &[&rgba(&picture), &counts]))
@@ -298,7 +299,8 @@ impl Session {
         let compared = Comparison::new_unless(picture, &own.picture, &|| stop.is_over())?;
         let shown = DifferencePicture::new(picture, &own.picture)?;
         let meta = json!({
-            "size": picture_size(picture), "block": compared.to_string(), "amplification": shown.amplification,
+            "size": picture_size(picture), "block": compared.to_string(), "largest": compared.largest,
+            "amplification": shown.amplification,
         });
         let difference = rgba(&shown.picture);
         // The last of the panels that stand side by side.

@@ -13,7 +13,7 @@ use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
 use crate::render::renderer::Prepared;
 use crate::render::{Cost, Layer, Progress, Request, TakeRow, Tracing};
 use crate::scene::Camera;
-use crate::tools::explain::{CostMap, CostReport, Stop};
+use crate::tools::explain::{CostMap, Stop};
 use self_cell::self_cell;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -61,7 +61,7 @@ impl View {
 pub struct Painted {
     pub picture: Picture,
     /// The costs of its pixels, if they are shown.
-    pub costs: Option<CostReport>,
+    pub costs: Option<CostMap>,
     /// The number of colours that are not numbers.
     pub nans: u64,
 }
@@ -107,13 +107,15 @@ impl Painter {
         };
         let ready = self.render(view, layer, stop, &mut take_row)?;
         let request = view.request(layer);
-        let costs = view.cost.map(|cost| CostReport {
-            map: CostMap { cost, size: request.size, counts },
+        let costs = view.cost.map(|cost| CostMap {
+            cost,
+            size: request.size,
+            counts,
             cells: ready.borrow_dependent().fullness(FULLEST),
         });
         let [width, height] = request.layer_size(&layer).map(|side| side as u32);
         let picture = match &costs {
-            Some(report) => report.map.draw()?,
+            Some(map) => map.draw()?,
             None => Picture::from_rgb(width, height, bytes),
         };
         Ok(Painted { picture, costs, nans })

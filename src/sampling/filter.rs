@@ -54,6 +54,17 @@ impl Filter {
         }
     }
 
+    /// Returns the flag of the command line that asks for this filter, with its value.
+    pub fn flag(&self) -> String {
+        let name = match self {
+            Self::Box { .. } => "box",
+            Self::Tent { .. } => "tent",
+            Self::Gaussian { .. } => "gaussian",
+            Self::Mitchell { .. } => "mitchell",
+        };
+        format!("-{name}_filter {}", self.size())
+    }
+
     /// Returns the weight of a sample at `position`, relative to the pixel's centre.
     pub fn weight(&self, position: DVec2) -> f64 {
         self.combined(self.axis_term(position.x), self.axis_term(position.y), libm::exp)

@@ -63,9 +63,13 @@ async function listen() {
   }
 }
 
+// What needs the program.
+const ASKING = ['save', 'quit', 'frame', 'zooming', 'home', 'keep', 'controls', 'tracing', 'largest', 'looks', 'file'];
+
 // Shows that the program is over; an empty text shows that it is not.
 function showOver(text) {
   document.body.classList.toggle('ended', text !== '');
+  for (const id of ASKING) find(id).inert = text !== '';
   find('over').hidden = text === '';
   find('over').textContent = text && `${text} This page keeps what it has shown last.`;
 }

@@ -15,6 +15,9 @@ function rotated(v, axis, angle) {
   return add(add(scaled(v, cosine), scaled(cross(axis, v), sine)), scaled(axis, dot(axis, v) * (1 - cosine)));
 }
 
+// Rounds to the fewest decimals whose last place is no larger than a step.
+const roundedTo = (step, x) => Number(x.toFixed(Math.max(0, Math.min(100, Math.ceil(-Math.log10(step))))));
+
 class Camera {
   // From the program's description of a camera. The pivot is the point about which it turns.
   constructor(described, pivot) {
@@ -87,6 +90,16 @@ class Camera {
     const [[wide, high], [columns, rows]] = [this.pixelAt(depth), size()];
     const [x, y] = [(rightward / wide / columns) * width, (upward / high / rows) * height];
     return { x: width / 2 + x, y: height / 2 - y, depth };
+  }
+
+  // Rounds what the hand moves to the decimals that show: the picture moves by less than a hundredth of a pixel, and its
+  // camera is the one that is shown.
+  round() {
+    const distance = length(subtract(this.pivot, this.center)) || 1;
+    const step = Math.min(...this.pixelAt(distance)) / 100;
+    this.center = this.center.map((x) => roundedTo(step, x));
+    this.direction = this.direction.map((x) => roundedTo(step / distance, x));
+    if (this.kind === 'orthographic') this.size = roundedTo(step, this.size);
   }
 
   block() {

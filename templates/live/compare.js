@@ -11,8 +11,8 @@ const compared = {
   timer: 0,
 };
 
-// A cost is no colour that could be compared.
-const comparing = () => compared.file !== null && shown() === null;
+// Costs and the grid's cells are no colours that could be compared.
+const comparing = () => compared.file !== null && value('show') === 'color';
 const look = () => document.querySelector('input[name=look]:checked').value;
 
 // Takes a file as the reference, and gives the picture its size.
@@ -35,13 +35,17 @@ function takeReference(file, name) {
   compared.file = file;
   find('reference-name').textContent = file ? `${name}, ${file.size.join(' × ')} pixels` : '';
   for (const id of ['looks', 'comparison']) find(id).hidden = !file;
-  if (!file) stopBlinking();
+  if (!file) {
+    stopBlinking();
+    showLargest(null);
+  }
 }
 
 // Compares the file with the picture that is shown, and looks for the cause of a difference.
 async function compareLive(mine) {
   const question = { page, turn: mine, view: view.question(), sketch: null };
   find('cause').textContent = '';
+  showLargest(null);
   // Those of the last comparison may be of another view.
   compared.images = null;
   const { meta, bytes } = await ask('/compare', question);
@@ -51,9 +55,10 @@ async function compareLive(mine) {
   compared.images = { reference: image(0), own: image(1), difference: image(2) };
   find('comparison').textContent = groupedIn(meta.block);
   find('amplified').textContent = `× ${meta.amplification}`;
+  showLargest(meta.largest);
   showLook();
   status(`compared, ${meta.size.join(' × ')}`);
-  if (/pixels that differ +0 /.test(meta.block)) {
+  if (!meta.largest) {
     find('cause').textContent = 'The pictures are equal.';
     return;
   }
@@ -61,6 +66,18 @@ async function compareLive(mine) {
   const found = await ask('/cause', question);
   if (mine !== turn) return;
   find('cause').textContent = found.meta.cause ? `cause: ${found.meta.cause}` : 'No cause can be looked for here.';
+}
+
+// Offers the pixel with the largest difference, if there is one.
+function showLargest(largest) {
+  const button = find('largest');
+  button.hidden = !largest;
+  if (!largest) return;
+  button.textContent = `Trace pixel ${largest.at.join(' ')}, which differs most: by ${largest.levels} levels`;
+  button.onclick = () => {
+    point(largest.at);
+    trace(largest.at);
+  };
 }
 
 // Shows the picture, the file, their difference, or both side by side.

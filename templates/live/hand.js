@@ -94,7 +94,7 @@ const KEYS = {
   Z: () => view.magnify(-1, hovered),
   Escape: () => view.magnify(-Infinity),
   g: () => toggleShow('grid'),
-  c: () => toggleShow(lastCost()),
+  c: () => toggleShow(shown() || usualCost()),
   b: () => blink(),
   q: () => quit(),
   '?': () => find('help').showModal(),
@@ -105,17 +105,14 @@ const KEYS = {
 function press(event) {
   const types = event.target.matches('textarea:not([readonly]), input:not([type=checkbox], [type=radio], [type=range], [type=number])');
   const act = KEYS[event.key];
-  if (types || !act || event.ctrlKey || event.metaKey || event.altKey || find('help').open) return;
+  const isOver = document.body.classList.contains('ended');
+  if (types || !act || isOver || event.ctrlKey || event.metaKey || event.altKey || find('help').open) return;
   event.preventDefault();
   act();
 }
 
-// The cost that was shown last, or tests.
-let costShown = 'tests';
-function lastCost() {
-  if (['rays', 'tests', 'cells'].includes(value('show'))) costShown = value('show');
-  return costShown;
-}
+// Without a grid each ray may be tested against everything, so that pixels differ by their rays alone.
+const usualCost = () => (['auto', 'cells'].includes(value('grid')) ? 'tests' : 'rays');
 
 // The pixel under the pointer, with its colour: in a comparison that of both pictures.
 function point(pixel) {

@@ -34,6 +34,7 @@ function writeTree() {
   const lines = rays.text.map((text, index) => {
     const line = document.createElement('li');
     line.textContent = text;
+    line.style.setProperty('--indent', `${text.search(/\S|$/)}ch`);
     const ray = rays.tells[index];
     if (ray === null || ray >= rays.segments.length) return line;
     line.className = rays.segments[ray].kind;

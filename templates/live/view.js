@@ -75,6 +75,7 @@ const view = {
   change(move, time = performance.now()) {
     this.camera = this.seenWith();
     move(this.camera);
+    this.camera.round();
     this.finished = false;
     this.moves.push(time);
     this.stale = true;

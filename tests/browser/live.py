@@ -118,6 +118,13 @@ def read_tga(path):
     return width, height, b"".join(data[at:at + 3][::-1] for at in range(18, len(data), 3))
 
 
+def read_picture(page, name):
+    """Width and height, and the red, green and blue, by way of a file that needs no library."""
+    subprocess.run([page.program, "-convert", name, "-output", "converted.tga"], cwd=page.folder, check=True)
+    width, height, data = read_tga(page.folder / "converted.tga")
+    return (width, height), data
+
+
 def circle(count, radius):
     return [(int(radius * math.sin(i / 9)), int(radius * math.sin(i / 14) / 2)) for i in range(count)]
 
@@ -131,7 +138,10 @@ def check_hand(page):
         page.drag([(0, 0), (20, 12), (40, 24)], button)
         page.wait("return view.sketches.length > 0", "no sketch was painted")
         page.check_pixels(name)
-        assert page.run("return document.getElementById('block').value") != before, f"{name}: the camera stays"
+        after = page.run("return document.getElementById('block').value")
+        assert after != before, f"{name}: the camera stays"
+        digits = max(len(number) for number in re.findall(r"[\d.]+", after))
+        assert digits <= 8, f"{name}: a number of the camera has {digits} characters: {after}"
     page.run("view.canvas.dispatchEvent(new WheelEvent('wheel', {deltaY: -200, cancelable: true}))")
     page.check_pixels("the wheel")
     page.browser.click("#home")
@@ -185,12 +195,18 @@ def check_keys(page):
     assert page.run("return find('cells').hidden ? 0 : find('cells').children.length") == 18, "the cells have no legend"
     page.browser.press("g")
     page.browser.press("c")
-    page.wait("return /-cost_map tests/.test(document.getElementById('command').value)", "c shows no cost")
+    page.wait("return /-cost_map rays/.test(document.getElementById('command').value)", "c shows no rays without a grid")
     assert "COST MAP" in page.run("return document.getElementById('costs').textContent")
     page.browser.move("#picture", [(3, 3), (4, 4)])
-    page.wait("return /^pixel \\d+ \\d+\\d+ tests/.test(find('pointed').textContent)", "the cost of a pixel is not told")
+    page.wait("return /^pixel \\d+ \\d+\\d+ rays/.test(find('pointed').textContent)", "the cost of a pixel is not told")
     page.browser.press("c")
     page.wait("return !/-cost_map/.test(document.getElementById('command').value)", "c does not end the cost map")
+    page.run("find('grid').value = 'auto'; controlsChanged()")
+    page.browser.press("c")
+    page.wait("return /-cost_map tests/.test(document.getElementById('command').value)", "c shows no tests in a grid")
+    page.browser.press("c")
+    page.run("find('grid').value = ''; controlsChanged()")
+    page.settle()
     page.browser.press("r")
     page.wait("return view.stage === 'whole' && !/adaptive/.test(document.getElementById('command').value)", "r renders not")
     page.browser.press("?")
@@ -278,6 +294,8 @@ def check_rays(page, shot):
     said = subprocess.run([page.program, *words[1:], "-pixel", *pixel], cwd=page.folder, capture_output=True, text=True)
     shown = page.run("return [...document.querySelectorAll('#tree li')].map(line => line.textContent)")
     assert said.stdout.splitlines() == shown, "the tree is not the text of -pixel"
+    wide = page.run("const { scrollWidth, clientWidth } = find('tree'); return [scrollWidth, clientWidth]")
+    assert wide[0] == wide[1], f"the lines of the tree are not wrapped: {wide}"
     kinds = page.run("return [...new Set(traced.rays.segments.map(segment => segment.kind))]")
     assert {"camera", "reflected", "refracted", "normal"} <= set(kinds), kinds
     page.run("find('refine').click(); return 0")
@@ -340,7 +358,15 @@ def check_comparison(page, shot):
              "document.dispatchEvent(new DragEvent('drop', {dataTransfer: t, cancelable: true}))")
     page.wait("return /^cause/.test(find('cause').textContent)", "no cause is told")
     assert "without -shadows (0 pixels differ)" in page.run("return find('cause').textContent")
+    size, mine = read_picture(page, "mine.png")
     own = page.pixels()
+    apart = [max(abs(a - b) for a, b in zip(own[2][at:at + 3], mine[at:at + 3])) for at in range(0, len(mine), 3)]
+    at = apart.index(max(apart))
+    assert size == own[:2]
+    page.browser.click("#largest")
+    page.wait("return traced.pixel !== null && !find('rays').hidden", "the largest difference is not traced")
+    assert page.run("return traced.pixel") == [at % width, at // width]
+    page.run("clearRays(); selectTab('compare'); return 0")
     page.browser.click("input[value=reference]")
     assert page.pixels()[2] != own[2], "the file is not shown"
     page.browser.click("input[value=slider]")
@@ -351,6 +377,12 @@ def check_comparison(page, shot):
     page.browser.click("input[value=own]")
     page.check_pixels("compared")
     page.run("document.activeElement.blur(); return 0")
+    page.browser.press("g")
+    page.wait("return /visualize_grid/.test(find('command').value)", "g shows no grid in a comparison")
+    page.settle()
+    assert page.run("return toldImages().length") == 1, "the grid's cells are compared"
+    page.browser.press("g")
+    page.settle()
     page.browser.press("c")
     page.wait("return /-cost_map/.test(find('command').value) && view.counts !== null", "c shows no cost in a comparison")
     page.settle()
@@ -398,6 +430,8 @@ def check_windows(page):
                 assert broken == [], f"{where}: {broken}"
                 found = page.run(small) if width < 500 else []
                 assert found == [], f"{where}: too small for a finger: {found}"
+        top = page.run("scrollTo(0, 0); return find('tab-controls').getBoundingClientRect().top")
+        assert top < height, f"{width} pixels: the panels are {top} pixels down"
         if width >= 1280:
             room, shown = page.run("return [view.room, view.size]")
             fills = max(shown[0] / room[0], shown[1] / room[1])
@@ -412,6 +446,8 @@ def check_end(page):
     page.browser.press("q")
     assert page.process.wait(20) == 0
     page.wait("return document.body.classList.contains('ended')", "the page does not say that it has ended")
+    alive = page.run("return ['save', 'quit', 'controls', 'home', 'tracing'].filter((id) => !find(id).inert)")
+    assert alive == [], f"these look alive: {alive}"
 
 
 def check_download(program, browser, folder):

@@ -1,7 +1,7 @@
 //! `-cost_map`: what each pixel costs.
 
 use crate::support::{Folder, Run, only_line};
-use raytracer::tools::explain::color_scale::cubehelix;
+use raytracer::tools::explain::cubehelix;
 
 const SCENE: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
     Lights { numLights 2 DirectionalLight { direction 0 -1 -1 color 1 1 1 }

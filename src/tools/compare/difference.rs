@@ -1,7 +1,7 @@
 //! Measures the difference of two pictures, and prints it as a block.
 
 use super::edges::EdgeMap;
-use super::{Flip, Rgb, colors, common_size, largest_channel_difference, sum_of_squares};
+use super::{Rgb, colors, common_size, largest_channel_difference, mean_flip, sum_of_squares};
 use crate::diagnostic::Diagnostic;
 use crate::picture::Picture;
 use crate::stats::RULE;
@@ -51,7 +51,7 @@ impl Comparison {
         b: &Picture,
         is_over: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Diagnostic> {
-        let mean_flip = Some(Flip::default().mean_unless(a, b, is_over)?);
+        let mean_flip = Some(mean_flip(a, b, is_over)?);
         Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b)) })
     }
 
@@ -64,7 +64,14 @@ impl Comparison {
 
     /// Compares pictures of the same size.
     fn without_flip(a: &Picture, b: &Picture, edges: &EdgeMap) -> Self {
-        let mut comparison = Self::of_equals([b.width(), b.height()]);
+        let mut comparison = Self {
+            size: [b.width(), b.height()],
+            largest: None,
+            root_mean_square_error: 0.0,
+            mean_flip: None,
+            differing_near_edges: 0,
+            pixels_by_levels: [0; 256],
+        };
         let mut squares = 0;
         for (index, (&a, &b)) in colors(a).iter().zip(colors(b)).enumerate().filter(|(_, (a, b))| a != b) {
             squares += sum_of_squares(a, b);
@@ -73,17 +80,6 @@ impl Comparison {
         comparison.pixels_by_levels[0] = comparison.pixels() - comparison.pixels_that_differ();
         comparison.root_mean_square_error = (squares as f64 / (3 * comparison.pixels()) as f64).sqrt();
         comparison
-    }
-
-    fn of_equals(size: [u32; 2]) -> Self {
-        Self {
-            size,
-            largest: None,
-            root_mean_square_error: 0.0,
-            mean_flip: None,
-            differing_near_edges: 0,
-            pixels_by_levels: [0; 256],
-        }
     }
 
     /// Counts a differing pixel.
@@ -117,9 +113,7 @@ impl Comparison {
     pub fn psnr(&self) -> f64 {
         20.0 * libm::log10(255.0 / self.root_mean_square_error)
     }
-}
 
-impl Comparison {
     /// Returns the lines of the block as labels and values.
     fn lines(&self) -> impl Iterator<Item = (&'static str, String)> {
         let [width, height] = self.size;
@@ -144,6 +138,22 @@ impl Comparison {
         let lines = self.lines().chain(cause);
         let lines: String = lines.map(|(label, value)| format!("  {label:<27}{value}\n")).collect();
         format!("{RULE}\nPICTURE COMPARISON\n{lines}{RULE}\n")
+    }
+}
+
+/// At most `pixels` pixels may differ by more than `levels` levels. The default requires equality.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Tolerance {
+    /// The largest channel difference permitted for all pixels.
+    pub levels: u8,
+    /// The number of pixels that may differ by more.
+    pub pixels: u64,
+}
+
+impl Tolerance {
+    /// Returns true if the difference is within the tolerance.
+    pub fn accepts(&self, comparison: &Comparison) -> bool {
+        comparison.pixels_differing_by_more_than(self.levels) <= self.pixels
     }
 }
 
@@ -286,5 +296,29 @@ PICTURE COMPARISON
 ********************************************
 ";
         assert_eq!(comparison(&[]).to_string(), expected);
+    }
+
+    #[test]
+    fn both_numbers_are_the_last_that_pass() {
+        let black = Picture::new(4, 1).unwrap();
+        let other = Picture::from_rgb(4, 1, vec![0, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 7]);
+        let comparison = Comparison::new(&other, &black).unwrap();
+        let rows = [(0, 3), (4, 3), (5, 2), (6, 1), (7, 0), (255, 0)];
+        for (levels, pixels) in rows {
+            assert!(Tolerance { levels, pixels }.accepts(&comparison), "{levels} {pixels}");
+            assert!(
+                pixels == 0 || !Tolerance { levels, pixels: pixels - 1 }.accepts(&comparison),
+                "{levels}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_default_accepts_equal_pictures_alone() {
+        let black = Picture::new(2, 1).unwrap();
+        let other = Picture::from_rgb(2, 1, vec![0, 0, 0, 0, 0, 1]);
+        let accepts = |a: &Picture| Tolerance::default().accepts(&Comparison::new(a, &black).unwrap());
+        assert!(accepts(&black));
+        assert!(!accepts(&other));
     }
 }

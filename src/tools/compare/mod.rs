@@ -7,13 +7,11 @@ mod difference;
 mod difference_picture;
 mod edges;
 mod flip;
-mod tolerance;
 
-pub use difference::{Comparison, LargestDifference};
+pub use difference::{Comparison, LargestDifference, Tolerance};
 pub use difference_picture::DifferencePicture;
 pub(crate) use edges::EdgeMap;
-pub use flip::{Flip, PIXELS_PER_DEGREE};
-pub use tolerance::Tolerance;
+use flip::mean_flip;
 
 use crate::diagnostic::Diagnostic;
 use crate::picture::Picture;

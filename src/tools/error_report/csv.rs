@@ -1,6 +1,6 @@
 //! Writes the measurements as comma-separated values (RFC 4180), one line each.
 
-use super::{ErrorReport, MeasuredFilter, Measurement, filter_flag};
+use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::base::escape::csv_field;
 
 const HEAD: &str = "filter,shows,setting,flags,CPU seconds least,CPU seconds median,repeats,rays,Mrays/s,\
@@ -11,15 +11,15 @@ const HEAD: &str = "filter,shows,setting,flags,CPU seconds least,CPU seconds med
 /// Returns the table's lines, filter by filter. Missing numbers are left empty.
 pub fn csv(report: &ErrorReport) -> String {
     let lines = report.groups.iter().flat_map(|group| {
-        let rows = group.measurements.iter().zip(group.front());
-        rows.map(|(measurement, is_on_front)| line(report, group, measurement, is_on_front))
+        let front = group.front();
+        group.measurements.iter().map(move |one| line(report, group, one, one.is_among(&front)))
     });
     std::iter::once(HEAD.to_owned()).chain(lines).collect()
 }
 
 fn line(report: &ErrorReport, group: &MeasuredFilter, one: &Measurement, is_on_front: bool) -> String {
     let setting = &one.setting;
-    let words = [filter_flag(group.filter), setting.axis.name().into(), setting.label()];
+    let words = [group.filter.flag(), setting.axis.name().into(), setting.label()];
     let flags = csv_field(&setting.flags().unwrap_or_default());
     let words = words.map(|word| csv_field(word.trim_start_matches('-'))).join(",");
     let numbers = [

@@ -1,12 +1,11 @@
 //! Speed against error: measures the cost and the error of each setting of the renderer for a scene.
 //!
-//! A [`Sweep`] renders a reference and then one setting after the other. Its [`ErrorReport`] is written as [`text`] for
+//! [`measure`] renders a reference and then one setting after the other. Its [`ErrorReport`] is written as [`text`] for
 //! a terminal, as a table ([`csv`]) and as a [`page`].
 //!
 //! The converged picture of the request is the reference. Filters give different pictures, so each setting is compared
 //! with the reference for its own filter. An [`Answer`] chooses among all settings of all filters.
 
-mod answer;
 mod csv;
 mod curve;
 mod numerical;
@@ -18,12 +17,11 @@ mod setting;
 mod sweep;
 mod text;
 
-pub use answer::{Answer, USUAL_TARGETS};
 pub use csv::csv;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
-pub use setting::{Axis, Samples, SamplingKind, Setting, filter_flag, separate};
-pub use sweep::{Bench, Sweep, SweepProgress};
+pub use setting::{Axis, SamplingKind, Setting, separate};
+pub use sweep::{Bench, SweepProgress, measure};
 pub use text::text;
 
 use crate::picture::Picture;
@@ -111,6 +109,11 @@ impl Measurement {
         self.setting.flags().is_some() && self.setting.axis != Axis::Structure
     }
 
+    /// Returns true if it is one of these, not only equal to one.
+    pub fn is_among(&self, others: &[&Self]) -> bool {
+        others.iter().any(|other| std::ptr::eq(*other, self))
+    }
+
     /// Returns the time and the error.
     fn point(&self) -> Point {
         [self.least(), self.error]
@@ -118,11 +121,10 @@ impl Measurement {
 }
 
 impl MeasuredFilter {
-    /// Returns which measurements are on this filter's Pareto front of time and error. Grids are excluded, and settings
-    /// that flags cannot express.
-    pub fn front(&self) -> Vec<bool> {
-        let is_on = front_of(self.measurements.iter().filter(|one| one.is_candidate()));
-        self.measurements.iter().map(|one| is_on.iter().any(|other| std::ptr::eq(*other, one))).collect()
+    /// Returns the measurements on this filter's Pareto front of time and error, fastest first. Grids are excluded, and
+    /// settings that flags cannot express.
+    pub fn front(&self) -> Vec<&Measurement> {
+        front_of(self.measurements.iter().filter(|one| one.is_candidate()))
     }
 
     /// Returns the measurements of one kind of sampling with all requested effects.
@@ -150,12 +152,14 @@ impl MeasuredFilter {
     }
 }
 
-/// Returns the measurements on the Pareto front, in the given order.
+/// Returns the measurements on the Pareto front, fastest first.
 fn front_of<'a>(measurements: impl Iterator<Item = &'a Measurement>) -> Vec<&'a Measurement> {
     let all: Vec<&Measurement> = measurements.collect();
-    let points: Vec<Point> = all.iter().map(|one| one.point()).collect();
-    let is_on = curve::front(&points);
-    all.into_iter().zip(is_on).filter(|(_, is_on)| *is_on).map(|(one, _)| one).collect()
+    let is_on = curve::front(&all.iter().map(|one| one.point()).collect::<Vec<Point>>());
+    let on_front = all.into_iter().zip(is_on).filter(|(_, is_on)| *is_on);
+    let mut front: Vec<&Measurement> = on_front.map(|(one, _)| one).collect();
+    front.sort_by(|a, b| a.least().total_cmp(&b.least()));
+    front
 }
 
 impl ErrorReport {
@@ -178,13 +182,45 @@ impl ErrorReport {
 
     /// Returns the Pareto front of time and error over all filters, fastest first.
     pub fn front(&self) -> Vec<&Measurement> {
-        let mut front = front_of(self.candidates());
-        front.sort_by(|a, b| a.least().total_cmp(&b.least()));
-        front
+        front_of(self.candidates())
     }
 
     /// Returns the number of pixels that other structures change. It must be 0.
     pub fn pixels_changed(&self) -> u64 {
         self.groups.iter().flat_map(|group| &group.measurements).filter_map(|one| one.changed).sum()
+    }
+}
+
+/// The targets answered if the user gives none, in levels.
+pub const USUAL_TARGETS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+
+/// The setting chosen for a target.
+#[derive(Clone, Debug)]
+pub struct Answer<'a> {
+    /// The target: the largest permitted root mean square error, in levels.
+    pub target: f64,
+    /// The cheapest setting that reaches the target, or the nearest one if none does.
+    pub chosen: &'a Measurement,
+    /// The command line of the setting: the program, then each flag with its values.
+    pub command: Vec<String>,
+}
+
+impl<'a> Answer<'a> {
+    /// Chooses among all settings that flags can express, with any samples and filter. `None` if nothing was measured.
+    pub fn new(
+        report: &'a ErrorReport,
+        target: f64,
+        command: impl Fn(&Setting) -> Vec<String>,
+    ) -> Option<Self> {
+        let cheaper = |a: &&Measurement, b: &&Measurement| a.least().total_cmp(&b.least());
+        let nearer = |a: &&Measurement, b: &&Measurement| a.error.total_cmp(&b.error).then(cheaper(a, b));
+        let cheapest = report.candidates().filter(|one| one.error <= target).min_by(cheaper);
+        let chosen = cheapest.or_else(|| report.candidates().min_by(nearer))?;
+        Some(Self { target, chosen, command: command(&chosen.setting) })
+    }
+
+    /// Returns true if the setting reaches the target.
+    pub fn is_reached(&self) -> bool {
+        self.chosen.error <= self.target
     }
 }

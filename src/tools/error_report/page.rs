@@ -1,11 +1,11 @@
 //! The page of a report: a single self-contained file. Its text is in `templates/error_report.html`.
 
 use super::plot::{against_samples, against_time, marker};
-use super::{Answer, ErrorReport, MeasuredFilter, Measurement, SamplingKind, filter_flag};
+use super::{Answer, ErrorReport, SamplingKind};
 use crate::picture::Picture;
 use crate::tools::compare::{colors, largest_channel_difference};
 use crate::tools::embedded::file;
-use crate::tools::explain::color_scale::cubehelix;
+use crate::tools::explain::cubehelix;
 use askama::Template;
 
 /// The difference, in levels, shown as white in the maps.
@@ -22,16 +22,6 @@ struct Page<'p> {
     report: &'p ErrorReport,
     command: &'p str,
     answers: &'p [Answer<'p>],
-}
-
-impl Page<'_> {
-    /// Returns the measurements on the front, from the cheapest.
-    fn shown<'g>(&self, group: &'g MeasuredFilter) -> Vec<&'g Measurement> {
-        let all = group.measurements.iter().zip(group.front());
-        let mut shown: Vec<_> = all.filter_map(|(one, is_on_front)| is_on_front.then_some(one)).collect();
-        shown.sort_by(|a, b| a.least().total_cmp(&b.least()));
-        shown
-    }
 }
 
 fn data(picture: &Picture) -> String {

@@ -1,36 +1,27 @@
 //! The plan: the settings to measure for a scene, and their order. It contains only settings that the scene can show.
 
-use super::setting::{Axis, Samples, Setting};
+use super::setting::{Axis, Setting};
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::Request;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
-use crate::sampling::sampler::Pattern;
+use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::Scene;
 use crate::scene::material::{Material, Paint, Pattern as TexturePattern, Texture};
 use crate::tools::causes::has_secondary_rays;
 use crate::trace::Effects;
 use crate::world::World;
 
-/// The settings of one filter. They share a reference.
-#[derive(Clone, Debug)]
-pub struct Group {
-    /// The filter.
-    pub filter: Filter,
-    /// The settings, each kind from the cheapest on.
-    pub settings: Vec<Setting>,
-}
-
 /// The numbers of samples for each pattern.
-pub const COUNTS: [u32; 5] = [1, 4, 16, 64, 256];
+const COUNTS: [u32; 5] = [1, 4, 16, 64, 256];
 
 /// The estimated errors of adaptive settings, in levels, and their largest number of samples.
 const ADAPTIVE_ERRORS: [f64; 5] = [8.0, 4.0, 2.0, 1.0, 0.5];
 const ADAPTIVE_MOST: u32 = 256;
 
-/// The samples used to measure bounces, weights and octaves, and the samples used to measure structures.
-const EFFECTS_SAMPLES: Samples = Samples::Fixed(Pattern::Jittered, 64);
-const STRUCTURE_SAMPLES: Samples = Samples::Fixed(Pattern::Jittered, 4);
+/// The numbers of jittered samples used to measure bounces, weights and octaves, and to measure structures.
+const EFFECTS_SAMPLES: u32 = 64;
+const STRUCTURE_SAMPLES: u32 = 4;
 
 /// The usual filters.
 const FILTERS: [Filter; 4] = [
@@ -45,55 +36,76 @@ const WEIGHTS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 /// The largest number of ray-primitive tests for which the list of all primitives is measured.
 const MOST_TESTS: u64 = 50_000_000_000;
 
-/// Returns the settings to measure, starting with the request's own filter. `own` is the request's setting, which
-/// defines the reference.
-pub fn plan(scene: &Scene, world: &World, request: &Request, own: Setting) -> Vec<Group> {
-    let mut first = samples(own);
-    if !first.iter().any(|setting| setting.samples == own.samples) {
-        first.push(own);
+/// Returns the settings to measure, in a list for each filter. Each list is not empty, and the first one is that of
+/// `own`, the setting that defines the reference.
+pub fn plan(scene: &Scene, world: &World, own: &Setting) -> Vec<Vec<Setting>> {
+    let with_filter = |filter| Request { filter, ..own.request.clone() };
+    let mut first = samples(own.clone());
+    if !first.iter().any(|setting| setting.samples_flag() == own.samples_flag()) {
+        first.push(own.clone());
     }
     first.extend(secondary(scene, own));
     first.extend(octaves(scene, own));
-    first.extend(structures(world, request, own));
+    first.extend(structures(world, own));
     let is_other =
-        |filter: &Filter| std::mem::discriminant(filter) != std::mem::discriminant(&request.filter);
+        |filter: &Filter| std::mem::discriminant(filter) != std::mem::discriminant(&own.request.filter);
     let others = FILTERS.into_iter().filter(is_other);
-    let others = others.map(|filter| Group { filter, settings: samples(Setting { filter, ..own }) });
-    std::iter::once(Group { filter: request.filter, settings: first }).chain(others).collect()
+    let others = others.map(|filter| samples(Setting { request: with_filter(filter), ..own.clone() }));
+    std::iter::once(first).chain(others).collect()
 }
 
-/// Returns all kinds and numbers of samples.
+/// Returns all kinds and numbers of samples, each kind from the cheapest on.
 fn samples(base: Setting) -> Vec<Setting> {
+    let rng = base.request.sampler.rng();
     let fixed = [Pattern::Random, Pattern::Uniform, Pattern::Jittered]
         .into_iter()
-        .flat_map(|pattern| COUNTS.map(|count| Samples::Fixed(pattern, count)));
-    let adaptive = ADAPTIVE_ERRORS.map(|error| Samples::Adaptive(Adaptive { most: ADAPTIVE_MOST, error }));
-    fixed.chain(adaptive).map(|samples| Setting { samples, ..base }).collect()
+        .flat_map(|pattern| COUNTS.map(|count| (Sampler::new(pattern, count, rng), None)));
+    let adaptive = ADAPTIVE_ERRORS.map(|error| Some(Adaptive { most: ADAPTIVE_MOST, error }));
+    let adaptive = adaptive.map(|adaptive| (Sampler::of_adaptive(rng), adaptive));
+    let request = |(sampler, adaptive)| Request { sampler, adaptive, ..base.request.clone() };
+    fixed.chain(adaptive).map(|samples| Setting { request: request(samples), ..base.clone() }).collect()
+}
+
+/// Returns a request with this number of jittered samples.
+fn jittered(own: &Setting, count: u32) -> Request {
+    let sampler = Sampler::new(Pattern::Jittered, count, own.request.sampler.rng());
+    Request { sampler, adaptive: None, ..own.request.clone() }
 }
 
 /// Returns settings with fewer bounces and larger weights than requested, if there are mirrors or glass.
-fn secondary(scene: &Scene, own: Setting) -> Vec<Setting> {
-    let Effects { bounces, min_weight, .. } = own.effects;
+fn secondary(scene: &Scene, own: &Setting) -> Vec<Setting> {
+    let own_effects = own.request.effects;
+    let Effects { bounces, min_weight, .. } = own_effects;
     if bounces == 0 || !has_secondary_rays(scene) {
         return vec![];
     }
-    let powers = std::iter::successors(Some(1u32), |n| n.checked_mul(2)).take_while(|&n| n < bounces);
-    let fewer = std::iter::once(0).chain(powers).map(|bounces| Effects { bounces, ..own.effects });
+    let fewer = std::iter::once(0).chain(powers_below(bounces));
+    let fewer = fewer.map(|bounces| Effects { bounces, ..own_effects });
     let heavier = WEIGHTS.into_iter().filter(|&weight| weight > min_weight);
-    let heavier = heavier.map(|min_weight| Effects { min_weight, ..own.effects });
+    let heavier = heavier.map(|min_weight| Effects { min_weight, ..own_effects });
+    let request = |effects| Request { effects, ..jittered(own, EFFECTS_SAMPLES) };
     fewer
         .chain(heavier)
-        .map(|effects| Setting { axis: Axis::Secondary, samples: EFFECTS_SAMPLES, effects, ..own })
+        .map(|effects| Setting { axis: Axis::Secondary, request: request(effects), ..own.clone() })
         .collect()
 }
 
+/// Returns the powers of two below a number.
+fn powers_below(end: u32) -> impl Iterator<Item = u32> {
+    std::iter::successors(Some(1u32), |n| n.checked_mul(2)).take_while(move |&n| n < end)
+}
+
 /// Returns settings with fewer octaves than the scene has, if it has noise.
-fn octaves(scene: &Scene, own: Setting) -> Vec<Setting> {
+fn octaves(scene: &Scene, own: &Setting) -> Vec<Setting> {
     let mut materials = scene.materials.clone();
     let most = materials.iter_mut().filter_map(octaves_of).map(|octaves| *octaves).max().unwrap_or(0);
-    let powers = std::iter::successors(Some(1u32), |n| n.checked_mul(2)).take_while(|&n| n < most);
-    let samples = EFFECTS_SAMPLES;
-    powers.map(|n| Setting { axis: Axis::Octaves, samples, octaves: Some(n), ..own }).collect()
+    let setting = |octaves| Setting {
+        axis: Axis::Octaves,
+        request: jittered(own, EFFECTS_SAMPLES),
+        octaves: Some(octaves),
+        ..own.clone()
+    };
+    powers_below(most).map(setting).collect()
 }
 
 /// Returns the octaves of a material's noise.
@@ -121,22 +133,23 @@ pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
 }
 
 /// Returns the other structures for tracing rays. For a world of planes only, there is nothing to build.
-fn structures(world: &World, request: &Request, own: Setting) -> Vec<Setting> {
+fn structures(world: &World, own: &Setting) -> Vec<Setting> {
     let count = world.finite_count();
     if count == 0 {
         return vec![];
     }
-    let rays_per_sample = 1 + world.lights.len() + own.effects.bounces as usize;
-    let [width, height] = request.size;
+    let rays_per_sample = 1 + world.lights.len() + own.request.effects.bounces as usize;
+    let [width, height] = own.request.size;
     let tests = [width, height, rays_per_sample, count]
         .iter()
-        .fold(4_u64, |tests, &count| tests.saturating_mul(count as u64));
+        .fold(u64::from(STRUCTURE_SAMPLES), |tests, &count| tests.saturating_mul(count as u64));
     let list = (tests <= MOST_TESTS).then_some(Structure::List);
     let grids = [Resolution::Auto, Resolution::Cells([10; 3]), Resolution::Cells([40; 3])];
     let others = list.into_iter().chain(grids.map(Structure::Grid));
+    let request = || jittered(own, STRUCTURE_SAMPLES);
     others
         .filter(|&structure| structure != own.structure)
-        .map(|structure| Setting { axis: Axis::Structure, samples: STRUCTURE_SAMPLES, structure, ..own })
+        .map(|structure| Setting { axis: Axis::Structure, structure, request: request(), ..own.clone() })
         .collect()
 }
 
@@ -155,8 +168,8 @@ mod tests {
         .unwrap();
         let request = Request { effects: Effects { bounces, ..Effects::default() }, ..Request::new([4, 4]) };
         let world = World::new(&scene, &[]).unwrap();
-        let own = Setting::of(&request, Structure::Any, Edition::Y2004);
-        plan(&scene, &world, &request, own).into_iter().flat_map(|group| group.settings).collect()
+        let own = Setting::new(request, Structure::Any, Edition::Y2004);
+        plan(&scene, &world, &own).concat()
     }
 
     fn of(axis: Axis, settings: &[Setting]) -> Vec<String> {

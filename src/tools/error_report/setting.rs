@@ -3,20 +3,9 @@
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request};
 use crate::sampling::adaptive::Adaptive;
-use crate::sampling::drand48::Drand48;
-use crate::sampling::filter::Filter;
-use crate::sampling::sampler::{Pattern, Sampler};
+use crate::sampling::sampler::Pattern;
 use crate::scene::edition::Edition;
 use crate::trace::{Effects, Shadows};
-
-/// The placement of samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Samples {
-    /// A fixed number in every pixel.
-    Fixed(Pattern, u32),
-    /// Adaptive sampling.
-    Adaptive(Adaptive),
-}
 
 /// The kinds of sampling. Each has its own curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,16 +61,12 @@ impl Axis {
 }
 
 /// A setting to measure.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     /// The parameter that the setting varies.
     pub axis: Axis,
-    /// The placement of samples.
-    pub samples: Samples,
-    /// The reconstruction filter.
-    pub filter: Filter,
-    /// The effects modelled.
-    pub effects: Effects,
+    /// The picture, with its samples, its filter and its effects.
+    pub request: Request,
     /// The largest number of octaves of noise. `None` for the scene's own.
     pub octaves: Option<u32>,
     /// The acceleration structure.
@@ -91,40 +76,25 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Returns the setting of a request, with the flags of an edition.
-    pub fn of(request: &Request, structure: Structure, edition: Edition) -> Self {
-        let fixed = Samples::Fixed(request.sampler.pattern(), request.sampler.count());
-        let (filter, effects) = (request.filter, request.effects);
-        let samples = request.adaptive.map_or(fixed, Samples::Adaptive);
-        Self { axis: Axis::Samples, samples, filter, effects, octaves: None, structure, edition }
-    }
-
-    /// Returns the request for the colours with this setting and these random numbers.
-    pub fn request(&self, base: &Request, rng: Drand48) -> Request {
-        let (sampler, adaptive) = match self.samples {
-            Samples::Fixed(pattern, count) => (Sampler::new(pattern, count, rng), None),
-            Samples::Adaptive(adaptive) => (Sampler::of_adaptive(rng), Some(adaptive)),
-        };
-        let (filter, effects) = (self.filter, self.effects);
-        Request { sampler, adaptive, filter, effects, layers: vec![Layer::Color], ..base.clone() }
+    /// Returns the setting for the colours of a request, with the flags of an edition.
+    pub fn new(request: Request, structure: Structure, edition: Edition) -> Self {
+        let request = Request { layers: vec![Layer::Color], ..request };
+        Self { axis: Axis::Samples, request, octaves: None, structure, edition }
     }
 
     /// Returns the kind of sampling.
     pub fn kind(&self) -> SamplingKind {
-        match self.samples {
-            Samples::Fixed(Pattern::Random | Pattern::Displaced, _) => SamplingKind::Random,
-            Samples::Fixed(Pattern::Uniform, _) => SamplingKind::Uniform,
-            Samples::Fixed(Pattern::Jittered, _) => SamplingKind::Jittered,
-            Samples::Adaptive(_) => SamplingKind::Adaptive,
+        match self.request.sampler.pattern() {
+            _ if self.request.adaptive.is_some() => SamplingKind::Adaptive,
+            Pattern::Random | Pattern::Displaced => SamplingKind::Random,
+            Pattern::Uniform => SamplingKind::Uniform,
+            Pattern::Jittered => SamplingKind::Jittered,
         }
     }
 
     /// Returns the number of samples per pixel. `None` if they are adaptive.
     pub fn count(&self) -> Option<u32> {
-        match self.samples {
-            Samples::Fixed(_, count) => Some(count),
-            Samples::Adaptive(_) => None,
-        }
+        self.request.adaptive.is_none().then(|| self.request.sampler.count())
     }
 
     /// Returns the part of the setting that differs from others of its axis.
@@ -134,7 +104,7 @@ impl Setting {
             Axis::Samples => samples,
             // This is often the default without bounces, and differs from the request.
             Axis::Secondary if !secondary.starts_with(" -bounces") => {
-                format!("{samples} -bounces {}{secondary}", self.effects.bounces)
+                format!("{samples} -bounces {}{secondary}", self.request.effects.bounces)
             }
             Axis::Secondary => format!("{samples}{secondary}"),
             Axis::Octaves => {
@@ -148,12 +118,12 @@ impl Setting {
     pub fn label_with_filter(&self) -> String {
         let (label, samples) = (self.label(), self.samples_flag());
         let rest = label.strip_prefix(&samples).unwrap_or_default();
-        format!("{samples} {}{rest}", filter_flag(self.filter))
+        format!("{samples} {}{rest}", self.request.filter.flag())
     }
 
     /// Returns all its flags, separated by spaces. `None` if flags cannot express it.
     pub fn flags(&self) -> Option<String> {
-        let Effects { shadows, shade_back, .. } = self.effects;
+        let Effects { shadows, shade_back, .. } = self.request.effects;
         let shadows = match shadows {
             Shadows::None => "",
             Shadows::Opaque => " -shadows",
@@ -161,20 +131,22 @@ impl Setting {
         };
         let back = if shade_back { " -shade_back" } else { "" };
         let (samples, secondary) = (self.samples_flag(), self.secondary_flags());
-        let (filter, structure) = (filter_flag(self.filter), structure_flag(self.structure));
+        let (filter, structure) = (self.request.filter.flag(), structure_flag(self.structure));
         self.octaves.is_none().then(|| format!("{samples} {filter}{shadows}{back}{secondary}{structure}"))
     }
 
-    fn samples_flag(&self) -> String {
-        match self.samples {
-            Samples::Fixed(pattern, count) => format!("-{} {count}", pattern.flag(self.edition)),
-            Samples::Adaptive(Adaptive { most, error }) => format!("-adaptive_samples {most} {error}"),
+    /// Returns the flag for the samples.
+    pub(super) fn samples_flag(&self) -> String {
+        let sampler = &self.request.sampler;
+        match self.request.adaptive {
+            Some(Adaptive { most, error }) => format!("-adaptive_samples {most} {error}"),
+            None => format!("-{} {}", sampler.pattern().flag(self.edition), sampler.count()),
         }
     }
 
     /// Returns the flags for bounces and weight, except defaults.
     fn secondary_flags(&self) -> String {
-        let Effects { bounces, min_weight, .. } = self.effects;
+        let Effects { bounces, min_weight, .. } = self.request.effects;
         let mut flags = String::new();
         if bounces != self.edition.default_bounces() {
             flags += &format!(" -bounces {bounces}");
@@ -193,16 +165,6 @@ pub fn separate(flags: &str) -> Vec<String> {
     first.into_iter().chain(parts.map(|part| format!("-{part}"))).collect()
 }
 
-/// Returns the flag of a filter.
-pub fn filter_flag(filter: Filter) -> String {
-    match filter {
-        Filter::Box { radius } => format!("-box_filter {radius}"),
-        Filter::Tent { radius } => format!("-tent_filter {radius}"),
-        Filter::Gaussian { sigma } => format!("-gaussian_filter {sigma}"),
-        Filter::Mitchell { radius } => format!("-mitchell_filter {radius}"),
-    }
-}
-
 fn structure_flag(structure: Structure) -> String {
     match structure {
         Structure::Any => String::new(),
@@ -215,57 +177,46 @@ fn structure_flag(structure: Structure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::drand48::Drand48;
+    use crate::sampling::filter::Filter;
+    use crate::sampling::sampler::Sampler;
+
+    fn setting(pattern: Pattern, effects: Effects, edition: Edition) -> Setting {
+        let sampler = Sampler::new(pattern, 9, Drand48::UNSEEDED);
+        let request = Request { sampler, effects, ..Request::new([4, 4]) };
+        Setting { axis: Axis::Secondary, ..Setting::new(request, Structure::Any, edition) }
+    }
 
     #[test]
     fn a_setting_is_the_flags_that_make_it() {
-        let setting = Setting {
-            axis: Axis::Secondary,
-            samples: Samples::Fixed(Pattern::Jittered, 9),
-            filter: Filter::Tent { radius: 1.5 },
-            effects: Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.25 },
-            octaves: None,
-            structure: Structure::Grid(Resolution::Cells([3, 4, 5])),
-            edition: Edition::Y2004,
-        };
+        let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.25 };
+        let mut found = setting(Pattern::Jittered, effects, Edition::Y2004);
+        found.request.filter = Filter::Tent { radius: 1.5 };
+        found.structure = Structure::Grid(Resolution::Cells([3, 4, 5]));
         let flags =
             "-jittered_samples 9 -tent_filter 1.5 -shadows -shade_back -bounces 3 -weight 0.25 -grid 3 4 5";
-        assert_eq!(setting.flags().as_deref(), Some(flags));
-        assert_eq!(setting.label(), "-jittered_samples 9 -bounces 3 -weight 0.25");
-        assert_eq!(
-            setting.label_with_filter(),
-            "-jittered_samples 9 -tent_filter 1.5 -bounces 3 -weight 0.25"
-        );
-        let samples = Samples::Adaptive(Adaptive { most: 64, error: 0.5 });
-        let plain = Setting {
-            samples,
-            filter: Filter::PIXEL,
-            effects: Effects::default(),
-            structure: Structure::Any,
-            ..setting
-        };
+        assert_eq!(found.flags().as_deref(), Some(flags));
+        assert_eq!(found.label(), "-jittered_samples 9 -bounces 3 -weight 0.25");
+        assert_eq!(found.label_with_filter(), "-jittered_samples 9 -tent_filter 1.5 -bounces 3 -weight 0.25");
+        let mut plain = setting(Pattern::Uniform, Effects::default(), Edition::Y2004);
+        plain.request.adaptive = Some(Adaptive { most: 64, error: 0.5 });
         assert_eq!(plain.flags().as_deref(), Some("-adaptive_samples 64 0.5 -box_filter 0.5"));
         assert_eq!(Setting { octaves: Some(2), ..plain }.flags(), None);
     }
 
     #[test]
     fn flags_are_those_of_the_edition_and_what_is_its_default_is_none() {
-        let setting = |pattern, bounces, min_weight, edition| Setting {
-            axis: Axis::Secondary,
-            samples: Samples::Fixed(pattern, 9),
-            filter: Filter::PIXEL,
-            effects: Effects { bounces, min_weight, ..Effects::default() },
-            octaves: None,
-            structure: Structure::Any,
-            edition,
+        let setting = |pattern, bounces, min_weight, edition| {
+            setting(pattern, Effects { bounces, min_weight, ..Effects::default() }, edition)
         };
-        let flags = |setting: Setting| setting.flags().unwrap_or_default().replace(" -box_filter 0.5", "");
+        let flags = |setting: &Setting| setting.flags().unwrap_or_default().replace(" -box_filter 0.5", "");
         use Pattern::{Random, Uniform};
-        assert_eq!(flags(setting(Random, 0, 0.1, Edition::Aalto)), "-uniform_samples 9");
-        assert_eq!(flags(setting(Uniform, 0, 0.0, Edition::Aalto)), "-regular_samples 9 -weight 0");
+        assert_eq!(flags(&setting(Random, 0, 0.1, Edition::Aalto)), "-uniform_samples 9");
+        assert_eq!(flags(&setting(Uniform, 0, 0.0, Edition::Aalto)), "-regular_samples 9 -weight 0");
         let (fewer, usual) =
             (setting(Uniform, 0, 0.0, Edition::Y2012A5), setting(Uniform, 4, 0.0, Edition::Y2012A5));
-        assert_eq!([flags(fewer), fewer.label()], ["-uniform_samples 9 -bounces 0"; 2]);
-        assert_eq!(flags(usual), "-uniform_samples 9");
+        assert_eq!([flags(&fewer), fewer.label()], ["-uniform_samples 9 -bounces 0"; 2]);
+        assert_eq!(flags(&usual), "-uniform_samples 9");
         assert_eq!(usual.label(), "-uniform_samples 9 -bounces 4");
     }
 }

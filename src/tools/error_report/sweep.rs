@@ -3,12 +3,13 @@
 use super::numerical::{self, Numerical};
 use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
-use super::setting::{Axis, Samples, Setting};
+use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
+use crate::caster::choose::Structure;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{BadSize, Color, FloatPicture};
+use crate::picture::{BadSize, Color, FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
-use crate::render::{Layer, Request, Stopped, Tracing};
+use crate::render::{Progress, Request, Stopped, Tracing};
 use crate::sampling::filter::Filter;
 use crate::tools::compare::Comparison;
 use rayon::ThreadPool;
@@ -48,77 +49,59 @@ const RENDERINGS: f64 = 4.0;
 /// The approximate number of samples of an adaptive setting.
 const ADAPTIVE_SAMPLES: f64 = 16.0;
 
-/// Measures the settings of a scene.
-pub struct Sweep<'a> {
-    renderer: &'a Renderer,
-    request: &'a Request,
-    /// The setting of the command line.
-    own: Setting,
-    bench: Bench<'a>,
-    /// True if other filters are measured, too.
+/// Measures the settings of a scene, or those with the filter of `own` alone. `own` is the setting of the command line.
+/// The renderer must have kept the scene's meshes and must have no threads of its own. If the watch ends the sweep, the
+/// report has the finished settings.
+pub fn measure(
+    renderer: &Renderer,
+    own: &Setting,
+    bench: Bench,
     all_filters: bool,
+) -> Result<ErrorReport, Diagnostic> {
+    let mut plan = plan(&renderer.scene, renderer.world(), own);
+    plan.truncate(if all_filters { plan.len() } else { 1 });
+    let mut sweep = Sweep { renderer, own, bench, done: 0.0, all: 0.0 };
+    sweep.all = plan.len() as f64 * sweep.reference_work() + plan.iter().flatten().map(work).sum::<f64>();
+    let planned = plan.iter().map(Vec::len).sum();
+    let (mut groups, mut numerical) = (Vec::new(), None);
+    let mut times = [Duration::ZERO; 3];
+    for settings in plan {
+        let filter = settings[0].request.filter;
+        let start = Instant::now();
+        let reference = sweep.reference(filter)?;
+        times[0] += start.elapsed();
+        let Some(reference) = reference else { break };
+        let start = Instant::now();
+        let measurements = sweep.measurements(&settings, &reference)?;
+        times[1] += start.elapsed();
+        let is_complete = measurements.len() == settings.len();
+        let Reference { picture, noise, .. } = reference;
+        groups.push(MeasuredFilter { filter, reference: picture, noise, measurements });
+        if !is_complete {
+            break;
+        }
+        if numerical.is_none() {
+            let start = Instant::now();
+            numerical = sweep.numerical()?;
+            times[2] += start.elapsed();
+        }
+    }
+    let stages = ["rendering references", "measuring settings", "numerical error"];
+    let stages = stages.into_iter().zip(times).collect();
+    Ok(ErrorReport { size: own.request.size, groups, numerical, planned, stages })
+}
+
+/// The measurements in progress.
+struct Sweep<'a> {
+    renderer: &'a Renderer,
+    own: &'a Setting,
+    bench: Bench<'a>,
     /// The completed and the total work, in samples per pixel.
     done: f64,
     all: f64,
-    /// The times spent on references, settings and the numerical error.
-    times: [Duration; 3],
 }
 
-impl<'a> Sweep<'a> {
-    /// Creates a sweep. `request` comes from the command line, and `own` is its setting. The renderer must have kept
-    /// the scene's meshes and must have no threads of its own.
-    pub fn new(renderer: &'a Renderer, request: &'a Request, own: Setting, bench: Bench<'a>) -> Self {
-        Self {
-            renderer,
-            request,
-            own,
-            bench,
-            all_filters: true,
-            done: 0.0,
-            all: 0.0,
-            times: Default::default(),
-        }
-    }
-
-    /// Restricts the sweep to the requested filter.
-    pub fn of_one_filter(self) -> Self {
-        Self { all_filters: false, ..self }
-    }
-
-    /// Measures all settings. If the watch ends the sweep, the report has the finished ones.
-    pub fn run(mut self) -> Result<ErrorReport, Diagnostic> {
-        let mut plan = plan(&self.renderer.scene, self.renderer.world(), self.request, self.own);
-        plan.truncate(if self.all_filters { plan.len() } else { 1 });
-        let planned = plan.iter().map(|group| group.settings.len()).sum();
-        let settings = plan.iter().flat_map(|group| &group.settings);
-        self.all = plan.len() as f64 * self.reference_work() + settings.map(work).sum::<f64>();
-        let (mut groups, mut numerical) = (Vec::new(), None);
-        for group in plan {
-            let Some(reference) = self.timed(0, |sweep| sweep.reference(group.filter))? else { break };
-            let measure = |sweep: &mut Self| sweep.measurements(&group.settings, &reference);
-            let measurements = self.timed(1, measure)?;
-            let is_complete = measurements.len() == group.settings.len();
-            let Reference { picture, noise, .. } = reference;
-            groups.push(MeasuredFilter { filter: group.filter, reference: picture, noise, measurements });
-            if !is_complete {
-                break;
-            }
-            if numerical.is_none() {
-                numerical = self.timed(2, |sweep| sweep.numerical())?;
-            }
-        }
-        let stages = ["rendering references", "measuring settings", "numerical error"];
-        let stages = stages.into_iter().zip(self.times).collect();
-        Ok(ErrorReport { size: self.request.size, groups, numerical, planned, stages })
-    }
-
-    fn timed<T>(&mut self, stage: usize, work: impl FnOnce(&mut Self) -> T) -> T {
-        let start = Instant::now();
-        let made = work(self);
-        self.times[stage] += start.elapsed();
-        made
-    }
-
+impl Sweep<'_> {
     /// Returns the work for two halves on many threads.
     fn reference_work(&self) -> f64 {
         2.0 * f64::from(reference::SAMPLES) / self.bench.many.current_num_threads() as f64
@@ -126,14 +109,11 @@ impl<'a> Sweep<'a> {
 
     /// Renders the reference for a filter. `None` if the watch ended the sweep.
     fn reference(&mut self, filter: Filter) -> Result<Option<Reference>, Diagnostic> {
-        let own = Request { adaptive: None, filter, layers: vec![Layer::Color], ..self.request.clone() };
+        let own = Request { adaptive: None, filter, ..self.own.request.clone() };
         let mut halves = Vec::new();
-        for sampler in reference::samplers(self.request.sampler.rng()) {
+        for sampler in reference::samplers(own.sampler.rng()) {
             let request = Request { sampler, ..own.clone() };
-            let prepared = self
-                .bench
-                .many
-                .install(|| self.renderer.prepare_for(self.own.structure, &request, Tracing::Fast))?;
+            let prepared = self.prepared(self.renderer, self.own.structure, &request)?;
             let work = self.reference_work() / 2.0;
             let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
             let Some((half, _)) = rendered else { return Ok(None) };
@@ -145,11 +125,18 @@ impl<'a> Sweep<'a> {
 
     /// Measures the effect of rounding on the request's samples.
     fn numerical(&self) -> Result<Option<Numerical>, Diagnostic> {
-        let request = Request { layers: vec![Layer::Color], ..self.request.clone() };
-        self.bench.many.install(|| {
-            let prepared = self.renderer.prepare_for(self.own.structure, &request, Tracing::Fast)?;
-            Ok(numerical::measure(self.renderer, &prepared, &request)?)
-        })
+        let request = &self.own.request;
+        let prepared = self.prepared(self.renderer, self.own.structure, request)?;
+        Ok(self.bench.many.install(|| numerical::measure(self.renderer, &prepared, request))?)
+    }
+
+    fn prepared<'r>(
+        &self,
+        renderer: &'r Renderer,
+        structure: Structure,
+        request: &Request,
+    ) -> Result<Prepared<'r>, Diagnostic> {
+        Ok(self.bench.many.install(|| renderer.prepare_for(structure, request, Tracing::Fast))?)
     }
 
     /// Measures the settings. Returns those that were finished.
@@ -163,8 +150,8 @@ impl<'a> Sweep<'a> {
             let Some(mut measured) = self.measure(setting, reference)? else { break };
             if setting.axis == Axis::Structure {
                 let is_asked_for = |other: &&Measurement| {
-                    Setting { axis: Axis::Structure, structure: self.own.structure, ..*setting }
-                        == Setting { axis: Axis::Structure, ..other.setting }
+                    let Setting { request, structure, octaves, .. } = &other.setting;
+                    *request == setting.request && *structure == self.own.structure && octaves.is_none()
                 };
                 let asked_for = measurements.iter().find(is_asked_for);
                 measured.changed =
@@ -186,11 +173,8 @@ impl<'a> Sweep<'a> {
         // The changed scene has the same objects, so a world can be built for it.
         let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
         let renderer = other.as_ref().unwrap_or(self.renderer);
-        let request = setting.request(self.request, self.request.sampler.rng());
-        let prepared =
-            self.bench.many.install(|| renderer.prepare_for(setting.structure, &request, Tracing::Fast))?;
-        let repeated = self.repeat(setting, &prepared, &request)?;
-        let Some((picture, rays, times)) = repeated else { return Ok(None) };
+        let prepared = self.prepared(renderer, setting.structure, &setting.request)?;
+        let Some((picture, rays, times)) = self.repeat(setting, &prepared)? else { return Ok(None) };
         let bytes = picture.to_picture();
         let compared = self.bench.many.install(|| Comparison::new(&bytes, &reference.picture));
         let (flip, off) = compared.map_or((0.0, 0.0), |found| {
@@ -198,7 +182,7 @@ impl<'a> Sweep<'a> {
             (found.mean_flip.unwrap_or_default(), off)
         });
         let error = reference.error(&picture);
-        let setting = *setting;
+        let setting = setting.clone();
         Ok(Some(Measurement { setting, times, rays, error, flip, off, changed: None, picture: bytes }))
     }
 
@@ -208,12 +192,11 @@ impl<'a> Sweep<'a> {
         &self,
         setting: &Setting,
         prepared: &Prepared,
-        request: &Request,
     ) -> Result<Option<(FloatPicture, u64, Vec<Duration>)>, Diagnostic> {
         let (label, mut times) = (setting.label(), Vec::new());
         loop {
             let start = (self.bench.clock)();
-            let rendered = self.render(self.bench.one, prepared, request, 0.0, &label)?;
+            let rendered = self.render(self.bench.one, prepared, &setting.request, 0.0, &label)?;
             times.push((self.bench.clock)().saturating_sub(start));
             let Some((picture, rays)) = rendered else { return Ok(None) };
             let is_enough = times.len() >= FEWEST && times.iter().sum::<Duration>() >= ENOUGH;
@@ -240,7 +223,7 @@ impl<'a> Sweep<'a> {
             ControlFlow::Continue(())
         };
         let (done, all, bench_watch) = (self.done, self.all, self.bench.watch);
-        let watch = |rows: crate::render::Progress| {
+        let watch = |rows: Progress| {
             let part = rows.done as f64 / rows.rows.max(1) as f64;
             bench_watch(SweepProgress { share: (done + part * work) / all, doing })
         };
@@ -258,14 +241,11 @@ impl<'a> Sweep<'a> {
 
 /// Returns the approximate work to measure a setting, in samples per pixel.
 fn work(setting: &Setting) -> f64 {
-    let samples = match setting.samples {
-        Samples::Fixed(_, count) => f64::from(count),
-        Samples::Adaptive(_) => ADAPTIVE_SAMPLES,
-    };
+    let samples = setting.count().map_or(ADAPTIVE_SAMPLES, f64::from);
     RENDERINGS * samples
 }
 
-fn pixels_that_differ(a: &crate::picture::Picture, b: &crate::picture::Picture) -> u64 {
+fn pixels_that_differ(a: &Picture, b: &Picture) -> u64 {
     let differ = |(a, b): (&[u8], &[u8])| u64::from(a != b);
     a.pixels().chunks(3).zip(b.pixels().chunks(3)).map(differ).sum()
 }

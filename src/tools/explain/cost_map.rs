@@ -1,12 +1,14 @@
 //! A map of the cost of each pixel.
 
-use super::color_scale::cubehelix;
-use super::digits::{self, set};
+use crate::caster::Fullness;
 use crate::picture::{BadSize, Picture};
 use crate::render::layer::Cost;
+use crate::stats::RULE;
+use std::f64::consts::TAU;
+use std::fmt;
 
-/// The cost of each pixel of a picture.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// The cost of each pixel of a picture. `Display` prints a block in the form of the statistics.
+#[derive(Clone, Debug)]
 pub struct CostMap {
     /// The quantity counted.
     pub cost: Cost,
@@ -14,12 +16,34 @@ pub struct CostMap {
     pub size: [usize; 2],
     /// The count of each pixel, row by row from the top.
     pub counts: Vec<u64>,
+    /// The occupancy of the grid's cells. `None` without a grid.
+    pub cells: Option<Fullness>,
 }
 
 /// Columns between the picture and the scale, and between the scale and its labels.
 const GAP: usize = 4;
 /// Columns of the scale.
 const SCALE: usize = 12;
+
+/// Columns from one digit to the next.
+const ADVANCE: usize = 4;
+/// Rows of a digit.
+const DIGIT_HEIGHT: usize = 5;
+
+/// The pixels of each digit from 0 to 9: three columns and five rows, row by row from the top left. The first pixel is
+/// the highest of 15 bits.
+const GLYPHS: [u16; 10] = [
+    0b111_101_101_101_111,
+    0b010_110_010_010_111,
+    0b111_001_111_100_111,
+    0b111_001_111_001_111,
+    0b101_101_111_001_001,
+    0b111_100_111_001_111,
+    0b111_100_111_101_111,
+    0b111_001_010_010_010,
+    0b111_101_111_101_111,
+    0b111_101_111_001_111,
+];
 
 impl CostMap {
     /// Returns the sum of all counts.
@@ -41,7 +65,7 @@ impl CostMap {
         let (_, most) = self.most_expensive();
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let labels = width + GAP + SCALE + GAP;
-        let mut picture = Picture::new(side(labels + digits::width(most)), side(height))?;
+        let mut picture = Picture::new(side(labels + digits_width(most)), side(height))?;
         let color = |count: u64| cubehelix(count as f64 / most.max(1) as f64);
         for (index, &count) in self.counts.iter().enumerate() {
             set(&mut picture, [index % width, index / width], color(count));
@@ -51,11 +75,72 @@ impl CostMap {
             let value = if last == 0 { 1.0 } else { (last - y) as f64 / last as f64 };
             (0..SCALE).for_each(|x| set(&mut picture, [width + GAP + x, y], cubehelix(value)));
         }
-        let lowest = height.saturating_sub(digits::HEIGHT);
+        let lowest = height.saturating_sub(DIGIT_HEIGHT);
         for (number, y) in [(most, 0), (most / 2, lowest / 2), (0, lowest)] {
-            digits::draw(&mut picture, [labels, y], number);
+            draw_number(&mut picture, [labels, y], number);
         }
         Ok(picture)
+    }
+}
+
+impl fmt::Display for CostMap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{RULE}\nCOST MAP")?;
+        let mut line = |label: &str, value: String| writeln!(f, "  {label:<27}{value}");
+        let ([x, y], most) = self.most_expensive();
+        let pixels = self.counts.len().max(1);
+        let total = self.total();
+        line("cost", self.cost.name().into())?;
+        line("total", total.to_string())?;
+        line("per pixel", format!("{:.1}", total as f64 / pixels as f64))?;
+        line("most expensive pixel", format!("{most} at ({x}, {y})"))?;
+        if let Some(Fullness { fullest, empty, cells }) = &self.cells {
+            line("empty cells", format!("{:.1}%", 100.0 * *empty as f64 / (*cells).max(1) as f64))?;
+            for ([i, j, k], primitives) in fullest {
+                line("full cell", format!("{primitives} primitives at ({i}, {j}, {k})"))?;
+            }
+        }
+        writeln!(f, "{RULE}")
+    }
+}
+
+/// Returns the colour of a value from 0 (black) to 1 (white): Green's cubehelix, "A colour scheme for the display of
+/// astronomical intensity images", Bulletin of the Astronomical Society of India 39, 2011, section 3, with its default
+/// parameters. Values outside the range are clamped.
+pub fn cubehelix(value: f64) -> [u8; 3] {
+    const START: f64 = 0.5;
+    const ROTATIONS: f64 = -1.5;
+    let value = value.clamp(0.0, 1.0);
+    let angle = TAU * (START / 3.0 + 1.0 + ROTATIONS * value);
+    let amplitude = 0.5 * value * (1.0 - value);
+    let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+    [[-0.14861, 1.78277], [-0.29227, -0.90649], [1.97294, 0.0]]
+        .map(|[c, s]| (255.0 * (value + amplitude * (c * cosine + s * sine))).round() as u8)
+}
+
+/// Returns the width of a number in pixels.
+fn digits_width(number: u64) -> usize {
+    number.to_string().len() * ADVANCE
+}
+
+/// Draws a number in white, with its top left corner in column `x` and row `y` from the top. Parts outside the picture
+/// are cut off.
+fn draw_number(picture: &mut Picture, [x, y]: [usize; 2], number: u64) {
+    for (place, digit) in number.to_string().bytes().enumerate() {
+        let glyph = GLYPHS[usize::from(digit - b'0')];
+        for (row, column) in (0..DIGIT_HEIGHT).flat_map(|row| (0..3).map(move |column| (row, column))) {
+            if glyph >> (14 - 3 * row - column) & 1 == 1 {
+                set(picture, [x + ADVANCE * place + column, y + row], [255; 3]);
+            }
+        }
+    }
+}
+
+/// Colours the pixel in column `x` and row `y` from the top, if it exists.
+fn set(picture: &mut Picture, [x, y]: [usize; 2], color: [u8; 3]) {
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    if x < width && y < height {
+        picture.row_mut(height - 1 - y)[3 * x..][..3].copy_from_slice(&color);
     }
 }
 
@@ -65,7 +150,7 @@ mod tests {
 
     fn map() -> CostMap {
         let counts = (0..40 * 30).map(|i| if i == 5 * 40 + 7 { 260 } else { i % 11 }).collect();
-        CostMap { cost: Cost::Tests, size: [40, 30], counts }
+        CostMap { cost: Cost::Tests, size: [40, 30], counts, cells: None }
     }
 
     #[test]
@@ -86,8 +171,34 @@ mod tests {
 
     #[test]
     fn nothing_at_all_is_black() {
-        let empty = CostMap { cost: Cost::Cells, size: [3, 2], counts: vec![0; 6] };
+        let empty = CostMap { cost: Cost::Cells, size: [3, 2], counts: vec![0; 6], cells: None };
         let picture = empty.draw().unwrap();
         assert!((0..3).all(|x| picture.get(x, 0) == Some([0; 3])));
+    }
+
+    #[test]
+    fn a_number_stands_digit_by_digit() {
+        let mut picture = Picture::new(digits_width(17) as u32, 6).unwrap();
+        draw_number(&mut picture, [0, 1], 17);
+        let shown: Vec<String> = (0..6)
+            .map(|y| {
+                (0..8).map(|x| if picture.get(x, 5 - y) == Some([255; 3]) { '#' } else { '.' }).collect()
+            })
+            .collect();
+        assert_eq!(shown, ["........", ".#..###.", "##....#.", ".#...#..", ".#...#..", "###..#.."]);
+    }
+
+    #[test]
+    fn the_perceived_brightness_grows_with_the_value() {
+        let brightness = |value: f64| {
+            let [red, green, blue] = cubehelix(value).map(f64::from);
+            0.30 * red + 0.59 * green + 0.11 * blue
+        };
+        for i in 0..64 {
+            let [value, next] = [i, i + 1].map(|i| f64::from(i) / 64.0);
+            let step = brightness(next) - brightness(value);
+            assert!((2.0..6.0).contains(&step), "{value}: {step}");
+        }
+        assert_eq!((cubehelix(0.0), cubehelix(1.0), cubehelix(9.0)), ([0; 3], [255; 3], [255; 3]));
     }
 }

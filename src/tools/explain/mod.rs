@@ -1,21 +1,19 @@
 //! Explains the cost of a picture and the computation of a pixel.
 
 mod close_call;
-pub mod color_scale;
 mod cost_map;
-mod cost_report;
-mod digits;
-mod objects;
+mod explainer;
 mod pixel;
-mod pixel_text;
-mod ray_tree;
-mod short;
+mod recorder;
 mod stop;
+mod text;
+mod tree;
 
-pub use close_call::{CloseCall, CloseCallKind};
-pub use cost_map::CostMap;
-pub use cost_report::CostReport;
-pub use objects::{MaterialPart, ObjectPart, Objects, TextureWeight};
-pub use pixel::{ExplainError, Explainer, PixelTree, SampleTree};
-pub use ray_tree::{Crossing, LeftOut, LightBlocker, Lighting, NotFollowed, RayNode, Shadow, Surface};
+pub use cost_map::{CostMap, cubehelix};
+pub use explainer::Explainer;
 pub use stop::Stop;
+pub use text::Line;
+pub use tree::{
+    CloseCall, CloseCallKind, Crossing, LeftOut, LightBlocker, Lighting, MaterialPart, NotFollowed,
+    ObjectPart, PixelTree, RayNode, SampleTree, Shadow, Surface, TextureWeight,
+};

@@ -1,192 +1,113 @@
 //! Warns about filters so narrow that pixels get no samples and are black, or get samples whose weights cancel.
 //!
-//! Only a pixel's own samples matter, because those in its neighbours are farther away. Uniform samples have the same
-//! positions in every pixel. Jittered and adaptive samples have a known stratum, so the farthest point of the strata
-//! around the centre decides. Random samples may be anywhere, but at the same positions in each run. So they are
-//! examined one by one, which takes a small fraction of the time to trace them.
+//! Only a pixel's own samples matter for the first, because those in its neighbours are farther away. Uniform samples
+//! have the same positions in every pixel. Jittered and adaptive samples have a known stratum, so the farthest point of
+//! the strata around the centre decides. Random samples may be anywhere, but at the same positions in each run. So they
+//! are examined one by one, which takes a small fraction of the time to trace them.
 //!
 //! Mitchell's filter is negative beyond 4/7 of its radius. If the weights w of a pixel's samples nearly cancel, the
 //! pixel is far outside the range of their colours. Colours between 0 and 1 give a pixel between (1 - M) / 2 and (1 +
-//! M) / 2, where M is the sum of |w| divided by |the sum of w|.
+//! M) / 2, where M is the sum of |w| divided by |the sum of w|. The pixels in the picture's middle stand for all.
 
+use super::Warning;
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use glam::DVec2;
-use std::collections::VecDeque;
+use rayon::prelude::*;
 use std::ops::Range;
 
-/// The pixels that are wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Lost {
-    /// No pixel gets a sample.
-    All,
-    /// Some pixels may get no sample, depending on the random numbers.
-    Some,
-    /// This number of pixels get no sample.
-    Number(usize),
-    /// In some pixels the weights of the samples nearly cancel.
-    Cancelled,
-}
-
-/// Returns the flag of a filter.
-pub(super) fn flag_of(filter: &Filter) -> String {
-    let name = match filter {
-        Filter::Box { .. } => "-box_filter",
-        Filter::Tent { .. } => "-tent_filter",
-        Filter::Gaussian { .. } => "-gaussian_filter",
-        Filter::Mitchell { .. } => "-mitchell_filter",
-    };
-    format!("{name} {}", filter.size())
-}
+/// A filter of this size reaches a sample of every pixel, and its weights do not cancel: in a million pixels, M above
+/// [`MOST_CANCELLED`] did not occur.
+const WIDE_ENOUGH: f64 = 3.0;
+/// With more than two samples in a pixel, weights do not cancel from this radius on.
+const WIDE_ENOUGH_FOR_MANY: f64 = 2.0;
+/// The largest M without a warning.
+const MOST_CANCELLED: f64 = 2.0;
+/// The columns and rows in the middle of a picture that are examined for weights that cancel.
+const EXAMINED: usize = 64;
 
 /// Warns about a filter that is too narrow for the samples.
 pub fn narrow_filter(request: &Request) -> Option<Diagnostic> {
-    let (lost, smallest) = too_narrow(request)?;
-    let lost = match lost {
-        Lost::All => "no sample is within the filter, and every pixel is black",
-        Lost::Some => "a pixel may have no sample within the filter, and is black then",
-        Lost::Number(1) => "1 pixel has no sample within the filter, and is black",
-        Lost::Number(pixels) => &format!("{pixels} pixels have no sample within the filter, and are black"),
-        Lost::Cancelled => "weights nearly cancel in some pixels, which are far too dark or too bright",
-    };
-    let message = format!("`{}` is too narrow for the samples: {lost}", flag_of(&request.filter));
-    let hint = format!("`{}` is the smallest that is wide enough", flag_of(&smallest));
-    Some(Diagnostic::warning(message).with_hint(hint))
+    let lost = lost(request)?;
+    let wide_enough = wide_enough(request).flag();
+    Some(Warning::NarrowFilter { flag: request.filter.flag(), lost, wide_enough }.into())
 }
 
-/// Returns which pixels are wrong, and the smallest filter of this kind that avoids it.
-fn too_narrow(request: &Request) -> Option<(Lost, Filter)> {
+/// Returns the smallest filter of this kind, in thousandths of a pixel, that is not too narrow.
+fn wide_enough(request: &Request) -> Filter {
+    let of_size = |thousandths: u32| request.filter.with_size(f64::from(thousandths) / 1000.0);
+    let is_enough =
+        |thousandths| lost(&Request { filter: of_size(thousandths), ..request.clone() }).is_none();
+    let (mut narrow, mut wide) = ((1000.0 * request.filter.size()) as u32, (1000.0 * WIDE_ENOUGH) as u32);
+    while narrow + 1 < wide {
+        let middle = narrow.midpoint(wide);
+        *(if is_enough(middle) { &mut wide } else { &mut narrow }) = middle;
+    }
+    of_size(wide)
+}
+
+/// Returns which pixels are wrong, as the end of a sentence, if the filter is too narrow.
+fn lost(request: &Request) -> Option<String> {
     let Request { filter, sampler, .. } = *request;
-    let (farthest, lost) = match sampler.pattern() {
-        Pattern::Uniform => (nearest(filter, sampler.offsets(0))?, Lost::All),
-        Pattern::Jittered => (surely_within(&sampler), Lost::Some),
+    let lost = match sampler.pattern() {
         // Every pixel contains its sample.
         Pattern::Displaced => return None,
-        // The filter reaches any sample.
-        Pattern::Random if reaches(filter, DVec2::splat(0.5)) => (DVec2::ZERO, Lost::Number(0)),
-        Pattern::Random => farthest_of_random(request)?,
+        Pattern::Uniform if !sampler.offsets(0).any(|offset| reaches(filter, offset)) => {
+            Some("no sample is within the filter, and every pixel is black".into())
+        }
+        Pattern::Jittered if !reaches(filter, surely_within(&sampler)) => {
+            Some("a pixel may have no sample within the filter, and is black then".into())
+        }
+        Pattern::Random if !reaches(filter, DVec2::splat(0.5)) => match lost_of_random(request) {
+            0 => None,
+            1 => Some("1 pixel has no sample within the filter, and is black".into()),
+            pixels => Some(format!("{pixels} pixels have no sample within the filter, and are black")),
+        },
+        _ => None,
     };
-    let is_lost = !reaches(filter, farthest);
-    if !is_lost && !cancels(request, filter.size()) {
-        return None;
-    }
-    let (size, lost) =
-        if is_lost { (smallest(filter, farthest), lost) } else { (filter.size(), Lost::Cancelled) };
-    Some((lost, filter.with_size(smallest_that_adds_up(request, size))))
+    let cancelled = "weights nearly cancel in some pixels, which are far too dark or too bright";
+    lost.or_else(|| cancels(request).then(|| cancelled.into()))
 }
 
-/// Returns the smallest radius, from the given one on and in thousandths of a pixel, whose weights do not cancel.
-fn smallest_that_adds_up(request: &Request, radius: f64) -> f64 {
-    if !cancels(request, radius) {
-        return radius;
-    }
-    let is_enough = |thousandths: u32| !cancels(request, f64::from(thousandths) / 1000.0);
-    const STEP: u32 = 50;
-    let first = (radius * 1000.0).ceil() as u32;
-    let mut enough = first.next_multiple_of(STEP);
-    while !is_enough(enough) {
-        enough += STEP;
-    }
-    let mut too_small = enough - STEP;
-    while too_small + 1 < enough {
-        let middle = too_small.midpoint(enough);
-        *(if middle >= first && is_enough(middle) { &mut enough } else { &mut too_small }) = middle;
-    }
-    f64::from(enough) / 1000.0
-}
-
-/// Returns true if the weights of Mitchell's filter with this radius nearly cancel in some pixel (M is above 2).
-fn cancels(request: &Request, radius: f64) -> bool {
-    const MOST: f64 = 2.0;
+/// Returns true if the weights of Mitchell's filter nearly cancel in some pixel.
+fn cancels(request: &Request) -> bool {
     let Request { filter, sampler, adaptive, size: [width, height], .. } = *request;
     let is_random = matches!(sampler.pattern(), Pattern::Random | Pattern::Jittered) && adaptive.is_none();
-    // From this radius on, M above 2 did not occur in a million pixels.
-    let wide_enough = if sampler.count() > 2 { 2.0 } else { 3.0 };
-    if !is_random || !matches!(filter, Filter::Mitchell { .. }) || radius >= wide_enough {
+    let wide_enough = if sampler.count() > 2 { WIDE_ENOUGH_FOR_MANY } else { WIDE_ENOUGH };
+    if !is_random || !matches!(filter, Filter::Mitchell { .. }) || filter.size() >= wide_enough {
         return false;
     }
-    let filter = filter.with_size(radius);
-    let (columns, rows, support) = (request.columns(), request.rows(), filter.support());
-    let reach = |range: &Range<usize>, end: usize| {
-        range.start.saturating_sub(support)..(range.end + support).min(end)
+    let support = filter.support();
+    let near = |at: usize, end: usize| at.saturating_sub(support)..(at + support + 1).min(end);
+    let middle = |all: Range<usize>| {
+        let start = all.start + all.len().saturating_sub(EXAMINED) / 2;
+        start..all.end.min(start + EXAMINED)
     };
-    // The sums of the weights and of their magnitudes, for the columns that may still get samples.
-    let mut open: VecDeque<Vec<[f64; 2]>> = VecDeque::new();
-    let mut first = columns.start;
-    for column in reach(&columns, width) {
-        let sampled = reach(&rows, height);
-        let reached = reach(&(column..column + 1), width);
-        while first + open.len() < reached.end.min(columns.end) {
-            open.push_back(vec![[0.0; 2]; rows.len()]);
-        }
-        let mut pixels = sampler.pixels((column * height + sampled.start) as u64, 1);
-        for row in sampled {
-            let near = reach(&(row..row + 1), height);
-            for offset in pixels.next_offsets() {
-                // The pixel itself and at most three on either side, because the radius is below 3.
-                let mut across = [0.0; 7];
-                for (weight, other) in across.iter_mut().zip(near.clone()) {
-                    *weight = filter.axis_term(offset.y + row as f64 - other as f64);
-                }
-                for other in reached.clone().filter(|other| columns.contains(other)) {
-                    let along = filter.axis_term(offset.x + column as f64 - other as f64);
-                    for (weight, other_row) in across.iter().zip(near.clone()) {
-                        if rows.contains(&other_row) {
-                            let [sum, magnitude] = &mut open[other - first][other_row - rows.start];
-                            *sum += along * weight;
-                            *magnitude += (along * weight).abs();
-                        }
-                    }
+    let is_wrong = |x: usize, y: usize| {
+        let (mut sum, mut magnitude) = (0.0_f64, 0.0);
+        for column in near(x, width) {
+            let rows = near(y, height);
+            let mut pixels = sampler.pixels((column * height + rows.start) as u64, 1);
+            for row in rows {
+                let moved = DVec2::new(column as f64 - x as f64, row as f64 - y as f64);
+                for offset in pixels.next_offsets() {
+                    let weight = filter.weight(offset + moved);
+                    sum += weight;
+                    magnitude += weight.abs();
                 }
             }
         }
-        while first < columns.end && (first + support <= column || column + 1 == width) {
-            let Some(sums) = open.pop_front() else { break };
-            first += 1;
-            // A sum of zero means that a pixel without weights is black.
-            if sums.iter().any(|[sum, magnitude]| *sum == 0.0 || *magnitude > MOST * sum.abs()) {
-                return true;
-            }
-        }
-    }
-    false
-}
-
-/// Returns the smallest size of the filter that reaches a position within the pixel. The current size must not reach
-/// it.
-fn smallest(filter: Filter, position: DVec2) -> f64 {
-    // The pixel lies within every filter of its own width, and within much narrower Gaussians.
-    let (mut too_small, mut enough) = (filter.size().to_bits(), 1.0_f64.to_bits());
-    // Positive floats are in the order of their bits.
-    while too_small + 1 < enough {
-        let middle = too_small + (enough - too_small) / 2;
-        if reaches(filter.with_size(f64::from_bits(middle)), position) {
-            enough = middle;
-        } else {
-            too_small = middle;
-        }
-    }
-    f64::from_bits(enough)
+        // A pixel whose weights have no sum is black.
+        sum == 0.0 || magnitude > MOST_CANCELLED * sum.abs()
+    };
+    middle(request.columns()).into_par_iter().any(|x| middle(request.rows()).any(|y| is_wrong(x, y)))
 }
 
 /// Returns true if a sample at this position counts. The weights of a Gaussian end at subnormal numbers.
 fn reaches(filter: Filter, position: DVec2) -> bool {
     filter.weight(position).abs() >= f64::MIN_POSITIVE
-}
-
-/// Returns the sample that the narrowest filter of this kind reaches.
-fn nearest(filter: Filter, offsets: impl Iterator<Item = DVec2>) -> Option<DVec2> {
-    offsets.min_by(|a, b| distance(filter, *a).total_cmp(&distance(filter, *b)))
-}
-
-/// Returns the distance of a sample from the centre in the filter's own norm.
-fn distance(filter: Filter, offset: DVec2) -> f64 {
-    match filter {
-        Filter::Box { .. } | Filter::Mitchell { .. } => offset.abs().max_element(),
-        Filter::Tent { .. } | Filter::Gaussian { .. } => offset.length_squared(),
-    }
 }
 
 /// Returns the largest possible distance along each axis of the nearest jittered sample from the centre.
@@ -199,22 +120,16 @@ fn surely_within(sampler: &Sampler) -> DVec2 {
     DVec2::from_array(sampler.strata().map(farthest))
 }
 
-/// Returns the farthest among all pixels' nearest samples, and the number of pixels without a sample in the filter.
-fn farthest_of_random(request: &Request) -> Option<(DVec2, Lost)> {
+/// Returns the number of pixels without a random sample in the filter.
+fn lost_of_random(request: &Request) -> usize {
     let Request { filter, sampler, size: [_, height], .. } = *request;
-    let (mut farthest, mut lost): (Option<DVec2>, usize) = (None, 0);
-    for column in request.columns() {
-        let rows = request.rows();
+    let rows = request.rows();
+    let lost_in = |column: usize| {
         let mut pixels = sampler.pixels((column * height + rows.start) as u64, 1);
-        for _ in rows {
-            let nearest = nearest(filter, pixels.next_offsets())?;
-            lost += usize::from(!reaches(filter, nearest));
-            if farthest.is_none_or(|farthest| distance(filter, nearest) > distance(filter, farthest)) {
-                farthest = Some(nearest);
-            }
-        }
-    }
-    Some((farthest?, Lost::Number(lost)))
+        let is_lost = |_: &usize| !pixels.next_offsets().any(|offset| reaches(filter, offset));
+        rows.clone().filter(is_lost).count()
+    };
+    request.columns().map(lost_in).sum()
 }
 
 #[cfg(test)]
@@ -237,7 +152,9 @@ mod tests {
 
     /// Returns the size suggested for a filter that is far too narrow.
     fn named(pattern: Pattern, count: u32, filter: fn(f64) -> Filter) -> f64 {
-        too_narrow(&request(pattern, count, filter(1e-5))).expect("it is far too narrow").1.size()
+        let request = request(pattern, count, filter(1e-5));
+        assert!(lost(&request).is_some());
+        wide_enough(&request).size()
     }
 
     #[test]
@@ -252,11 +169,8 @@ mod tests {
                     continue;
                 }
                 let size = named(pattern, count, filter);
-                let warns = |size: f64| too_narrow(&request(pattern, count, filter(size))).is_some();
-                assert!(
-                    !warns(size) && warns(size.next_down()) && warns(0.99 * size),
-                    "{pattern:?} {count} {size}"
-                );
+                let warns = |size: f64| lost(&request(pattern, count, filter(size))).is_some();
+                assert!(!warns(size) && warns(size - 0.001), "{pattern:?} {count} {size}");
             }
         }
     }
@@ -264,26 +178,22 @@ mod tests {
     #[test]
     fn sizes_for_uniform_and_jittered_samples_by_geometry() {
         // Four uniform samples are a quarter of a pixel from the centre along both axes.
-        let [square, disk, _, cubic] = FILTERS.map(|filter| named(Pattern::Uniform, 4, filter));
-        assert_eq!([square, cubic], [0.25, 0.25_f64.next_up()]);
-        assert_eq!(disk, (2.0 * 0.25_f64 * 0.25).sqrt().next_up());
+        assert_eq!(FILTERS.map(|filter| named(Pattern::Uniform, 4, filter)), [0.25, 0.354, 0.01, 0.251]);
         // One of four jittered samples is at most as far as a corner of the pixel.
-        let [square, disk, ..] = FILTERS.map(|filter| named(Pattern::Jittered, 4, filter));
-        assert_eq!(square, 0.5);
-        assert!((disk - 0.5_f64.sqrt()).abs() < 1e-15);
+        let [square, disk, ..] = FILTERS;
+        assert_eq!([square, disk].map(|filter| named(Pattern::Jittered, 4, filter)), [0.5, 0.708]);
         // Nine jittered samples have one in the middle stratum. Eight have none there along one axis.
-        assert_eq!(named(Pattern::Jittered, 9, FILTERS[0]), 1.0 / 6.0);
-        assert_eq!(named(Pattern::Jittered, 8, FILTERS[0]), 0.5);
-        assert!(too_narrow(&request(Pattern::Uniform, 9, Filter::Tent { radius: 1e-6 })).is_none());
+        assert_eq!([8, 9].map(|count| named(Pattern::Jittered, count, square)), [0.5, 0.167]);
+        assert_eq!(lost(&request(Pattern::Uniform, 9, Filter::Tent { radius: 1e-6 })), None);
     }
 
     #[test]
     fn the_default_filter_is_wide_enough_for_any_samples() {
         for pattern in [Pattern::Uniform, Pattern::Jittered, Pattern::Random] {
-            assert!((1..70).all(|count| too_narrow(&request(pattern, count, Filter::PIXEL)).is_none()));
+            assert!((1..70).all(|count| lost(&request(pattern, count, Filter::PIXEL)).is_none()));
         }
         let adaptive = Sampler::of_adaptive(Drand48::UNSEEDED);
-        assert!(too_narrow(&Request { sampler: adaptive, ..Request::new([9, 9]) }).is_none());
+        assert_eq!(lost(&Request { sampler: adaptive, ..Request::new([9, 9]) }), None);
     }
 
     /// Returns the sum of the magnitudes of the weights of a pixel's samples, divided by the magnitude of their sum.
@@ -319,7 +229,7 @@ mod tests {
                     let worst = pixels
                         .map(|pixel| amplification(&all, pixel))
                         .fold(0.0, |worst: f64, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) });
-                    assert_eq!(cancels(&all, radius), worst > 2.0, "{radius} {pattern:?} {count} {worst}");
+                    assert_eq!(cancels(&all), worst > 2.0, "{radius} {pattern:?} {count} {worst}");
                     found[usize::from(worst > 2.0)] += 1;
                 }
             }
@@ -328,17 +238,13 @@ mod tests {
     }
 
     #[test]
-    fn the_named_radius_is_the_smallest_whose_weights_do_not_cancel() {
+    fn the_named_radius_has_weights_that_do_not_cancel() {
         for (pattern, count) in [(Pattern::Random, 1), (Pattern::Random, 4), (Pattern::Jittered, 4)] {
             let of = |radius: f64| request(pattern, count, Filter::Mitchell { radius });
-            let Some((Lost::Cancelled, smallest)) = too_narrow(&of(0.9)) else {
-                unreachable!("weights cancel")
-            };
-            let radius = smallest.size();
-            assert!(too_narrow(&of(radius)).is_none() && (0.9..=3.0).contains(&radius));
-            let twentieths = (19..).map(|n| f64::from(n) / 20.0).take_while(|&less| less < radius);
-            let less = twentieths.chain([radius - 0.001]);
-            assert!(less.into_iter().all(|less| too_narrow(&of(less)).is_some()), "{radius}");
+            assert!(lost(&of(0.9)).is_some_and(|lost| lost.starts_with("weights nearly cancel")));
+            let radius = wide_enough(&of(0.9)).size();
+            assert!(lost(&of(radius)).is_none() && (0.9..=3.0).contains(&radius));
+            assert!(lost(&of(radius - 0.001)).is_some(), "{radius}");
         }
         let none = [
             (Pattern::Uniform, 1, 0.6),
@@ -347,8 +253,9 @@ mod tests {
             (Pattern::Jittered, 16, 1.0),
         ];
         for (pattern, count, radius) in none {
-            assert!(
-                too_narrow(&request(pattern, count, Filter::Mitchell { radius })).is_none(),
+            assert_eq!(
+                lost(&request(pattern, count, Filter::Mitchell { radius })),
+                None,
                 "{pattern:?} {count}"
             );
         }
@@ -356,7 +263,7 @@ mod tests {
         let request =
             Request { filter: Filter::Mitchell { radius: 0.8 }, sampler: adaptive, ..Request::new([40, 30]) };
         let adaptive = Some(crate::sampling::adaptive::Adaptive { most: 16, error: 2.0 });
-        assert!(too_narrow(&Request { adaptive, ..request }).is_none());
+        assert_eq!(lost(&Request { adaptive, ..request }), None);
     }
 
     #[test]
@@ -368,13 +275,11 @@ mod tests {
             let is_lost = |pixel: &u64| {
                 request.sampler.offsets(*pixel).all(|offset| filter.weight(offset) < f64::MIN_POSITIVE)
             };
-            let expected = (0..1200).filter(is_lost).count();
-            assert_eq!(too_narrow(&request).map(|(lost, _)| lost), Some(Lost::Number(expected)));
+            assert_eq!(lost_of_random(&request), (0..1200).filter(is_lost).count());
             // The pixels of one column and five rows.
             let window = Some(Window { x: 7, y: 3, width: 1, height: 5 });
             let expected = (7 * 30 + 22..7 * 30 + 27).filter(is_lost).count();
-            let lost = too_narrow(&Request { window, ..request }).map(|(lost, _)| lost);
-            assert_eq!(lost, (expected > 0).then_some(Lost::Number(expected)));
+            assert_eq!(lost_of_random(&Request { window, ..request }), expected);
         }
     }
 }

@@ -1,30 +1,33 @@
-//! Warns about flags without effect, judged by the other flags.
+//! Warns about flags without effect, and about materials that need other flags.
 
-use super::filter::flag_of;
-use super::have;
-use crate::diagnostic::Diagnostic;
+use super::Warning;
+use crate::diagnostic::{Diagnostic, Position};
 use crate::render::{Layer, Request};
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Pattern;
+use crate::scene::Scene;
 use crate::scene::edition::Edition;
+use crate::scene::material::Material;
+use crate::scene::model::Highlight;
 use crate::trace::{Effects, Shadows};
 use glam::DVec2;
+
+fn without_effect(flag: impl Into<String>, why: impl Into<String>) -> Diagnostic {
+    Warning::FlagsWithoutEffect { flags: vec![flag.into()], why: why.into() }.into()
+}
 
 /// Warns about `-seed` without random numbers, and about a filter that weighs only one sample. A picture of the filter
 /// still shows it.
 pub fn sampling_without_effect(request: &Request) -> Vec<Diagnostic> {
     let Request { sampler, filter, .. } = *request;
-    let seed = sampler
-        .rng()
-        .seed()
-        .filter(|_| sampler.pattern() == Pattern::Uniform)
-        .map(|seed| format!("`-seed {seed}` has no effect: no samples are random, jittered or adaptive"));
+    let seed = sampler.rng().seed().filter(|_| sampler.pattern() == Pattern::Uniform);
+    let seed = seed
+        .map(|seed| without_effect(format!("-seed {seed}"), ": no samples are random, jittered or adaptive"));
     let weighs_one = filter.support() == 0 || filter.weight(DVec2::X) == 0.0;
     let is_idle = filter != Filter::PIXEL && sampler.is_center() && weighs_one && !shows_filter(request);
-    let filter = is_idle.then(|| {
-        format!("`{}` has no effect: it weighs only the sample at the pixel's centre", flag_of(&filter))
-    });
-    seed.into_iter().chain(filter).map(Diagnostic::warning).collect()
+    let filter =
+        is_idle.then(|| without_effect(filter.flag(), ": it weighs only the sample at the pixel's centre"));
+    seed.into_iter().chain(filter).collect()
 }
 
 /// Warns about an edition's flags that affect colours, if the request shows no colours.
@@ -48,15 +51,96 @@ pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Diagn
         (min_weight != edition.default_weight()).then(|| format!("-weight {min_weight}")),
         samples,
         sampler.rng().seed().map(|seed| format!("-seed {seed}")),
-        (filter != Filter::PIXEL && !shows_filter(request)).then(|| flag_of(&filter)),
+        (filter != Filter::PIXEL && !shows_filter(request)).then(|| filter.flag()),
     ];
-    let flags: Vec<String> = flags.into_iter().flatten().map(|flag| format!("`{flag}`")).collect();
-    let message = || {
-        format!("{} {} no effect: no picture of colours is asked for", flags.join(", "), have(flags.len()))
-    };
-    (!flags.is_empty()).then(|| Diagnostic::warning(message()))
+    let flags: Vec<String> = flags.into_iter().flatten().collect();
+    let why = ": no picture of colours is asked for".into();
+    (!flags.is_empty()).then(|| Warning::FlagsWithoutEffect { flags, why }.into())
 }
 
 fn shows_filter(request: &Request) -> bool {
     request.layers.iter().any(|layer| matches!(layer, Layer::Filter { .. }))
+}
+
+/// Warns about `-bounces` and `-weight` that affect no ray, transparent shadows that nothing tints, and `-shade_back`
+/// where light from behind is shown anyway. `says_no_bounces` is true for an explicit `-bounces 0`, because the
+/// course's commands combine it with `-weight`.
+pub fn rays_without_effect(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Diagnostic> {
+    let Effects { bounces, min_weight, shadows, shade_back } = *effects;
+    let used = used(scene);
+    let heaviest = used.iter().map(|it| it.reflected.max(it.refracted)).fold(0.0, f64::max);
+    let mut found = vec![];
+    match bounces {
+        0 if min_weight > 0.0 && !says_no_bounces => {
+            found.push(without_effect(format!("-weight {min_weight}"), " without `-bounces`"));
+        }
+        0 => {}
+        _ if heaviest == 0.0 => found
+            .push(without_effect(format!("-bounces {bounces}"), ": no object reflects or transmits light")),
+        _ if heaviest <= min_weight => found.push(without_effect(
+            format!("-bounces {bounces}"),
+            format!(": `-weight {min_weight}` ends all rays that are reflected or transmitted"),
+        )),
+        _ => {}
+    }
+    if shadows == Shadows::Transparent && used.iter().all(|it| it.refracted == 0.0) {
+        let why = " beyond that of `-shadows`: no object transmits light";
+        found.push(without_effect("-transparent_shadows", why));
+    }
+    if shade_back && scene.lighting.highlight == Highlight::Phong {
+        let why = " in this edition: surfaces look the same from both sides";
+        found.push(without_effect("-shade_back", why));
+    }
+    found
+}
+
+/// Warns about the first material that reflects or transmits light, if no ray is followed without `-bounces`.
+pub fn rays_not_followed(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Option<Diagnostic> {
+    if effects.bounces > 0 || says_no_bounces {
+        return None;
+    }
+    let material = used(scene).into_iter().find(|it| it.reflected > 0.0 || it.refracted > 0.0)?;
+    Some(Warning::NotFollowed { at: material.at, is_transparent: material.refracted > 0.0 }.into())
+}
+
+/// Warns about the first material that transmits light and is black from inside because `-shade_back` is missing.
+pub fn black_inside(scene: &Scene, effects: &Effects) -> Option<Diagnostic> {
+    let is_lit_as_outside = effects.shade_back || scene.lighting.highlight == Highlight::Phong;
+    if effects.bounces == 0 || is_lit_as_outside {
+        return None;
+    }
+    let material = used(scene).into_iter().find(|it| it.refracted > effects.min_weight)?;
+    Some(Warning::BlackInside { at: material.at }.into())
+}
+
+/// The secondary rays at a material: the lengths of its reflective and its transparent colour, by which they multiply
+/// the weights of rays.
+#[derive(Clone, Copy)]
+struct Secondary {
+    at: Position,
+    reflected: f64,
+    refracted: f64,
+}
+
+/// Returns the secondary rays at each material used by an object.
+fn used(scene: &Scene) -> Vec<Secondary> {
+    let mut all: Vec<Secondary> = Vec::with_capacity(scene.materials.len());
+    for (id, material) in scene.materials.iter().enumerate() {
+        let [reflected, refracted] = match material {
+            Material::Phong(phong) | Material::Painted(phong, _) => {
+                [phong.reflective.length(), phong.transparent.length()]
+            }
+            // A texture comes after the materials that it mixes.
+            Material::Texture(texture) => {
+                let children = texture.children.map(|child| all[child]);
+                [children.map(|it| it.reflected), children.map(|it| it.refracted)].map(|[a, b]| a.max(b))
+            }
+        };
+        let at = scene.positions.materials.get(id).copied().unwrap_or_default();
+        all.push(Secondary { at, reflected, refracted });
+    }
+    let mut used: Vec<usize> = scene.objects.iter().filter_map(|object| object.material()).collect();
+    used.sort_unstable();
+    used.dedup();
+    used.into_iter().filter_map(|id| all.get(id).copied()).collect()
 }

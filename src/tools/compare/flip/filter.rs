@@ -1,5 +1,6 @@
 //! The filters of FLIP. Each is a sum of separable filters along rows and columns.
 
+use super::PIXELS_PER_DEGREE;
 use std::f64::consts::PI;
 
 /// The number of outputs computed side by side.
@@ -74,11 +75,11 @@ const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 const WIDEST_SPREAD: f64 = 0.04;
 
 impl SpatialFilters {
-    /// Creates the filters for a viewing distance.
-    pub fn new(pixels_per_degree: f64) -> Self {
-        let radius = (3.0 * (WIDEST_SPREAD / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
+    /// Creates the filters.
+    pub fn new() -> Self {
+        let radius = (3.0 * (WIDEST_SPREAD / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE).ceil() as usize;
         let gaussian = |spread: f64| {
-            Convolution::new(radius, |x| libm::exp(-(PI * x / pixels_per_degree).powi(2) / spread))
+            Convolution::new(radius, |x| libm::exp(-(PI * x / PIXELS_PER_DEGREE).powi(2) / spread))
         };
         let normalized = |kernel: Convolution| kernel.clone().scaled(1.0 / kernel.sum());
         // The combined weight of both filters of Cz is the sum of squares, because each is applied twice.
@@ -110,9 +111,9 @@ pub struct FeatureFilters {
 const FEATURE_WIDTH: f64 = 0.082;
 
 impl FeatureFilters {
-    /// Creates the filters for a viewing distance.
-    pub fn new(pixels_per_degree: f64) -> Self {
-        let deviation = 0.5 * FEATURE_WIDTH * pixels_per_degree;
+    /// Creates the filters.
+    pub fn new() -> Self {
+        let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
         let radius = (3.0 * deviation).ceil() as usize;
         let gaussian = |x: f64| libm::exp(-(x / deviation).powi(2) / 2.0);
         let first = Convolution::new(radius, |x| -x * gaussian(x));
@@ -132,7 +133,6 @@ impl FeatureFilters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::compare::PIXELS_PER_DEGREE;
 
     /// Returns the filter's result for a flat picture of ones.
     fn of_ones(kernel: &Convolution) -> f64 {
@@ -143,8 +143,7 @@ mod tests {
 
     #[test]
     fn blurs_keep_a_flat_picture_and_derivatives_make_it_zero() {
-        let (spatial, features) =
-            (SpatialFilters::new(PIXELS_PER_DEGREE), FeatureFilters::new(PIXELS_PER_DEGREE));
+        let (spatial, features) = (SpatialFilters::new(), FeatureFilters::new());
         for kernel in spatial.gaussians.iter().chain([&features.gaussian]) {
             assert!((of_ones(kernel) - 1.0).abs() < 1e-14);
         }
@@ -169,8 +168,6 @@ mod tests {
 
     #[test]
     fn radii_are_those_of_the_reference_implementation() {
-        let radii =
-            |distance| [SpatialFilters::new(distance).radius(), FeatureFilters::new(distance).radius()];
-        assert_eq!(radii(PIXELS_PER_DEGREE), [10, 9]);
+        assert_eq!([SpatialFilters::new().radius(), FeatureFilters::new().radius()], [10, 9]);
     }
 }

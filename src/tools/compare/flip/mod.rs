@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 use tile::{FilteredTile, PictureTile, tiles};
 
 /// The resolution of a display 0.7 m wide with 3840 pixels per row, seen from 0.7 m: 67.02.
-pub const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
+const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 
 /// The exponent of colour differences.
 const COLOR_EXPONENT: f64 = 0.7;
@@ -31,9 +31,8 @@ const LOWER_ERROR_PART: f64 = 0.95;
 /// The exponent of feature differences is a square root.
 const FEATURE_SCALE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// The filters and constants of LDR-FLIP at one viewing distance.
-#[derive(Clone, Debug)]
-pub struct Flip {
+/// The filters and constants of LDR-FLIP at the distance of the reference implementation.
+struct Flip {
     colors: ColorSpace,
     spatial: SpatialFilters,
     features: FeatureFilters,
@@ -41,62 +40,36 @@ pub struct Flip {
     largest_color_difference: f64,
 }
 
-impl Default for Flip {
-    /// Uses the distance of the reference implementation, [`PIXELS_PER_DEGREE`].
-    fn default() -> Self {
-        Self::new(PIXELS_PER_DEGREE)
-    }
+/// Returns the mean error of the picture `a` against the reference `b`, from 0 to 1, or soon an unspecified result after
+/// `is_over` returns true. Fails if the sizes differ.
+///
+/// Tiles are computed in parallel and summed in a fixed order, so the result does not depend on the number of threads.
+pub fn mean_flip(a: &Picture, b: &Picture, is_over: &(dyn Fn() -> bool + Sync)) -> Result<f64, Diagnostic> {
+    let [width, height] = common_size(a, b)?.map(|side| side as usize);
+    let colors = ColorSpace::default();
+    let flip = Flip {
+        spatial: SpatialFilters::new(),
+        features: FeatureFilters::new(),
+        largest_color_difference: libm::pow(colors.largest_difference(), COLOR_EXPONENT),
+        colors,
+    };
+    let tiles: Vec<PictureTile> = tiles(width, height).collect();
+    let sum = |tile: &PictureTile| if is_over() { 0.0 } else { flip.sum_of_errors(a, b, tile) };
+    let sums: Vec<f64> = tiles.par_iter().map(sum).collect();
+    Ok(sums.iter().sum::<f64>() / (width * height) as f64)
 }
 
 impl Flip {
-    /// Creates the filters for a distance where `pixels_per_degree` pixels fill a degree of the field of view.
-    pub fn new(pixels_per_degree: f64) -> Self {
-        let colors = ColorSpace::default();
-        Self {
-            spatial: SpatialFilters::new(pixels_per_degree),
-            features: FeatureFilters::new(pixels_per_degree),
-            largest_color_difference: libm::pow(colors.largest_difference(), COLOR_EXPONENT),
-            colors,
-        }
-    }
-
-    /// Returns the mean error of the picture `a` against the reference `b`, from 0 to 1. Fails if the sizes differ.
-    ///
-    /// Tiles are computed in parallel and summed in a fixed order, so the result does not depend on the number of
-    /// threads.
-    pub fn mean(&self, a: &Picture, b: &Picture) -> Result<f64, Diagnostic> {
-        self.mean_unless(a, b, &|| false)
-    }
-
-    /// Computes [`mean`](Self::mean), but returns soon with an unspecified result after `is_over` returns true.
-    pub(super) fn mean_unless(
-        &self,
-        a: &Picture,
-        b: &Picture,
-        is_over: &(dyn Fn() -> bool + Sync),
-    ) -> Result<f64, Diagnostic> {
-        let [width, height] = common_size(a, b)?.map(|side| side as usize);
-        let tiles: Vec<PictureTile> = tiles(width, height).collect();
-        let sum = |tile: &PictureTile| if is_over() { 0.0 } else { self.sum_of_errors(a, b, tile) };
-        let sums: Vec<f64> = tiles.par_iter().map(sum).collect();
-        Ok(sums.iter().sum::<f64>() / (width * height) as f64)
-    }
-
     /// Returns the sum of the errors in a tile. A pixel's error depends only on pixels within the filters' radius. If
     /// they are equal, it is exactly 0.
     fn sum_of_errors(&self, a: &Picture, b: &Picture, tile: &PictureTile) -> f64 {
-        let windows =
-            [a, b].map(|picture| tile.window(picture.width() as usize, colors(picture), self.radius()));
+        let radius = self.spatial.radius().max(self.features.radius());
+        let windows = [a, b].map(|picture| tile.window(picture.width() as usize, colors(picture), radius));
         if windows[0] == windows[1] {
             return 0.0;
         }
         let [a, b] = windows.map(|window| self.filtered(&window, tile));
         (0..tile.width * tile.height).map(|pixel| self.error(&a, &b, pixel)).sum()
-    }
-
-    /// Returns the largest distance, in pixels, at which a pixel has an influence.
-    fn radius(&self) -> usize {
-        self.spatial.radius().max(self.features.radius())
     }
 
     fn error(&self, a: &FilteredTile, b: &FilteredTile, pixel: usize) -> f64 {

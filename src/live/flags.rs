@@ -1,0 +1,160 @@
+//! The flags of a page: those of the command line that shape a picture, within limits.
+
+use super::http::Answer;
+use super::limits::MAX_SIDE;
+use crate::caster::choose::{Resolution, Structure};
+use crate::cli::{self, Command, Options};
+use std::ffi::OsString;
+
+/// The amounts that a picture may ask for, the longer side first, unless the command line itself asks for more.
+const AMOUNTS: [(&str, usize); 5] = [
+    ("side", MAX_SIDE),
+    ("samples", 1024),
+    // Each may double the rays.
+    ("bounces", 16),
+    ("support", 16),
+    ("cells", 1 << 21),
+];
+
+/// Returns what a picture asks for, in the order of [`AMOUNTS`].
+fn amounts(options: &Options) -> [usize; 5] {
+    let samples = options.adaptive.map_or(options.sampler.count(), |adaptive| adaptive.most);
+    let cells = match options.structure {
+        Structure::Grid(Resolution::Cells(cells)) => cells.into_iter().product(),
+        _ => 0,
+    };
+    let side = options.request().size.into_iter().fold(0, usize::max);
+    [side, samples as usize, options.effects.bounces as usize, options.filter.support(), cells]
+}
+
+/// The most that a picture may ask for, in the order of [`AMOUNTS`].
+pub struct Most(pub [usize; 5]);
+
+impl Most {
+    /// The limits for pages of this command line, which compares with a picture of this size.
+    pub fn of(line: &Options, compared: [usize; 2]) -> Self {
+        let mut most = amounts(line);
+        most[0] = most[0].max(compared[0]).max(compared[1]);
+        most.iter_mut().zip(AMOUNTS).for_each(|(most, (_, limit))| *most = limit.max(*most));
+        Self(most)
+    }
+
+    /// Returns what these flags ask for. Errors: the message of the command line's parser, a flag that does more than
+    /// shape a picture, or more than the limits allow.
+    pub fn options(&self, words: &[String]) -> Result<Options, Answer> {
+        let line = ["raytracer", "-input", "scene.txt", "-gui"];
+        let line = line.into_iter().chain(words.iter().map(String::as_str)).map(OsString::from);
+        let flags = |words: &[String]| words.iter().filter(|word| is_flag(word)).count();
+        let options = match cli::parse(line)? {
+            // The page's words are the flags that shape a picture.
+            Command::Render(options)
+                if options.page.as_ref().is_some_and(|page| flags(&page.words) == flags(words)) =>
+            {
+                *options
+            }
+            _ => return Err(Answer::text(422, "these flags cannot be given here")),
+        };
+        for ((value, most), (name, _)) in amounts(&options).into_iter().zip(self.0).zip(AMOUNTS) {
+            if value > most {
+                let reason = format!("{name}: {value} is more than this page allows, {most}");
+                return Err(Answer::text(422, &reason));
+            }
+        }
+        Ok(options)
+    }
+}
+
+fn is_flag(word: &str) -> bool {
+    word.strip_prefix('-').is_some_and(|rest| rest.contains(|c: char| c.is_ascii_alphabetic()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<String> {
+        line.split_whitespace().map(str::to_owned).collect()
+    }
+
+    fn line(flags: &str) -> Options {
+        let all = format!("raytracer -input s.txt {flags}");
+        match cli::parse(all.split_whitespace().map(OsString::from)) {
+            Ok(Command::Render(options)) => *options,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn flags_that_shape_a_picture_are_understood() {
+        let most = Most::of(&line(""), [0; 2]);
+        for flags in [
+            "",
+            "-size 7 9 -shadows -shade_back -bounces 3 -weight .1 -grid auto -visualize_grid",
+            "-transparent_shadows -jittered_samples 9 -seed 3 -gaussian_filter .5 -grid 3 4 5",
+            "-adaptive_samples 64 1 -mitchell_filter 2",
+        ] {
+            assert_eq!(
+                most.options(&words(flags)).map(|options| Options {
+                    input: None,
+                    page: None,
+                    preview: false,
+                    ..options
+                }),
+                Ok(Options { input: None, ..line(flags) })
+            );
+        }
+    }
+
+    #[test]
+    fn no_flag_reaches_a_file_or_starts_anything_else() {
+        let most = Most::of(&line(""), [0; 2]);
+        for flags in [
+            "-output a.png",
+            "-depth 1 2 a.png",
+            "-normals a.png",
+            "-cost_map rays a.png",
+            "-render_samples a.png 3",
+            "-compare a.png",
+            "-reference a.png",
+            "-json -",
+            "-stats",
+            "-pixel 0 0",
+            "-gui",
+            "-gui -port 80",
+            "-gouraud",
+            "-threads 4096",
+            "-repeat 3",
+            "-region 0 0 1 1",
+            "-strict",
+            "-progress",
+            "-quiet",
+            "-merge a.png",
+            "-help",
+            "-version",
+            "-input other.txt",
+            "--output a.png",
+            "-bounces=3 -stats",
+            "a.png",
+        ] {
+            assert!(most.options(&words(flags)).is_err(), "{flags}");
+        }
+    }
+
+    #[test]
+    fn the_limits_are_those_of_the_page_or_of_the_line() {
+        let message = "bounces: 17 is more than this page allows, 16";
+        let too_much = words("-bounces 17");
+        assert_eq!(Most::of(&line(""), [0; 2]).options(&too_much), Err(Answer::text(422, message)));
+        assert!(Most::of(&line("-bounces 17"), [0; 2]).options(&too_much).is_ok());
+        for flags in [
+            "-size 4 2049",
+            "-random_samples 1025",
+            "-box_filter 17",
+            "-grid 1000 1000 3",
+            "-size 70000 1",
+            "-bounces x",
+        ] {
+            assert!(Most::of(&line(""), [0; 2]).options(&words(flags)).is_err(), "{flags}");
+        }
+    }
+}

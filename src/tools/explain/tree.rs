@@ -1,0 +1,342 @@
+//! The tree of a pixel: everything that contributes to it. `Display` prints it as text, serde as JSON.
+
+use crate::base::escape::escape;
+use crate::diagnostic::Position;
+use crate::math::ray::{Hit, Ray};
+use crate::math::robust::UNIT_ROUNDOFF;
+use crate::picture::{CHANNELS, Color};
+use crate::scene::MaterialId;
+use crate::scene::material::Phong;
+use crate::scene::model::Highlight;
+use crate::shading::light::Incident;
+use crate::stats::Counts;
+use crate::trace::{PathEnd, Secondary};
+use crate::world::SurfacePoint;
+use glam::DVec2;
+use serde::Serialize;
+use std::fmt;
+
+/// A pixel with everything that contributes to it.
+#[derive(Clone, Debug, Serialize)]
+pub struct PixelTree {
+    /// Column and row from the top left, (0, 0).
+    pub pixel: [usize; 2],
+    /// True if there is a grid, whose cells are counted.
+    pub has_grid: bool,
+    /// The model of highlights, which decides what the scene's language calls the colours of a material.
+    #[serde(skip)]
+    pub highlight: Highlight,
+    /// The first samples with nonzero weight.
+    pub samples: Vec<SampleTree>,
+    /// The number of further samples.
+    pub more_samples: u64,
+    /// The rays of all samples that are not kept.
+    pub left_out: LeftOut,
+    /// The pixel's colour: the sum of the weighted colours over the sum of the weights.
+    pub color: Color,
+    /// The bytes in the picture.
+    pub bytes: [u8; CHANNELS],
+}
+
+/// A sample with the rays behind it.
+#[derive(Clone, Debug, Serialize)]
+pub struct SampleTree {
+    /// The pixel that contains the sample: column and row from the top left.
+    pub pixel: [usize; 2],
+    /// The index of the sample in that pixel, from 0.
+    pub number: usize,
+    /// The offset from that pixel's centre to the right and up, in pixels.
+    pub offset: DVec2,
+    /// Its weight in the sum.
+    pub weight: f64,
+    /// The colour of the sample.
+    pub color: Color,
+    /// The camera ray and all its descendants. Each comes after its parent. If there are too many, only the first ones
+    /// are kept.
+    pub rays: Vec<RayNode>,
+    /// The rays that are not kept.
+    pub left_out: LeftOut,
+}
+
+/// Rays that are counted but not kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// Reflected and refracted rays.
+    pub rays: u64,
+    /// The work for them and their rays towards lights.
+    pub counts: Counts,
+}
+
+/// A ray that was followed, and its hit.
+#[derive(Clone, Debug, Serialize)]
+pub struct RayNode {
+    /// How the ray left the surface at its origin. `None` for the camera ray.
+    pub kind: Option<Secondary>,
+    /// The number of reflections and refractions between it and the camera.
+    pub bounces: usize,
+    /// The ray.
+    pub ray: Ray,
+    /// The primitive at its origin.
+    #[serde(skip)]
+    pub leaves: Option<u32>,
+    /// The factor of its colour in the picture.
+    pub filter: Color,
+    /// The weight of the ray.
+    pub weight: f64,
+    /// The nearest hit.
+    #[serde(skip)]
+    pub hit: Option<Hit>,
+    /// The work of finding the hit.
+    pub counts: Counts,
+    /// The surface at the hit. `None` if the ray reaches the background.
+    pub surface: Option<Surface>,
+    /// The face of the cube map that the ray reaches if it hits nothing.
+    #[serde(skip)]
+    pub cube_face: Option<&'static str>,
+    /// The surface's own colour, or the background's.
+    pub color: Color,
+    /// The secondary rays that were not followed.
+    pub ends: Vec<NotFollowed>,
+    /// The indices of the rays that start at its hit.
+    pub children: Vec<usize>,
+    /// Decisions about the ray that different rounding could reverse.
+    pub close_calls: Vec<CloseCall>,
+}
+
+/// A secondary ray that was not followed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NotFollowed {
+    /// How the ray would have left the surface.
+    pub kind: Secondary,
+    /// The reason why it was not followed.
+    #[serde(flatten)]
+    pub end: PathEnd,
+}
+
+/// A surface that a ray hits, and its lighting.
+#[derive(Clone, Debug, Serialize)]
+pub struct Surface {
+    /// The object with the surface.
+    pub object: Option<ObjectPart>,
+    /// The position on the ray.
+    pub t: f64,
+    /// The point in the world.
+    pub point: SurfacePoint,
+    /// The position of its material in the scene's text.
+    pub material_at: Option<Position>,
+    /// The material, with its textures evaluated.
+    pub material: Phong,
+    /// The source of the diffuse colour, if it is not the material itself.
+    #[serde(skip)]
+    pub paint: Option<String>,
+    /// The textures with nonzero weight, outermost first.
+    pub textures: Vec<TextureWeight>,
+    /// The materials mixed by the textures. Empty if there is only one.
+    pub parts: Vec<MaterialPart>,
+    /// The ambient part of the colour. `None` if the surface is seen from inside and black there.
+    pub ambient: Option<Color>,
+    /// The lights, in the order of the scene.
+    pub lights: Vec<Lighting>,
+}
+
+/// The contribution of a light to a surface's colour.
+#[derive(Clone, Debug, Serialize)]
+pub struct Lighting {
+    /// The light that arrives without obstruction.
+    pub incident: Incident,
+    /// The cosine between the normal on the viewer's side and the direction to the light.
+    pub cosine: f64,
+    /// The fraction of the light that passes obstructions.
+    pub passed: Color,
+    /// The diffuse and the specular part for an unobstructed light.
+    pub parts: [Color; 2],
+    /// The ray towards the light. `None` without shadows.
+    pub shadow: Option<Shadow>,
+}
+
+/// A ray towards a light.
+#[derive(Clone, Debug, Serialize)]
+pub struct Shadow {
+    /// The ray, which ends at the light.
+    pub ray: Ray,
+    /// The surfaces that it crosses, as far as it was followed. Empty for opaque shadows.
+    pub crossed: Vec<Crossing>,
+    /// The obstruction that ends an opaque shadow's ray.
+    pub blocker: Option<LightBlocker>,
+    /// The work of finding the obstructions.
+    pub counts: Counts,
+    /// Decisions about the ray that different rounding could reverse.
+    pub close_calls: Vec<CloseCall>,
+}
+
+/// The obstruction that ends an opaque shadow's ray.
+#[derive(Clone, Debug, Serialize)]
+pub struct LightBlocker {
+    /// The obstructing object.
+    pub object: Option<ObjectPart>,
+    /// The position on the ray.
+    pub t: f64,
+}
+
+/// A surface between a point and a light.
+#[derive(Clone, Debug, Serialize)]
+pub struct Crossing {
+    /// The object with the surface.
+    pub object: Option<ObjectPart>,
+    /// The hit, with t measured from the last surface.
+    #[serde(flatten)]
+    pub hit: Hit,
+    /// Its transparent colour. Black if it blocks the light.
+    pub tint: Color,
+    /// True if the light leaves the object there and is tinted for the distance inside.
+    pub leaves: bool,
+}
+
+/// A primitive, as a part of an object in the scene's text.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ObjectPart {
+    /// The keyword of the object, and the name of its file if it has one.
+    pub name: String,
+    /// The position of the object.
+    #[serde(flatten)]
+    pub at: Position,
+    /// The index of the triangle in the object. `None` if the object is a single primitive.
+    pub triangle: Option<u32>,
+}
+
+/// How a texture mixes its two materials at a point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TextureWeight {
+    /// The texture's keyword.
+    pub name: &'static str,
+    /// Its index among the scene's materials.
+    pub material: MaterialId,
+    /// The position of the texture.
+    pub at: Option<Position>,
+    /// The indices of its two materials.
+    pub children: [MaterialId; 2],
+    /// The weight of the first material. The second has the rest.
+    pub first: f64,
+}
+
+/// A material without parts, as a component of a mixture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialPart {
+    /// Its index among the scene's materials.
+    pub material: MaterialId,
+    /// The position of the material.
+    pub at: Option<Position>,
+    /// Its share of the mixture. All shares sum to 1.
+    pub weight: f64,
+    /// The material itself.
+    pub phong: Phong,
+}
+
+/// The kind of a close call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CloseCallKind {
+    /// The ray passes an edge of a triangle within the error bound of its edge function.
+    Edge,
+    /// The ray is tangent to a sphere or an ellipsoid.
+    Tangent,
+    /// The ray is parallel to a plane.
+    Parallel,
+    /// The ray hits something at the same distance as the visible hit.
+    SameT,
+    /// The ray hits something at its origin.
+    Start,
+    /// The ray hits something at the light.
+    End,
+    /// The cosine between a normal and a direction is about 0.
+    Cosine,
+    /// The point lies on a boundary between a checkerboard's squares.
+    Boundary,
+    /// The ray hits a surface at the critical angle of total internal reflection.
+    Critical,
+}
+
+/// A decision that a few roundings could reverse.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct CloseCall {
+    /// The kind.
+    pub kind: CloseCallKind,
+    /// The object involved, if any.
+    pub object: Option<ObjectPart>,
+}
+
+impl PixelTree {
+    /// Returns the work for all samples.
+    pub fn counts(&self) -> Counts {
+        let rays = self.samples.iter().flat_map(|sample| &sample.rays);
+        rays.fold(self.left_out.counts, |sum, node| {
+            node.shadows().fold(sum.merge(node.counts), |sum, shadow| sum.merge(shadow.counts))
+        })
+    }
+
+    /// Returns the names of the channels whose byte a few roundings could change.
+    pub fn close_channels(&self) -> impl Iterator<Item = &'static str> {
+        let channels = ["red", "green", "blue"].into_iter().zip(self.color.to_array());
+        channels.filter(|&(_, channel)| is_about_to_change(channel)).map(|(name, _)| name)
+    }
+}
+
+impl RayNode {
+    /// Returns the rays from its hit towards lights.
+    fn shadows(&self) -> impl Iterator<Item = &Shadow> {
+        let lights = self.surface.iter().flat_map(|surface| &surface.lights);
+        lights.filter_map(|light| light.shadow.as_ref())
+    }
+
+    /// Returns the approximate number of text lines for this ray and its rays towards lights.
+    pub(super) fn lines(&self) -> usize {
+        let lights = self.surface.as_ref().map_or(0, |surface| surface.lights.len());
+        1 + lights + self.shadows().map(|shadow| shadow.crossed.len()).sum::<usize>()
+    }
+}
+
+impl CloseCall {
+    /// Makes a close call that involves no other object.
+    pub(super) fn of(kind: CloseCallKind) -> Self {
+        Self { kind, object: None }
+    }
+}
+
+/// Returns true if a few roundings could change the byte of a channel.
+fn is_about_to_change(channel: f64) -> bool {
+    const ROUNDINGS: f64 = 16.0;
+    let level = 255.0 * channel;
+    let whole = level.round();
+    (1.0..=255.0).contains(&whole) && (level - whole).abs() <= ROUNDINGS * UNIT_ROUNDOFF * whole
+}
+
+impl fmt::Display for ObjectPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, at, triangle } = self;
+        if let Some(triangle) = triangle {
+            write!(f, "triangle {triangle} of ")?;
+        }
+        write!(f, "{} in line {}", escape(name), at.line)
+    }
+}
+
+impl fmt::Display for CloseCall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("close call: ")?;
+        f.write_str(match self.kind {
+            CloseCallKind::Edge => "within roundings the ray passes through an edge",
+            CloseCallKind::Tangent => "within roundings the ray is tangent",
+            CloseCallKind::Parallel => "within roundings the ray lies in a plane",
+            CloseCallKind::SameT => "within roundings something else is as near",
+            CloseCallKind::Start => "within roundings the ray starts in a surface",
+            CloseCallKind::End => "within roundings the ray ends in a surface",
+            CloseCallKind::Cosine => "the cosine between normal and direction is 0 within roundings",
+            CloseCallKind::Critical => "the angle is that of total internal reflection within roundings",
+            CloseCallKind::Boundary => "the point lies in a boundary of the checkerboard within roundings",
+        })?;
+        match &self.object {
+            Some(object) => write!(f, ": {object}"),
+            None => Ok(()),
+        }
+    }
+}
