@@ -20,6 +20,8 @@ mod text;
 
 pub use answer::{Answer, USUAL_TARGETS};
 pub use csv::csv;
+#[cfg(test)]
+pub(crate) use numerical::single::SinglePrecision;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
 pub use setting::{Axis, Samples, SamplingKind, Setting, filter_flag, separate};
