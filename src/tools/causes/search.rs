@@ -29,9 +29,9 @@ const MIN_SHARE: [f64; 2] = [0.9, 0.6];
 const MIN_PRECISION: f64 = 0.75;
 /// The smallest share of the visibly wrong pixels that a mistake makes right if it makes nearly all right that it
 /// changes. Then other mistakes show in the rest.
-const MIN_SHARE_IF_PRECISE: f64 = 0.25;
+const MIN_SHARE_IF_PRECISE: f64 = 1.0 / 3.0;
 /// The smallest share of the changed pixels that are right for that.
-const PRECISE: f64 = 0.99;
+const PRECISE: f64 = 0.98;
 /// The largest share of the pixels changed by a mistake that may be right without it. A mistake shows where it can.
 const MAX_CONTRADICTED: f64 = 0.03;
 /// The largest such share for rays that hit the surface that they leave. Rounding spares some of them.
