@@ -150,7 +150,10 @@ fn a_mistake_of_several_pictures_is_found_beside_another() {
     hand_in(&folder, "over", "c.tga", &upside_down(&folder.read("r.tga")));
     grade(&folder);
     let found = result(&folder, "over", "c.tga");
-    assert!(found.contains("upside down") && found.contains(" and ") && found.contains("from the other side"), "{found}");
+    assert!(
+        found.contains("upside down") && found.contains(" and ") && found.contains("from the other side"),
+        "{found}"
+    );
 }
 
 #[test]

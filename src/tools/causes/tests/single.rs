@@ -136,11 +136,7 @@ fn mistakes_in_single_precision_are_named() {
             } else {
                 both += u32::from(is_named);
             }
-            if !is_named {
-                println!("{} {mistakes:?}: {found}", case.name);
-            }
         }
     }
-    println!("{named} of {shown}, {both} pairs");
-    assert!(10 * named >= 9 * shown, "{named} of {shown}");
+    assert!(10 * named >= 9 * shown && both > 20, "{named} of {shown}, {both} pairs");
 }
