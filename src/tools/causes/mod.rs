@@ -1,7 +1,7 @@
 //! Finds why a picture differs from this program's, by trying common mistakes in ray tracers one after the other.
 //!
 //! Each [`Mistake`] produces a wrong picture: by changing the finished picture, the request or the scene, or by a
-//! student's tracer with a switch for each mistake. A [`Search`] judges which of these pictures is the examined one.
+//! student's tracer with a switch for each mistake. A search judges which of these pictures is the examined one.
 
 mod changes;
 mod finding;
