@@ -14,7 +14,7 @@ use raytracer::picture::Picture;
 use raytracer::render::renderer::Renderer;
 use raytracer::render::{Layer, Request};
 use raytracer::scene::model::Shows;
-use raytracer::tools::causes::{Finding, FinishedPicture, Original};
+use raytracer::tools::causes::{Finding, Original, explain_finished};
 use raytracer::tools::compare::{Comparison, DifferencePicture, Tolerance, sizes_differ};
 use std::fmt::{self, Display};
 use std::path::Path;
@@ -168,7 +168,7 @@ fn cause(options: &Options, scene: Option<&Renderer>, a: &Picture, b: &Picture) 
     if let Some(original) = original {
         return Some(original.explain(a, b));
     }
-    let found = FinishedPicture::of_picture(b).explain(std::slice::from_ref(a)).pop()?;
+    let found = explain_finished(b, None, std::slice::from_ref(a)).pop()?;
     (!matches!(found, Finding::Unknown { .. })).then_some(found)
 }
 

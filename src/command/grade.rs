@@ -14,8 +14,11 @@ use raytracer::cli::{self, Grading};
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::check_distinct;
 use raytracer::picture::Picture;
-use raytracer::tools::grade::{Column, Page, Table, csv, summary};
+use raytracer::tools::causes::{Finding, Mistake};
+use raytracer::tools::grade::{Cell, Column, Page, Table, csv, summary};
 use references::{Reference, References};
+use std::cmp::Reverse;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 /// Compares everything with its reference.
@@ -44,11 +47,17 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     let tolerance = options.tolerance.unwrap_or_default();
     let progress = ProgressLine::new(options.progress);
     let mut columns = Vec::with_capacity(names.len());
+    let mut learned = Learned::default();
     for (index, name) in names.iter().enumerate() {
         let shown = name.to_string_lossy().into_owned();
-        progress.show(|_| format!("grading {} of {}: {}", index + 1, names.len(), escape(&shown)));
+        let text = format!("grading {} of {}: {}", index + 1, names.len(), escape(&shown));
+        let watch = |_| {
+            progress.show(|_| text.clone());
+            ControlFlow::Continue(())
+        };
+        let _ = watch(());
         let compare = |reference: Result<Reference, String>| -> Result<Column, Diagnostic> {
-            let Reference { picture, mut explain } = match reference {
+            let Reference { picture, explain } = match reference {
                 Ok(reference) => reference,
                 Err(problem) => {
                     page.iter_mut().for_each(Page::add_ungraded);
@@ -57,12 +66,13 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
             };
             page.iter_mut().for_each(|page| page.add_column(&picture));
             // Only the page names causes.
-            let explain = |wrong: &[Picture]| match &mut page {
-                Some(page) => {
-                    page.add_different(&picture, wrong);
-                    explain(wrong, &picture).into_iter().map(Some).collect()
-                }
-                None => Vec::new(),
+            let explain = |different: &[Picture], fails: &[bool]| {
+                let Some(page) = &mut page else { return Vec::new() };
+                page.add_different(&picture, different);
+                let failed = different.iter().zip(fails).filter(|(_, fails)| **fails);
+                let failed: Vec<Picture> = failed.map(|(picture, _)| picture.clone()).collect();
+                let mut found = explain(&failed, &picture, &learned.mistakes()).into_iter();
+                fails.iter().map(|fails| if *fails { found.next() } else { None }).collect()
             };
             let submissions = folder.submissions(index, [picture.width(), picture.height()]);
             let mut column = Column::graded(shown, &picture, submissions, tolerance, explain)?;
@@ -70,7 +80,9 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
             column.found_as = folder.taken[index].iter().map(found_as).collect();
             Ok(column)
         };
-        columns.push(references.with(index, compare)?);
+        let column = references.with(index, &|_| watch(()), compare)?;
+        learned.add(&column);
+        columns.push(column);
     }
     drop(progress);
 
@@ -95,6 +107,39 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     let written = options.report_files().into_iter().flatten();
     let outcome = Outcome::new(summary(&table), written, options.progress);
     Ok(Outcome { passes: options.tolerance.is_none() || table.passes(), ..outcome })
+}
+
+/// The mistakes found in each row, with the number of pictures that show them.
+#[derive(Default)]
+struct Learned(Vec<(usize, Mistake, usize)>);
+
+impl Learned {
+    fn add(&mut self, column: &Column) {
+        for (row, cell) in column.cells.iter().enumerate() {
+            let Cell::Different { cause: Some(Finding::Equal { cause, also, .. }), .. } = cell else {
+                continue;
+            };
+            for &mistake in [cause].into_iter().chain(also) {
+                match self.0.iter_mut().find(|(other, learned, _)| (*other, *learned) == (row, mistake)) {
+                    Some((.., count)) => *count += 1,
+                    None => self.0.push((row, mistake, 1)),
+                }
+            }
+        }
+    }
+
+    /// Returns the mistakes that several pictures of a name show, the most frequent first.
+    fn mistakes(&self) -> Vec<Mistake> {
+        let mut several: Vec<_> = self.0.iter().filter(|(.., count)| *count > 1).collect();
+        several.sort_by_key(|(.., count)| Reverse(*count));
+        let mut mistakes: Vec<Mistake> = vec![];
+        for (_, mistake, _) in several {
+            if !mistakes.contains(mistake) {
+                mistakes.push(*mistake);
+            }
+        }
+        mistakes
+    }
 }
 
 /// Tells in a line for each name which of its pictures were found under other names.

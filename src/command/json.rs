@@ -125,7 +125,7 @@ fn comparison(result: &ComparisonResult) -> Value {
         "mean_flip": comparison.mean_flip,
         "differing_beside_an_edge": comparison.differing_near_edges,
         "tolerance": tolerance.as_ref().map(check),
-        "cause": cause.map(|cause| joined(&cause, json!({ "text": cause.to_string() }))),
+        "cause": cause.as_ref().map(|cause| joined(cause, json!({ "text": cause.to_string() }))),
     })
 }
 

@@ -116,6 +116,47 @@ fn a_tolerance_makes_it_a_check() {
 }
 
 #[test]
+fn rounding_is_no_bug_and_a_picture_that_passes_has_no_cause() {
+    let folder = folder();
+    hand_in(&folder, "bela", "o.tga", &darkened(&picture(&folder, "o.tga"), 9));
+    grade(&folder);
+    let failed = result(&folder, "bela", "o.tga");
+    assert!(failed.ends_with("\"rounding of single precision, passes with -tolerance 1 0\""), "{failed}");
+    let line = "-grade class -commands commands.txt -report page.html -tolerance";
+    // Another picture is missing.
+    assert_eq!(folder.run(&format!("{line} 1 0")).status, Some(3));
+    let passed = result(&folder, "bela", "o.tga");
+    assert!(passed.starts_with("passed,3,") && !passed.contains("rounding"), "{passed}");
+}
+
+#[test]
+fn a_mistake_of_several_pictures_is_found_beside_another() {
+    let folder = Folder::with_scene(&sphere().replace("0 0 0 radius .7", ".3 .2 0 radius .5"));
+    let names = ["a", "b", "c"];
+    let line = |name: &str| format!("-input s.txt -size 24 18 -output {name}.tga");
+    let lines: Vec<String> = names.iter().map(|name| format!("rt {}\n", line(name))).collect();
+    folder.write("commands.txt", lines.concat());
+    names.iter().for_each(|name| drop(folder.run(&line(name)).ok()));
+    for name in &names[..2] {
+        hand_in(&folder, "over", &format!("{name}.tga"), &upside_down(&folder.read(&format!("{name}.tga"))));
+    }
+    folder.write(
+        "reversed.txt",
+        String::from_utf8(folder.read("s.txt"))
+            .unwrap()
+            .replace("direction 0 0 -1 color", "direction 0 0 1 color"),
+    );
+    folder.run("-input reversed.txt -size 24 18 -output r.tga").ok();
+    hand_in(&folder, "over", "c.tga", &upside_down(&folder.read("r.tga")));
+    grade(&folder);
+    let found = result(&folder, "over", "c.tga");
+    assert!(
+        found.contains("upside down") && found.contains(" and ") && found.contains("from the other side"),
+        "{found}"
+    );
+}
+
+#[test]
 fn a_tolerance_is_proposed_that_failed_pictures_pass() {
     let folder = Folder::with_scene(&sphere());
     for name in ["ref", "class/near", "class/far"] {

@@ -158,11 +158,16 @@ fn of_comparisons(documents: &mut Vec<Value>) {
     for picture in [
         causes::transformed(&wrong, |x, y| if x < 5 && y < 5 { [0; 3] } else { wrong.at(x, y) }),
         causes::transformed(&wrong, |_, _| [255; 3]),
+        causes::transformed(&wrong, |x, y| wrong.at(x, y).map(|byte| byte.saturating_sub(1))),
+        causes::transformed(&own, |x, y| own.at(x, y).map(|byte| byte ^ u8::from((x, y) == (0, 0)))),
         causes::transformed(&own, |x, y| own.at(x, y)),
     ] {
         causes::write(&folder, &picture);
         documents.push(compare(""));
     }
+    folder.run("-input s.txt -size 48 36 -shadows -bounces 1 -output a.png").ok();
+    documents.push(compare(""));
+    folder.run(&format!("-input s.txt {FLAGS} -output a.png")).ok();
     folder.run("-input s.txt -size 48 36 -output b.png").ok();
     documents.push(compare("-reference b.png"));
     documents.push(document(&folder, "-compare a.png -reference b.png"));

@@ -9,9 +9,9 @@ use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{Format, ReadFile, read_picture};
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
-use raytracer::render::{Layer, Request, Tracing};
+use raytracer::render::{Layer, Request, Tracing, Watch};
 use raytracer::scene::load::mesh_files;
-use raytracer::tools::causes::{Finding, FinishedPicture, Mistake, Original};
+use raytracer::tools::causes::{Finding, Mistake, Original, explain_finished};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -24,8 +24,9 @@ enum Origin {
     Rendered(Box<Options>, Layer),
 }
 
-/// Finds why each of some wrong pictures differs from the reference, which comes second.
-type Explain<'r> = Box<dyn FnMut(&[Picture], &Picture) -> Vec<Finding> + 'r>;
+/// Finds why each of some wrong pictures differs from the reference, which comes second. The mistakes that come third are
+/// tried first.
+type Explain<'r> = Box<dyn Fn(&[Picture], &Picture, &[Mistake]) -> Vec<Finding> + 'r>;
 
 /// A reference, and how differences from it are explained.
 pub struct Reference<'r> {
@@ -65,18 +66,24 @@ impl References {
         self.0.iter().map(|(name, _)| name.as_os_str())
     }
 
-    /// Makes a reference, and calls `work` with it, or with the reason why there is none.
-    pub fn with<T>(&self, index: usize, work: impl FnOnce(Result<Reference, String>) -> T) -> T {
+    /// Makes a reference, and calls `work` with it, or with the reason why there is none. `watch` is called often while
+    /// pictures are rendered.
+    pub fn with<T>(
+        &self,
+        index: usize,
+        watch: Watch,
+        work: impl FnOnce(Result<Reference, String>) -> T,
+    ) -> T {
         let (renderer, options);
         let reference = match &self.0[index].1 {
             Origin::File(path) => read_picture(path).map(|picture| {
-                let explain = |wrong: &[_], picture: &_| FinishedPicture::of_picture(picture).explain(wrong);
+                let explain = |wrong: &[_], picture: &_, _: &[_]| explain_finished(picture, None, wrong);
                 Reference { picture, explain: Box::new(explain) }
             }),
             Origin::Rendered(given, layer) => match open(given) {
                 Ok(opened) => {
                     (renderer, options) = opened;
-                    render(&renderer, &options, *layer)
+                    render(&renderer, &options, *layer, watch)
                 }
                 Err(error) => Err(error),
             },
@@ -95,21 +102,27 @@ fn open(options: &Options) -> Result<(Renderer, Options), Diagnostic> {
     Ok((Renderer::new(loaded, Meshes::Kept)?, options))
 }
 
-fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, Diagnostic> {
+fn render<'r>(
+    renderer: &'r Renderer,
+    options: &Options,
+    layer: Layer,
+    watch: Watch<'r>,
+) -> Result<Reference<'r>, Diagnostic> {
     let no_memory = || Diagnostic::error("there is no memory for the picture");
     let request = Request { layers: vec![layer], ..options.request() };
     if shows_scene(options, renderer, layer) {
-        let mut original = Original::new(renderer, Structure::Any, &request).ok_or_else(no_memory)?;
+        let original = Original::watched(renderer, Structure::Any, &request, watch).ok_or_else(no_memory)?;
         let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
-        let explain = move |wrong: &[_], picture: &_| original.explain_parts(wrong, picture);
+        let explain =
+            move |wrong: &[_], picture: &_, first: &[_]| original.explain_all(wrong, picture, first);
         return Ok(Reference { picture, explain: Box::new(explain) });
     }
     let prepared = options.prepare(renderer, &request, Tracing::Fast)?;
     let colors = prepared.render(&request)?.into_iter().next();
     let colors = colors.ok_or_else(|| Diagnostic::error("nothing is rendered"))?;
     let picture = colors.to_picture();
-    let finished = FinishedPicture::of_colors(colors);
-    Ok(Reference { picture, explain: Box::new(move |wrong, _| finished.explain(wrong)) })
+    let explain = move |wrong: &[_], picture: &_, _: &[_]| explain_finished(picture, Some(&colors), wrong);
+    Ok(Reference { picture, explain: Box::new(explain) })
 }
 
 /// The pictures in a folder.

@@ -1,58 +1,36 @@
 //! The changes that mistakes make to finished pictures, cameras and scenes.
 
-use crate::picture::{Color, FloatPicture, Picture};
+use crate::picture::Color;
 use crate::scene::material::{Material, Pattern, Phong};
 use crate::scene::model::{FaceWeights, Highlight, Lighting, MeshNormals, NormalColors, Screen, Split};
 use crate::scene::{Camera, Light, Scene};
-use crate::tools::compare::{Rgb, colors as pixels_of};
 use crate::trace::{Effects, Shadows};
+use std::f64::consts::PI;
 
 /// The gamma of most screens.
 pub const GAMMA: f64 = 2.2;
 
-/// Returns the picture of these colours with every channel changed.
-pub fn channels(colors: &FloatPicture, change: fn(f64) -> f64) -> Picture {
-    let changed = colors.colors.iter().map(|color| Color::from_array(color.to_array().map(change)));
-    FloatPicture { size: colors.size, colors: changed.collect() }.to_picture()
+/// Returns a level of a picture whose colours are raised to a power.
+pub fn powered(level: f64, power: f64) -> f64 {
+    255.0 * libm::pow(level.max(0.0) / 255.0, power)
 }
 
-/// Wraps a channel: its byte starts again at 0 above 255.
-pub fn wrapped(channel: f64) -> f64 {
-    (f64::from((255.0 * channel) as i64 as u8) + 0.5) / 255.0
+/// Encodes a level by the curve of sRGB (IEC 61966-2-1).
+pub fn srgb_encoded(level: f64) -> f64 {
+    if level <= 255.0 * 0.003_130_8 {
+        12.92 * level
+    } else {
+        1.055 * powered(level, 1.0 / 2.4) - 255.0 * 0.055
+    }
 }
 
-/// Returns the picture of these colours with every pixel changed.
-pub fn pixels(colors: &FloatPicture, change: impl Fn(Rgb) -> Rgb) -> Picture {
-    rearranged(colors, |pixels| pixels.iter_mut().for_each(|pixel| *pixel = change(*pixel)))
+pub fn upside_down(pixels: &mut [Color], width: usize) {
+    pixels.reverse();
+    mirrored(pixels, width);
 }
 
-pub fn upside_down(colors: &FloatPicture) -> Picture {
-    rearranged(colors, |pixels| {
-        pixels.reverse();
-        pixels.chunks_exact_mut(colors.size[0]).for_each(<[Rgb]>::reverse);
-    })
-}
-
-pub fn mirrored(colors: &FloatPicture) -> Picture {
-    rearranged(colors, |pixels| pixels.chunks_exact_mut(colors.size[0]).for_each(<[Rgb]>::reverse))
-}
-
-pub fn turned(colors: &FloatPicture) -> Picture {
-    rearranged(colors, <[Rgb]>::reverse)
-}
-
-/// Returns the picture as gamma-corrected by a program that reads its bytes.
-pub fn with_encoded_bytes(colors: &FloatPicture) -> Picture {
-    let encoded = |byte: u8| (255.0 * libm::pow(f64::from(byte) / 255.0, 1.0 / GAMMA)).round() as u8;
-    let table: Vec<u8> = (0..=u8::MAX).map(encoded).collect();
-    pixels(colors, |pixel| pixel.map(|byte| table[usize::from(byte)]))
-}
-
-fn rearranged(colors: &FloatPicture, rearrange: impl FnOnce(&mut [Rgb])) -> Picture {
-    let picture = colors.to_picture();
-    let mut pixels = pixels_of(&picture).to_vec();
-    rearrange(&mut pixels);
-    Picture::from_rgb(picture.width(), picture.height(), pixels.into_flattened())
+pub fn mirrored(pixels: &mut [Color], width: usize) {
+    pixels.chunks_exact_mut(width).for_each(<[Color]>::reverse);
 }
 
 /// Returns the camera with the opposite handedness. It sees everything rotated by 180 degrees.
@@ -66,15 +44,20 @@ pub fn of_other_handedness(mut camera: Camera) -> Camera {
 pub fn widened(camera: Camera, screen: Screen, size: [usize; 2]) -> Option<Camera> {
     let [shorter, longer] = [size[0].min(size[1]), size[0].max(size[1])].map(|side| side as f64);
     let ratio = longer / shorter;
-    (screen == Screen::LongerSide && ratio > 1.0).then_some(match camera {
+    (screen == Screen::LongerSide && ratio > 1.0).then_some(zoomed(camera, ratio))
+}
+
+/// Returns the camera whose screen is this many times as large.
+pub fn zoomed(camera: Camera, factor: f64) -> Camera {
+    match camera {
         Camera::Orthographic { center, direction, up, size } => {
-            Camera::Orthographic { center, direction, up, size: size * ratio }
+            Camera::Orthographic { center, direction, up, size: size * factor }
         }
         Camera::Perspective { center, direction, up, angle } => {
-            let half = libm::atan(ratio * libm::tan(angle.to_radians() / 2.0));
+            let half = libm::atan(factor * libm::tan(angle.to_radians() / 2.0));
             Camera::Perspective { center, direction, up, angle: 2.0 * half.to_degrees() }
         }
-    })
+    }
 }
 
 /// Returns the camera whose screen spans the tangent of another half angle, possibly negative. `None` without an angle.
@@ -164,6 +147,14 @@ pub fn any_attenuation(scene: &mut Scene, change: impl Fn(&mut [f64; 3]) -> bool
 pub fn falls_off_from(scene: &mut Scene, constant: f64) -> bool {
     scene.lighting != Lighting::default()
         && any_attenuation(scene, |[first, _, square]| *square > 0.0 && replaced(first, constant))
+}
+
+pub fn multiply_lights_by_pi(scene: &mut Scene) -> bool {
+    any(&mut scene.lights, |light| {
+        let (Light::Directional { color, .. } | Light::Point { color, .. }) = light;
+        let brighter = PI * *color;
+        replaced(color, brighter)
+    })
 }
 
 pub fn reverse_lights(scene: &mut Scene) -> bool {

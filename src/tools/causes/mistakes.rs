@@ -1,15 +1,15 @@
 //! The table of common mistakes in ray tracers, in the order in which they are tried.
 
 use super::changes::*;
-use super::rotations::in_radians;
 use super::student::SelfHitting;
-use super::transform_order::{with_lists_reversed, with_nesting_reversed};
-use crate::picture::{Color, FloatPicture, Picture};
+use super::transforms::{in_radians, with_lists_reversed, with_nesting_reversed};
+use crate::picture::Color;
 use crate::render::{Layer, Request};
 use crate::scene::material::{Material, Pattern};
 use crate::scene::model::{Depths, Highlight, NormalColors, Screen, Split};
 use crate::scene::{Camera, Light, Object, Scene};
 use crate::trace::{Effects, Shadows};
+use glam::Vec3Swizzles;
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::mem::discriminant;
@@ -33,7 +33,10 @@ pub enum Mistake {
     GammaEncoded,
     BytesGammaEncoded,
     GammaDecoded,
+    SrgbEncoded,
     OtherHandedness,
+    HalfScreen,
+    DoubleScreen,
     AngleOfShorterSide,
     AngleNotHalved,
     AngleInRadians,
@@ -49,6 +52,8 @@ pub enum Mistake {
     NoAmbient,
     BlackBackground,
     NotAttenuated,
+    AttenuatedBySquare,
+    LightsTimesPi,
     LightsReversed,
     NoHighlights,
     IndexInverted,
@@ -77,7 +82,9 @@ pub enum Mistake {
         half_pixels: [i8; 2],
     },
     ShadowsFromBehindLight,
+    ShadowRaysHalved,
     NormalFlippedInReflection,
+    NormalNotFlippedInRefraction,
     ReflectionReversed,
     ReflectionFromBelow,
     SamplesClamped,
@@ -104,16 +111,18 @@ pub enum Mistake {
     NormalsNotFlipped,
     HighlightsByReflection,
     HighlightsTimesCosine,
+    HalfWayNotNormalised,
+    DiffuseOverPi,
     DirectionsNotNormalised,
     PointDirectionsNotNormalised,
     AmbientWithoutDiffuse,
+    AmbientFromAbove,
     IndexNotInverted,
     TotalReflectionAdded,
     GlassWithoutShadows,
     NoiseHalved,
     ReflectionWithoutColor,
     RefractionWithoutColor,
-    SinglePrecision,
 }
 
 /// Pairs of opposite faces of a cube map.
@@ -133,8 +142,10 @@ pub enum OppositeFaces {
 /// How the picture of a mistake is made.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Make {
-    /// By changing the finished picture.
-    Pixels(fn(&FloatPicture) -> Picture),
+    /// By changing the levels of the finished picture, 255 times its colours.
+    Levels(fn(f64) -> f64),
+    /// By changing the finished picture, of this width.
+    Pixels(fn(&mut [Color], usize)),
     /// By another camera. `None` if it shows the same.
     Camera(fn(Camera, Screen, [usize; 2]) -> Option<Camera>),
     /// By other effects. They are unchanged if the mistake cannot show.
@@ -147,7 +158,7 @@ pub(super) enum Make {
     Student(fn(&Setting) -> bool),
 }
 
-use Make::{Pixels, Student, Text};
+use Make::{Levels, Pixels, Student, Text};
 use Mistake::*;
 
 const fn swapped(faces: OppositeFaces) -> Mistake {
@@ -161,30 +172,27 @@ const fn shifted(x: i8, y: i8) -> Mistake {
 /// Every mistake, its description, and how it is made. Cheap ones come first.
 #[rustfmt::skip]
 const TABLE: &[(Mistake, &str, Make)] = &[
-    (Unchanged, "", Pixels(FloatPicture::to_picture)),
+    (Unchanged, "", Pixels(|_, _| {})),
     (UpsideDown, "upside down", Pixels(upside_down)),
     (Mirrored, "mirrored left to right", Pixels(mirrored)),
-    (Turned, "turned by 180 degrees", Pixels(turned)),
-    (RedAndBlueSwapped, "with red and blue swapped", Pixels(|colors| pixels(colors, |[r, g, b]| [b, g, r]))),
-    (Rounded, "with colours rounded to bytes instead of cut",
-        Pixels(|colors| channels(colors, |channel| channel + 0.5 / 255.0))),
-    (RoundedUp, "with colours rounded up to bytes instead of cut",
-        Pixels(|colors| channels(colors, |channel| ((255.0 * channel).ceil() + 0.5) / 255.0))),
-    (OneLevelBrighter, "one level brighter everywhere",
-        Pixels(|colors| pixels(colors, |pixel| pixel.map(|byte| byte.saturating_add(1))))),
-    (OneLevelDarker, "one level darker everywhere",
-        Pixels(|colors| pixels(colors, |pixel| pixel.map(|byte| byte.saturating_sub(1))))),
-    (Wrapped, "with bytes that start again at 0 above 255",
-        Pixels(|colors| channels(colors, wrapped))),
-    (Times256, "with colours times 256 instead of 255",
-        Pixels(|colors| channels(colors, |channel| 256.0 / 255.0 * channel))),
-    (GammaEncoded, "with a gamma of 2.2",
-        Pixels(|colors| channels(colors, |channel| libm::pow(channel.max(0.0), 1.0 / GAMMA)))),
-    (BytesGammaEncoded, "with a gamma of 2.2 applied to its bytes", Pixels(with_encoded_bytes)),
-    (GammaDecoded, "with an inverse gamma of 2.2",
-        Pixels(|colors| channels(colors, |channel| libm::pow(channel.max(0.0), GAMMA)))),
+    (Turned, "turned by 180 degrees", Pixels(|pixels, _| pixels.reverse())),
+    (RedAndBlueSwapped, "with red and blue swapped",
+        Pixels(|pixels, _| pixels.iter_mut().for_each(|color| *color = color.zyx()))),
+    (Rounded, "with colours rounded to bytes instead of cut", Levels(|level| level + 0.5)),
+    (RoundedUp, "with colours rounded up to bytes instead of cut", Levels(|level| level + (1.0 - 1e-9))),
+    (OneLevelBrighter, "one level brighter everywhere", Levels(|level| level.clamp(0.0, 255.0) + 1.0)),
+    (OneLevelDarker, "one level darker everywhere", Levels(|level| level.clamp(0.0, 255.5) - 1.0)),
+    (Wrapped, "with bytes that start again at 0 above 255", Levels(|level| level.max(0.0).rem_euclid(256.0))),
+    (Times256, "with colours times 256 instead of 255", Levels(|level| 256.0 / 255.0 * level)),
+    (GammaEncoded, "with a gamma of 2.2", Levels(|level| powered(level, 1.0 / GAMMA))),
+    (BytesGammaEncoded, "with a gamma of 2.2 applied to its bytes",
+        Levels(|level| powered(level.clamp(0.0, 255.0).trunc(), 1.0 / GAMMA).round() + 0.5)),
+    (GammaDecoded, "with an inverse gamma of 2.2", Levels(|level| powered(level, GAMMA))),
+    (SrgbEncoded, "with the curve of sRGB", Levels(srgb_encoded)),
     (OtherHandedness, "by a camera of the other handedness (turned by 180 degrees)",
         Make::Camera(|camera, _, _| Some(of_other_handedness(camera)))),
+    (HalfScreen, "with a screen of half the size", Make::Camera(|camera, _, _| Some(zoomed(camera, 0.5)))),
+    (DoubleScreen, "with a screen of twice the size", Make::Camera(|camera, _, _| Some(zoomed(camera, 2.0)))),
     (AngleOfShorterSide, "with the camera's angle or size over the shorter side", Make::Camera(widened)),
     (AngleNotHalved, "with the tangent of the camera's whole angle instead of half of it",
         Make::Camera(|camera, _, _| with_half_angle(camera, f64::to_radians))),
@@ -210,6 +218,9 @@ const TABLE: &[(Mistake, &str, Make)] = &[
     (BlackBackground, "with a black background", Make::Scene(blacken_background)),
     (NotAttenuated, "with lights that are not attenuated",
         Make::Scene(|scene| any_attenuation(scene, |attenuation| replaced(attenuation, [1.0, 0.0, 0.0])))),
+    (AttenuatedBySquare, "with lights divided by d^2",
+        Make::Scene(|scene| any_attenuation(scene, |attenuation| replaced(attenuation, [0.0, 0.0, 1.0])))),
+    (LightsTimesPi, "with lights multiplied by pi", Make::Scene(multiply_lights_by_pi)),
     (LightsReversed, "with directional lights from the other side", Make::Scene(reverse_lights)),
     (NoHighlights, "without highlights",
         Make::Scene(|scene| any_phong(scene, |phong| replaced(&mut phong.specular, Color::ZERO)))),
@@ -274,6 +285,8 @@ const TABLE: &[(Mistake, &str, Make)] = &[
     (shifted(0, -2), "with rays one pixel further down", Student(always)),
     (ShadowsFromBehindLight, "with shadows from behind the light",
         Student(|setting| setting.has_shadows() && setting.has_point_light())),
+    (ShadowRaysHalved, "with shadow rays that end halfway to the light",
+        Student(|setting| setting.has_shadows() && setting.has_point_light())),
     (NormalFlippedInReflection, "with reflections from the flipped normal",
         Student(|setting| setting.has_mirrors())),
     (ReflectionReversed, "with reflected rays reversed", Student(|setting| setting.has_mirrors())),
@@ -299,8 +312,6 @@ const TABLE: &[(Mistake, &str, Make)] = &[
         Student(|setting| setting.is_lit() && !setting.is_blinn())),
     (HighlightsOnlyWhereLit, "without highlights where the surface faces away from the light",
         Student(|setting| setting.has_highlights() && !setting.is_blinn())),
-    (Epsilon { distance: 0.0001 }, "with an epsilon of 0.0001 for secondary rays, which is too large",
-        Student(|setting| setting.overlooks_less_than(0.0001))),
     (Epsilon { distance: 0.001 }, "with an epsilon of 0.001 for secondary rays, which is too large",
         Student(|setting| setting.overlooks_less_than(0.001))),
     (Epsilon { distance: 0.003 }, "with an epsilon of 0.003 for secondary rays, which is too large",
@@ -330,12 +341,19 @@ const TABLE: &[(Mistake, &str, Make)] = &[
     (HighlightsByReflection, "with highlights by R.V instead of N.H",
         Student(|setting| setting.has_highlights() && setting.is_blinn())),
     (HighlightsTimesCosine, "with highlights multiplied by N.L", Student(|setting| setting.has_highlights())),
+    (HalfWayNotNormalised, "with half-way vectors that are not normalised",
+        Student(|setting| setting.has_highlights() && setting.is_blinn())),
+    (DiffuseOverPi, "with diffuse light divided by pi", Student(|setting| setting.is_lit())),
     (DirectionsNotNormalised, "with directions of directional lights that are not normalised",
         Student(|setting| setting.has_long_direction())),
     (PointDirectionsNotNormalised, "with directions to point lights that are not normalised",
         Student(|setting| setting.has_point_light())),
     (AmbientWithoutDiffuse, "with ambient light that is not multiplied by the diffuse colour",
         Student(|setting| setting.scene.background.ambient != Color::ZERO)),
+    (AmbientFromAbove, "with ambient light multiplied by (1 + N.y) / 2",
+        Student(|setting| setting.scene.background.ambient != Color::ZERO)),
+    (NormalNotFlippedInRefraction, "with refraction by the same normal on both sides of a surface",
+        Student(|setting| setting.has_glass())),
     (IndexNotInverted, "with the same ratio of indices where rays enter and where they leave",
         Student(|setting| setting.has_glass())),
     (TotalReflectionAdded, "with rays that are mirrored at total internal reflection",
@@ -348,7 +366,6 @@ const TABLE: &[(Mistake, &str, Make)] = &[
         Student(|setting| setting.has_mirrors())),
     (RefractionWithoutColor, "with refracted light that is not multiplied by the transparent colour",
         Student(|setting| setting.has_glass())),
-    (SinglePrecision, "seen through single precision (f32)", Student(always)),
 ];
 
 impl Mistake {
@@ -360,11 +377,19 @@ impl Mistake {
 
     /// Returns every mistake tried on a finished picture. `has_colors` is true if more than the bytes is known.
     pub(super) fn of_pixels(has_colors: bool) -> impl Iterator<Item = Self> {
-        let needs_colors =
-            |mistake| matches!(mistake, Rounded | RoundedUp | Wrapped | Times256 | GammaEncoded);
-        let of_pixels = TABLE.iter().filter(|(.., make)| matches!(make, Pixels(_)));
-        let mistakes = of_pixels.map(|&(mistake, ..)| mistake);
-        mistakes.filter(move |&mistake| mistake != Unchanged && (has_colors || !needs_colors(mistake)))
+        let needs_colors = |mistake| {
+            matches!(mistake, Rounded | RoundedUp | Wrapped | Times256 | GammaEncoded | SrgbEncoded)
+        };
+        let of_pixels = TABLE
+            .iter()
+            .map(|&(mistake, ..)| mistake)
+            .filter(|&mistake| mistake != Unchanged && mistake.is_of_pixels());
+        of_pixels.filter(move |&mistake| has_colors || !needs_colors(mistake))
+    }
+
+    /// Returns true if the finished picture is changed, if anything.
+    pub(super) fn is_of_pixels(self) -> bool {
+        matches!(self.make(), Some(Levels(_) | Pixels(_)))
     }
 
     fn entry(self) -> Option<&'static (Self, &'static str, Make)> {
@@ -380,22 +405,18 @@ impl Mistake {
     pub fn kind(self) -> &'static str {
         match self.make() {
             _ if self == Unchanged => "unchanged",
-            Some(Pixels(_)) => "pixels",
+            Some(Levels(_) | Pixels(_)) => "pixels",
             Some(Make::Camera(_) | Make::Effects(_)) => "request",
             Some(Make::Scene(_) | Text(_)) => "scene",
             Some(Student(_)) | None => "rule",
         }
     }
 
-    /// Returns true if pixels of the finished picture move.
-    pub(super) fn moves_pixels(self) -> bool {
-        matches!(self, UpsideDown | Mirrored | Turned)
-    }
-
     /// Returns true if both are the same mistake in different degrees.
     pub(super) fn is_akin(self, other: Self) -> bool {
         let kind = |mistake| match mistake {
-            BytesGammaEncoded => discriminant(&GammaEncoded),
+            BytesGammaEncoded | SrgbEncoded => discriminant(&GammaEncoded),
+            DoubleScreen => discriminant(&AngleNotHalved),
             SmallerEpsilon { distance } => discriminant(&Epsilon { distance }),
             _ => discriminant(&mistake),
         };
@@ -414,37 +435,6 @@ impl Mistake {
     }
 }
 
-impl Make {
-    /// Returns the request with the mistake. `None` if the mistake is of another kind or cannot show.
-    pub fn request(self, scene: &Scene, request: &Request) -> Option<Request> {
-        match self {
-            Self::Camera(change) => {
-                let camera = request.camera.unwrap_or(scene.camera);
-                let camera = Some(change(camera, scene.screen, request.size)?);
-                Some(Request { camera, ..request.clone() })
-            }
-            Self::Effects(change) => {
-                let mut effects = request.effects;
-                change(&mut effects, scene);
-                (effects != request.effects).then(|| Request { effects, ..request.clone() })
-            }
-            _ => None,
-        }
-    }
-
-    /// Returns the scene with the mistake. `None` if the mistake is of another kind or cannot show.
-    pub fn scene(self, scene: &Scene, text: &str) -> Option<Scene> {
-        match self {
-            Self::Scene(change) => {
-                let mut scene = scene.clone();
-                change(&mut scene).then_some(scene)
-            }
-            Self::Text(change) => change(scene, text),
-            _ => None,
-        }
-    }
-}
-
 /// A mistake in JSON, with its name if it has one.
 #[derive(Serialize)]
 struct Kinded {
@@ -453,10 +443,18 @@ struct Kinded {
     mistake: Option<Mistake>,
 }
 
+fn kinded(mistake: &Mistake) -> Kinded {
+    Kinded { kind: mistake.kind(), mistake: Some(*mistake).filter(|mistake| *mistake != Unchanged) }
+}
+
 /// Writes a mistake with its kind.
 pub(super) fn with_kind<S: Serializer>(mistake: &Mistake, serializer: S) -> Result<S::Ok, S::Error> {
-    let named = Some(*mistake).filter(|mistake| *mistake != Unchanged);
-    Kinded { kind: mistake.kind(), mistake: named }.serialize(serializer)
+    kinded(mistake).serialize(serializer)
+}
+
+/// Writes mistakes with their kinds.
+pub(super) fn with_kinds<S: Serializer>(mistakes: &[Mistake], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(mistakes.iter().map(kinded))
 }
 
 impl fmt::Display for Mistake {

@@ -1,14 +1,12 @@
 //! Renders the pictures of a student's tracer with the request's samples and filter.
 
-use super::Original;
 use super::mistakes::Mistake;
-use super::object_space::ObjectSpaces;
-use super::student::{Hits, Student};
+use super::student::Student;
 use crate::base::memory;
 use crate::camera::Camera;
 use crate::math::instructions;
 use crate::math::ray::Ray;
-use crate::picture::{BadSize, CHANNELS, Color, FloatPicture, Picture};
+use crate::picture::{BadSize, Color, FloatPicture};
 use crate::render::renderer::Renderer;
 use crate::render::{Layer, Request};
 use crate::sampling::blur::{Blur, reduced};
@@ -21,56 +19,32 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Renders the first layer with a student's tracer that has this mistake, if any. The renderer must have kept the
-/// meshes. Pixels are black after `is_over` returns true.
+/// Renders the request's first layer with a student's tracer. Pixels are black after `is_over` returns true.
 pub fn colors(
+    student: &Student,
     renderer: &Renderer,
     request: &Request,
-    hits: &dyn Hits,
-    mistake: Option<Mistake>,
     is_over: &(dyn Fn() -> bool + Sync),
 ) -> Result<FloatPicture, BadSize> {
-    let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
-    let (effects, lights) = (request.effects, &renderer.scene.lights);
-    let student = Student { hits, effects, mistake, spaces, lights, starts: None };
-    let shift = match mistake {
+    let shift = match student.mistake {
         Some(Mistake::Shifted { half_pixels: [x, y] }) => 0.5 * DVec2::new(x.into(), y.into()),
         _ => DVec2::ZERO,
     };
-    let camera = renderer.camera(request);
+    let camera = &renderer.camera(request);
     let MeasureColors { depths, normals } = renderer.scene.measure_colors;
     let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
-    match request.layers.first() {
+    renderer.on_own_threads(|| match request.layers.first() {
         Some(&Layer::Depth { near, far }) => {
             let grey = |(t, _)| Color::splat(depths.grey(t, [near, far]));
             let depth = |ray: &Ray| student.seen(ray).map_or(Color::ZERO, grey);
-            paint(&camera, &centers(), shift, &depth, is_over)
+            paint(camera, &centers(), shift, &depth, is_over)
         }
         Some(Layer::Normals) => {
             let normal = |ray: &Ray| student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
-            paint(&camera, &centers(), shift, &|ray| normals.color(normal(ray)), is_over)
+            paint(camera, &centers(), shift, &|ray| normals.color(normal(ray)), is_over)
         }
-        _ => paint(&camera, request, shift, &|ray| student.color(ray), is_over),
-    }
-}
-
-/// Renders the picture of a student's tracer with this mistake, if any. `None` if memory is too small.
-pub fn picture(original: &Original, mistake: Option<Mistake>) -> Option<Picture> {
-    let Original { prepared, request, .. } = original;
-    let renderer = prepared.renderer();
-    let is_over = || original.is_cancelled();
-    let colors = renderer.on_own_threads(|| colors(renderer, request, prepared.caster(), mistake, &is_over));
-    let colors = colors.ok()?;
-    Some(if mistake == Some(Mistake::SinglePrecision) { cut_singles(&colors) } else { colors.to_picture() })
-}
-
-/// Converts colours to bytes, with their product with 255 rounded to single precision.
-fn cut_singles(colors: &FloatPicture) -> Picture {
-    let mut bytes = Vec::with_capacity(colors.colors.len() * CHANNELS);
-    let cut = |color: &Color| color.as_vec3().to_array().map(|channel| (255.0 * channel) as u8);
-    bytes.extend(colors.colors.iter().flat_map(cut));
-    let [width, height] = colors.size.map(|n| n as u32);
-    Picture::from_rgb(width, height, bytes)
+        _ => paint(camera, request, shift, &|ray| student.color(ray), is_over),
+    })
 }
 
 /// The number of rows painted at a time. They are kept until the film has taken them.
@@ -153,11 +127,14 @@ fn turn_over(colors: &mut [Color], width: usize) {
 mod tests {
     use super::*;
     use crate::caster::choose::Structure;
+    use crate::picture::Picture;
     use crate::render::Window;
     use crate::render::renderer::Meshes;
     use crate::sampling::{drand48::Drand48, sampler};
     use crate::scene::load;
+    use crate::tools::causes::student::ObjectSpaces;
     use crate::tools::causes::window::part;
+    use crate::tools::causes::{Mistake, Original};
     use crate::trace::{Effects, Shadows};
     use std::path::Path;
 
@@ -166,7 +143,10 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
         let original = Original::new(&renderer, Structure::Any, request).unwrap();
-        [original.colors.to_picture(), picture(&original, None).unwrap()]
+        let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
+        let student = Student::new(&renderer, original.prepared.caster(), request.effects, spaces);
+        let painted = colors(&student, &renderer, request, &|| false).unwrap();
+        [original.colors, painted].map(|colors| colors.to_picture())
     }
 
     #[test]
@@ -199,13 +179,11 @@ mod tests {
             let request = Request { sampler, filter, ..Request::new([50, 40]) };
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_02_sphere_triangles.txt");
             let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
-            let mut original = Original::new(&renderer, Structure::Any, &request).unwrap();
-            let causes: Vec<Mistake> = Mistake::all().collect();
-            let whole: Vec<_> = causes.iter().map(|&cause| original.picture(cause)).collect();
-            original.request.window = Some(window);
-            for (cause, whole) in causes.into_iter().zip(whole) {
-                let expected = whole.map(|whole| part(&whole, window));
-                assert!(original.picture(cause) == expected, "{cause:?} {filter:?}");
+            let original = Original::new(&renderer, Structure::Any, &request).unwrap();
+            for cause in Mistake::all() {
+                let [whole, found] = [None, Some(window)].map(|window| original.made(&[cause], window));
+                let expected = whole.map(|whole| part(&whole.to_picture(), window));
+                assert!(found.map(|found| found.to_picture()) == expected, "{cause:?} {filter:?}");
             }
         }
     }

@@ -68,14 +68,7 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckle
     let renderer = original.renderer();
     let camera = renderer.camera(&original.request);
     let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
-    let student = &Student {
-        hits: original.prepared.caster(),
-        effects: original.request.effects,
-        mistake: None,
-        spaces,
-        lights: &renderer.scene.lights,
-        starts: None,
-    };
+    let student = &Student::new(renderer, original.prepared.caster(), original.request.effects, spaces);
     let count = |rays: SelfHitting| {
         let is_made = |&&at: &&usize| {
             let [width, height] = original.request.size;

@@ -5,12 +5,14 @@
 //! single or double precision.
 
 use super::mistakes::Mistake;
-use super::object_space::ObjectSpaces;
+pub use super::object_space::ObjectSpaces;
+pub use super::paint::colors;
 use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
 use crate::math::robust::{offset_origin, unit};
 use crate::picture::Color;
+use crate::render::renderer::Renderer;
 use crate::scene::limits::{BRIGHTEST, LARGEST};
 use crate::scene::material::{Material, Pattern, Phong, Texture};
 use crate::scene::model::{Highlight, Split};
@@ -24,6 +26,7 @@ use crate::trace::{Effects, Shadows, mirrored_part, reflected, refracted_between
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 use serde::Serialize;
+use std::f64::consts::FRAC_1_PI;
 
 /// How a ray leaves a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,6 +115,8 @@ pub struct Student<'a> {
     pub lights: &'a [Light],
     /// Where rays leave surfaces, if not at the usual points.
     pub starts: Option<Starts<'a>>,
+    /// True if points, directions and colours are rounded to single precision.
+    pub is_single: bool,
 }
 
 /// A ray and its history since the camera.
@@ -133,7 +138,18 @@ struct Arrival<'m> {
     material: PointMaterial<'m>,
 }
 
-impl Student<'_> {
+impl<'a> Student<'a> {
+    /// Returns a tracer without mistakes.
+    pub fn new(
+        renderer: &'a Renderer,
+        hits: &'a dyn Hits,
+        effects: Effects,
+        spaces: &'a ObjectSpaces<'a>,
+    ) -> Self {
+        let lights = &renderer.scene.lights;
+        Self { hits, effects, mistake: None, spaces, lights, starts: None, is_single: false }
+    }
+
     fn makes(&self, mistake: Mistake) -> bool {
         self.mistake == Some(mistake)
     }
@@ -144,7 +160,8 @@ impl Student<'_> {
 
     /// Returns the colour along a ray from the camera.
     pub fn color(&self, ray: &Ray) -> Color {
-        let way = Way { ray: *ray, leaves: None, weight: 1.0, bounces: 0, index: 1.0 };
+        let ray = Ray { origin: self.rounded(ray.origin), direction: self.rounded(ray.direction), ..*ray };
+        let way = Way { ray, leaves: None, weight: 1.0, bounces: 0, index: 1.0 };
         self.clamped_by(Mistake::SamplesClamped, self.trace(&way))
     }
 
@@ -249,45 +266,65 @@ impl Student<'_> {
         let normal = if is_flipped { -surface.normal } else { surface.normal };
         let mut color = self.sum(Color::ZERO, self.world().ambient * self.ambient_factor(arrival));
         for (index, light) in self.world().lights.iter().enumerate() {
-            let light = incident(light, surface.position);
-            let cosine = normal.dot(light.direction);
+            let light = self.incident(light, surface.position);
+            let cosine = self.rounded_number(normal.dot(light.direction));
             // As in the course's program, a shadow ray starts even where the light has no effect.
             let has_ray = self.effects.shadows != Shadows::None;
             let start = has_ray.then(|| self.departing(Departure::Shadow, surface, light.direction));
             if material.shows(highlight, &light, cosine) {
                 let view = View { cosine, normal, to_viewer: -way.ray.direction };
                 let passed = start.map_or(Color::ONE, |start| self.passed(start, surface, &light, index));
-                let lit = passed * self.reflect(material, &light, index, &view);
+                let lit = self.rounded(passed * self.reflect(material, &light, index, &view));
                 color = self.sum(color, self.clamped_by(Mistake::LightsClamped, lit));
             }
         }
         color
     }
 
+    fn incident(&self, light: &Light, point: DVec3) -> Incident {
+        let Incident { direction, distance, color } = incident(light, point);
+        Incident {
+            direction: self.rounded(direction),
+            distance: self.rounded_number(distance),
+            color: self.rounded(color),
+        }
+    }
+
     fn ambient_factor(&self, arrival: &Arrival) -> Color {
         let diffuse = arrival.material.phong.diffuse;
         match self.mistake {
             Some(Mistake::AmbientWithoutDiffuse) => Color::ONE,
+            Some(Mistake::AmbientFromAbove) => {
+                (0.5 + 0.5 * arrival.surface.normal.y) * self.world().ambient_color(arrival.surface, diffuse)
+            }
             _ => self.world().ambient_color(arrival.surface, diffuse),
         }
     }
 
     /// Returns the part of a light that a surface reflects to the viewer.
     fn reflect(&self, material: &PointMaterial, light: &Incident, index: usize, view: &View) -> Color {
-        let highlight = self.world().lighting.highlight;
-        let View { cosine, normal, .. } = *view;
+        let View { cosine, normal, to_viewer } = *view;
         let to_light = light.direction * self.length_to(light, index);
-        let (highlight, strength) = match self.mistake {
-            Some(Mistake::HighlightsByReflection) => (Highlight::Phong, 1.0),
-            Some(Mistake::HighlightsTimesCosine) => (highlight, cosine.max(0.0)),
-            Some(Mistake::HighlightsOnlyWhereLit) => (highlight, f64::from(cosine > 0.0)),
-            Some(Mistake::DirectionsNotNormalised | Mistake::PointDirectionsNotNormalised) => {
-                (highlight, 1.0)
-            }
+        let (mut highlight, mut strength, mut diffuse) = (self.world().lighting.highlight, 1.0, 1.0);
+        match self.mistake {
+            Some(Mistake::HighlightsByReflection) => highlight = Highlight::Phong,
+            Some(Mistake::HighlightsTimesCosine) => strength = cosine.max(0.0),
+            Some(Mistake::HighlightsOnlyWhereLit) => strength = f64::from(cosine > 0.0),
+            Some(Mistake::DiffuseOverPi) => diffuse = FRAC_1_PI,
+            Some(
+                Mistake::DirectionsNotNormalised
+                | Mistake::PointDirectionsNotNormalised
+                | Mistake::HalfWayNotNormalised,
+            ) => {}
+            _ if self.is_single => {}
             _ => return material.reflect(highlight, light, view),
+        }
+        let alignment = match self.mistake {
+            Some(Mistake::HalfWayNotNormalised) => normal.dot(to_light + to_viewer),
+            _ => alignment(highlight, to_light, view),
         };
-        let highlights = strength * material.highlights(alignment(highlight, to_light, view).max(0.0));
-        light.color * (normal.dot(to_light).max(0.0) * material.phong.diffuse + highlights)
+        let highlights = strength * material.highlights(self.rounded_number(alignment).max(0.0));
+        light.color * (diffuse * normal.dot(to_light).max(0.0) * material.phong.diffuse + highlights)
     }
 
     /// Returns the length of the vector to a light. It is not 1 if the mistake is a missing normalisation.
@@ -316,7 +353,11 @@ impl Student<'_> {
         let is_tinted = self.effects.shadows == Shadows::Transparent;
         let is_unshadowed = self.makes(Mistake::GlassWithoutShadows);
         let at_light = self.world().primitives_at_light(index);
-        ray.t_max = if self.makes(Mistake::ShadowsFromBehindLight) { f64::INFINITY } else { light.distance };
+        ray.t_max = match self.mistake {
+            Some(Mistake::ShadowsFromBehindLight) => f64::INFINITY,
+            Some(Mistake::ShadowRaysHalved) => 0.5 * light.distance,
+            _ => light.distance,
+        };
         if !is_tinted && !is_unshadowed {
             let is_blocked = !at_light.is_empty() || self.hits.nearest(&ray, leaves).is_some();
             return if is_blocked { Color::ZERO } else { Color::ONE };
@@ -396,7 +437,8 @@ impl Student<'_> {
         let weight = self.weight(way, color)?;
         let (direction, normal) = (way.ray.direction, surface.normal);
         let is_entering = direction.dot(normal) < 0.0;
-        let against = if is_entering { normal } else { -normal };
+        let is_turned = !is_entering && !self.makes(Mistake::NormalNotFlippedInRefraction);
+        let against = if is_turned { -normal } else { normal };
         let indices = self.indices(way, material.phong, is_entering);
         let sine = || {
             // An interpolated normal differs from the triangle's.
@@ -442,23 +484,35 @@ impl Student<'_> {
         }
     }
 
-    /// Returns a ray that leaves a surface. It starts a few roundings off it, on the side to which it goes.
+    /// Returns a ray that leaves a surface.
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> Start {
-        if let Some(start) = self.starts.and_then(|starts| starts(why, surface, direction)) {
-            return start;
-        }
+        let direction = self.rounded(direction);
+        let start = self.starts.and_then(|starts| starts(why, surface, direction));
+        let (ray, leaves) = start.unwrap_or_else(|| self.start(why, surface, direction));
+        (Ray { origin: self.rounded(ray.origin), ..ray }, leaves)
+    }
+
+    /// Returns the start of a ray that leaves a surface: a few roundings off it, on the side to which it goes.
+    fn start(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> Start {
         let beyond = |t_min| Ray { t_min, ..Ray::new(surface.position, direction) };
-        match (self.mistake, why, self.world().lighting.epsilon) {
-            (Some(Mistake::Epsilon { distance } | Mistake::SmallerEpsilon { distance }), ..) => {
+        match (self.mistake, self.world().lighting.epsilon) {
+            (Some(Mistake::Epsilon { distance } | Mistake::SmallerEpsilon { distance }), _) => {
                 (beyond(distance), surface.triangle)
             }
-            (Some(Mistake::ReflectionFromBelow), Departure::Reflected, _) => {
-                from_other_side(surface, direction)
+            (Some(Mistake::ReflectionFromBelow), _) if why == Departure::Reflected => {
+                let (ray, leaves) = from_other_side(surface, direction);
+                let depth = if self.is_single {
+                    BELOW * surface.normal * surface.normal.dot(direction).signum()
+                } else {
+                    DVec3::ZERO
+                };
+                (Ray { origin: ray.origin - depth, t_min: self.any_distance(), ..ray }, leaves)
             }
-            (Some(Mistake::NoEpsilon { rays }), ..) if why.is_one_of(rays) => {
-                from_other_side(surface, direction)
-            }
-            (.., Some(epsilon)) => (beyond(epsilon), None),
+            (Some(Mistake::NoEpsilon { rays }), _) if why.is_one_of(rays) => match self.is_single {
+                true => (beyond(self.any_distance()), None),
+                false => from_other_side(surface, direction),
+            },
+            (_, Some(epsilon)) => (beyond(epsilon), None),
             _ => {
                 let origin = offset_origin(surface.position, surface.normal, direction, surface.extent);
                 (Ray::new(origin, direction), surface.primitive)
@@ -466,18 +520,33 @@ impl Student<'_> {
         }
     }
 
-    /// Returns the sum of two colours in the precision of the tracer.
+    /// Returns the smallest t of a ray without an epsilon. In single precision, 0 stands for the usual epsilon.
+    fn any_distance(&self) -> f64 {
+        if self.is_single { f64::MIN_POSITIVE } else { 0.0 }
+    }
+
+    /// Returns the sum of two colours.
     fn sum(&self, one: Color, other: Color) -> Color {
-        match self.mistake {
-            Some(Mistake::SinglePrecision) => (one.as_vec3() + other.as_vec3()).as_dvec3(),
-            _ => one + other,
-        }
+        self.rounded(one + other)
+    }
+
+    /// Returns a vector in the precision of the tracer.
+    fn rounded(&self, vector: DVec3) -> DVec3 {
+        if self.is_single { vector.as_vec3().as_dvec3() } else { vector }
+    }
+
+    /// Returns a number in the precision of the tracer.
+    fn rounded_number(&self, number: f64) -> f64 {
+        if self.is_single { f64::from(number as f32) } else { number }
     }
 
     fn clamped_by(&self, mistake: Mistake, color: Color) -> Color {
         if self.makes(mistake) { color.clamp(Color::ZERO, Color::ONE) } else { color }
     }
 }
+
+/// How far below a surface reflected rays start in single precision by mistake.
+const BELOW: f64 = 1e-4;
 
 /// Textures give the same bytes with all instruction sets.
 const LEVEL: Level = Level::baseline();
@@ -533,8 +602,8 @@ mod tests {
             let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
             let camera = renderer.camera(&request);
             for effects in [Effects::default(), opaque, tinted] {
-                let (hits, lights) = (prepared.caster(), &renderer.scene.lights);
-                let student = Student { hits, effects, mistake: None, spaces, lights, starts: None };
+                let hits = prepared.caster();
+                let student = Student::new(&renderer, hits, effects, spaces);
                 let tracer = Tracer::new(hits, effects);
                 for (x, y) in (0..24).flat_map(|x| (0..18).map(move |y| (x, y))) {
                     let ray = camera.ray(DVec2::new(x.into(), y.into()), DVec2::ZERO);

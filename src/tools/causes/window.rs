@@ -1,8 +1,7 @@
 //! Parts of pictures, used to judge causes when rendering whole pictures takes too long.
 
-use crate::picture::{FloatPicture, Picture};
-use crate::render::Window;
-use crate::sampling::sampler::Sampler;
+use super::search::Search;
+use crate::picture::{FloatPicture, Picture, Window};
 use crate::tools::compare::{Rgb, colors};
 
 /// The shortest side of a window, in pixels.
@@ -10,43 +9,34 @@ const MIN_SIDE: usize = 8;
 /// The largest number of windows in a picture.
 const MAX_WINDOWS: usize = 3;
 
-/// A window, and the wrong pictures whose difference it shows.
-#[derive(Debug, PartialEq, Eq)]
-pub struct TellingWindow {
-    pub window: Window,
-    /// Indices of the pictures.
-    pub pictures: Vec<usize>,
-}
-
-/// Chooses windows of at most `rays` camera rays to judge wrong pictures in. A picture is assigned to a window with at
-/// least half as many of its differing pixels as any other window. A few pictures may have no window.
+/// Chooses windows of at most so many pixels to search in, each with the indices of the pictures whose difference it
+/// shows. A picture is assigned to a window with at least half as many of its differing pixels as any other window. A
+/// few pictures may have no window.
 pub fn telling_windows(
-    wrong: &[Picture],
-    reference: &Picture,
-    sampler: Sampler,
-    rays: usize,
-) -> Vec<TellingWindow> {
-    let size = [reference.width() as usize, reference.height() as usize];
-    let pixels = rays / sampler.count() as usize;
+    searches: &[&mut Search],
+    size: [usize; 2],
+    pixels: usize,
+) -> Vec<(Window, Vec<usize>)> {
     let is_whole = size[0] * size[1] <= pixels;
     let side = if is_whole { size[0].max(size[1]) } else { pixels.isqrt().max(MIN_SIDE) };
     let lattice = Lattice { side, size };
-    let counts: Vec<Vec<usize>> = wrong.iter().map(|picture| lattice.differing(picture, reference)).collect();
+    let counts: Vec<Vec<usize>> = searches.iter().map(|search| lattice.differing(search)).collect();
     let shows = |picture: usize, tile: usize| {
         let counts: &[usize] = &counts[picture];
         counts[tile] > 0 && 2 * counts[tile] >= counts.iter().copied().max().unwrap_or(0)
     };
-    let mut rest: Vec<usize> = (0..wrong.len()).collect();
+    let mut rest: Vec<usize> = (0..searches.len()).collect();
     let mut windows = Vec::new();
     while !rest.is_empty() && windows.len() < MAX_WINDOWS {
         let shown = |tile: usize| rest.iter().filter(|&&picture| shows(picture, tile)).count();
         // The last of several equally good tiles is taken.
         let Some(tile) = (0..lattice.tiles()).max_by_key(|&tile| shown(tile)) else { break };
-        let (pictures, others) = rest.iter().copied().partition(|&picture| shows(picture, tile));
-        windows.push(TellingWindow { window: lattice.window(tile), pictures });
+        let (pictures, others): (Vec<usize>, _) =
+            rest.iter().copied().partition(|&picture| shows(picture, tile));
+        windows.push((lattice.window(tile), pictures));
         rest = others;
     }
-    windows.retain(|window| !window.pictures.is_empty());
+    windows.retain(|(_, pictures)| !pictures.is_empty());
     windows
 }
 
@@ -74,10 +64,9 @@ impl Lattice {
     }
 
     /// Returns the number of differing pixels in each tile.
-    fn differing(&self, a: &Picture, b: &Picture) -> Vec<usize> {
+    fn differing(&self, search: &Search) -> Vec<usize> {
         let mut counts = vec![0; self.tiles()];
-        let pairs = colors(a).iter().zip(colors(b)).enumerate();
-        for (at, _) in pairs.filter(|(_, (a, b))| a != b) {
+        for at in (0..self.size[0] * self.size[1]).filter(|&at| search.differs(at)) {
             let [x, y] = [at % self.size[0], at / self.size[0]];
             counts[y / self.side * self.columns() + x / self.side] += 1;
         }
@@ -106,6 +95,9 @@ fn part_of_rows<T: Copy>(pixels: &[T], width: usize, window: Window) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tools::causes::{of_bytes, search::Made};
+    use std::borrow::Cow;
+    use std::rc::Rc;
 
     /// Returns a black picture of 90 by 50 pixels with these pixels white.
     fn picture(white: &[[usize; 2]]) -> Picture {
@@ -121,12 +113,14 @@ mod tests {
             picture(&[[89, 49]]),
             picture(&[[46, 0], [46, 1], [46, 2], [0, 0]]),
         ];
-        let windows = telling_windows(&wrong, &picture(&[]), Sampler::CENTER, 2048);
+        let black = Rc::new(Made::new(&of_bytes(&picture(&[]))));
+        let mut searches = wrong.map(|wrong| Search::new(Cow::Owned(wrong), black.clone()));
+        let windows = telling_windows(&searches.iter_mut().collect::<Vec<_>>(), [90, 50], 2048);
         let expected = [
             (Window { x: 45, y: 0, width: 45, height: 45 }, vec![0, 2]),
             (Window { x: 45, y: 45, width: 45, height: 5 }, vec![1]),
         ];
-        assert_eq!(windows, expected.map(|(window, pictures)| TellingWindow { window, pictures }));
+        assert_eq!(windows, expected);
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use crate::picture::Picture;
 use crate::tools::causes::Finding;
 use crate::tools::compare::{Comparison, Tolerance, common_size};
-use std::fmt::Write;
 
 /// A submission.
 #[derive(Clone, Debug)]
@@ -117,22 +116,19 @@ impl Cell {
 
 /// Describes a cause in a few words.
 fn words(finding: &Finding) -> String {
-    let mut words = String::new();
-    // Writing to a string cannot fail.
-    let _ = match finding {
-        Finding::Equal { cause, .. } => write!(words, "{}", cause.to_string().trim_start()),
-        Finding::Part { cause, share } => {
-            write!(
-                words,
-                "at least {}, {:.0}% of the error",
-                cause.to_string().trim_start(),
-                (100.0 * share).floor()
-            )
+    let mistakes = finding.mistakes();
+    let mistakes = mistakes.trim_start();
+    match finding {
+        Finding::Equal { .. } => mistakes.to_owned(),
+        Finding::Part { share, .. } => {
+            format!("at least {mistakes}, {:.0}% of the wrong pixels", (100.0 * share).floor())
         }
-        Finding::Speckles { pixels, .. } => write!(words, "epsilon too small: {pixels} scattered pixels"),
-        Finding::Unknown { tried } => write!(words, "unknown ({tried} causes tried)"),
-    };
-    words
+        Finding::Rounding { tolerance: Tolerance { levels, pixels }, .. } => {
+            format!("rounding of single precision, passes with -tolerance {levels} {pixels}")
+        }
+        Finding::Speckles { pixels, .. } => format!("epsilon too small: {pixels} scattered pixels"),
+        Finding::Unknown { tried } => format!("unknown ({tried} causes tried)"),
+    }
 }
 
 impl Column {
@@ -157,21 +153,24 @@ impl Column {
 
     /// Compares submissions with the reference, one after the other. Stops at the first error.
     ///
-    /// `explain` receives the differing pictures without duplicates, and returns a cause for each that has one. It is
-    /// called for each 64 MiB of pictures, which are then dropped. It is not called if all pictures are equal.
+    /// `explain` receives the differing pictures without duplicates, and for each of them true if it fails. It returns a
+    /// cause for each failed one that has one. It is called for each 64 MiB of pictures, which are then dropped. It is not
+    /// called if all pictures are equal.
     pub fn graded<E>(
         picture: String,
         reference: &Picture,
         submissions: impl IntoIterator<Item = Result<Submission, E>>,
         tolerance: Tolerance,
-        mut explain: impl FnMut(&[Picture]) -> Vec<Option<Finding>>,
+        mut explain: impl FnMut(&[Picture], &[bool]) -> Vec<Option<Finding>>,
     ) -> Result<Self, E> {
         let (mut places, mut waiting) = (Vec::new(), Vec::new());
         let (mut comparisons, mut causes) = (Vec::new(), Vec::new());
         let mut settle = |waiting: &mut Vec<Picture>| {
             // All pictures have the reference's size.
-            comparisons.extend(Comparison::of_each(waiting, reference).unwrap_or_default());
-            let mut found = if waiting.is_empty() { Vec::new() } else { explain(waiting) };
+            let compared = Comparison::of_each(waiting, reference).unwrap_or_default();
+            let fails: Vec<bool> = compared.iter().map(|comparison| !tolerance.accepts(comparison)).collect();
+            comparisons.extend(compared);
+            let mut found = if waiting.is_empty() { Vec::new() } else { explain(waiting, &fails) };
             found.resize(waiting.len(), None);
             causes.append(&mut found);
             waiting.clear();
@@ -193,7 +192,7 @@ impl Column {
                 Cell::Different {
                     passes,
                     comparison: Box::new(comparison.clone()),
-                    cause: causes[picture],
+                    cause: causes[picture].clone(),
                     picture,
                 }
             }
@@ -249,8 +248,8 @@ mod tests {
         let large = Submission::Picture(Picture::new(2, 1).unwrap());
         let rest = [Submission::Missing, Submission::Unusable("why".into()), large];
         let tolerance = Tolerance { levels: 5, pixels: 0 };
-        let explain = |wrong: &[Picture]| {
-            assert_eq!(wrong, [5, 7, 6].map(picture));
+        let explain = |wrong: &[Picture], fails: &[bool]| {
+            assert_eq!((wrong, fails), (&[5, 7, 6].map(picture)[..], &[false, true, true][..]));
             vec![None, Some(Finding::Unknown { tried: 3 }), None]
         };
         let submissions = handed_in.into_iter().chain(rest).map(Ok::<_, ()>);
@@ -268,7 +267,7 @@ mod tests {
     #[test]
     fn nothing_is_explained_where_all_are_equal() {
         let submissions = [Submission::Picture(picture(1)), Submission::Missing].map(Ok::<_, ()>);
-        let explain = |_: &[Picture]| unreachable!();
+        let explain = |_: &[Picture], _: &[bool]| unreachable!();
         let column =
             Column::graded("a".into(), &picture(1), submissions, Tolerance::default(), explain).unwrap();
         assert!(matches!(column.cells[..], [Cell::Equal, Cell::Missing]));
@@ -278,7 +277,7 @@ mod tests {
     fn large_pictures_are_held_one_at_a_time_and_an_error_ends_the_grading() {
         let large = |level: u8| Picture::from_rgb(4800, 4700, vec![level; 4800 * 4700 * 3]);
         let mut counts = vec![];
-        let explain = |wrong: &[Picture]| {
+        let explain = |wrong: &[Picture], _: &[bool]| {
             counts.push(wrong.len());
             vec![Some(Finding::Unknown { tried: counts.len() })]
         };
@@ -288,11 +287,11 @@ mod tests {
         assert_eq!(counts, [1, 1, 1]);
         for (at, cell) in column.cells.iter().enumerate() {
             let Cell::Different { comparison, cause, picture, .. } = cell else { panic!("{cell:?}") };
-            assert_eq!((*picture, *cause), (at, Some(Finding::Unknown { tried: at + 1 })));
+            assert_eq!((*picture, cause), (at, &Some(Finding::Unknown { tried: at + 1 })));
             assert_eq!(comparison.largest.map(|largest| largest.levels), Some(at as u8 + 1));
         }
         let submissions = [Ok(Submission::Missing), Err("no memory"), Ok(Submission::Missing)];
-        let found = Column::graded("a".into(), &picture(0), submissions, Tolerance::default(), |_| vec![]);
+        let found = Column::graded("a".into(), &picture(0), submissions, Tolerance::default(), |_, _| vec![]);
         assert_eq!(found.err(), Some("no memory"));
     }
 }

@@ -98,7 +98,7 @@ mod tests {
         let tolerance = Default::default();
         let mut page = Page::default();
         page.add_column(&picture(0));
-        let show = |wrong: &[Picture]| {
+        let show = |wrong: &[Picture], _: &[bool]| {
             page.add_different(&picture(0), wrong);
             Vec::new()
         };

@@ -3,9 +3,8 @@
 use super::{Case, named};
 use crate::math::ray::Ray;
 use crate::render::Request;
-use crate::tools::causes::object_space::ObjectSpaces;
 use crate::tools::causes::paint::paint;
-use crate::tools::causes::student::{Departure, Start, Student};
+use crate::tools::causes::student::{Departure, ObjectSpaces, Start, Student};
 use crate::tools::causes::{Finding, Mistake, SelfHitting};
 use crate::trace::{Effects, Shadows};
 use crate::world::SurfacePoint;
@@ -55,18 +54,10 @@ fn speckles_are_known_at_any_density() {
             let starts = |why, surface: &SurfacePoint, direction| {
                 rounded_start(density, rays, why, surface, direction)
             };
-            let student = Student {
-                hits: prepared.caster(),
-                effects,
-                mistake: None,
-                spaces: &ObjectSpaces::new(
-                    &case.renderer.scene,
-                    case.renderer.meshes(),
-                    case.renderer.world(),
-                ),
-                lights: &case.renderer.scene.lights,
-                starts: Some(&starts),
-            };
+            let spaces =
+                &ObjectSpaces::new(&case.renderer.scene, case.renderer.meshes(), case.renderer.world());
+            let student = Student::new(&case.renderer, prepared.caster(), effects, spaces);
+            let student = Student { starts: Some(&starts), ..student };
             let camera = case.renderer.camera(&case.request);
             let color = |ray: &Ray| student.color(ray);
             let wrong = paint(&camera, &case.request, DVec2::ZERO, &color, &|| false).unwrap().to_picture();
@@ -74,7 +65,7 @@ fn speckles_are_known_at_any_density() {
             println!("{name} {rays:?} {density}: {found}");
             let is_known = match found {
                 Finding::Speckles { .. } => true,
-                _ => matches!(named(found), Some(Mistake::NoEpsilon { .. } | Mistake::ReflectionFromBelow)),
+                _ => matches!(named(&found), Some(Mistake::NoEpsilon { .. } | Mistake::ReflectionFromBelow)),
             };
             assert!(is_known, "{name} {rays:?} {density}: {found}");
         }

@@ -1,17 +1,16 @@
 //! Makes each mistake, alone and in pairs, and writes the findings of the search to `tables.md`.
 
 use super::{Case, cases, named};
-use crate::caster::choose::Structure;
-use crate::picture::Picture;
-use crate::render::{Layer, Request, Tracing};
-use crate::tools::causes::finding::find_causes;
-use crate::tools::causes::mistakes::{Make, Setting};
-use crate::tools::causes::paint::colors;
+use crate::picture::{FloatPicture, Picture};
+use crate::render::{Layer, Request};
+use crate::tools::causes::search::{Made as Found, Search, try_all};
 use crate::tools::causes::{Finding, Mistake, Original, SelfHitting};
 use crate::trace::{Effects, Shadows};
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
+use std::rc::Rc;
 
 const PAGE: &str = "src/tools/causes/tests/tables.md";
 
@@ -46,8 +45,8 @@ has the exceptions, where a similar mistake is named.
 const BOTH: &str = "
 ## Two mistakes
 
-One of the two is named with `at least`, or nothing is. If one hides the other, or both together equal a third, that one
-is named.
+Both are named, or one with `at least`, or nothing is. If one hides the other, or both together equal a third, that one is
+named alone.
 
 | one mistake | the other | named |
 |---|---|---|
@@ -58,62 +57,41 @@ const PAIRS: usize = 15;
 
 /// A case with the pictures of its mistakes.
 struct Made<'c> {
-    case: &'c Case,
     original: Original<'c>,
     right: Picture,
-    mistakes: Vec<(Mistake, Picture)>,
+    mistakes: Vec<(Mistake, FloatPicture, Picture)>,
 }
 
 impl<'c> Made<'c> {
     fn new(case: &'c Case) -> Self {
         let original = case.original();
         let right = original.picture(Mistake::Unchanged).unwrap();
-        let mistakes = Mistake::all().filter_map(|cause| Some((cause, original.picture(cause)?)));
-        let mistakes = mistakes.filter(|(_, picture)| *picture != right).collect();
-        Self { case, original, right, mistakes }
+        let made =
+            |cause| original.made(&[cause], None).map(|colors| (cause, colors.clone(), colors.to_picture()));
+        let mistakes = Mistake::all().filter_map(made).filter(|(.., picture)| *picture != right).collect();
+        Self { original, right, mistakes }
     }
 
     /// Searches with only these causes known.
     fn explain(&self, is_known: impl Fn(Mistake, &Picture) -> bool, wrong: &Picture) -> Finding {
-        let known = self.mistakes.iter().filter(|(cause, picture)| is_known(*cause, picture));
-        let picture = |asked: Mistake| match asked {
-            Mistake::Unchanged => Some(self.right.clone()),
-            _ => self.mistakes.iter().find(|(made, _)| *made == asked).map(|(_, picture)| picture.clone()),
+        let known = self.mistakes.iter().filter(|(cause, _, picture)| is_known(*cause, picture));
+        let known: Vec<Mistake> = known.map(|(cause, ..)| *cause).collect();
+        let colors = |mistakes: &[Mistake]| match mistakes {
+            [Mistake::Unchanged] => Some(self.original.colors.clone()),
+            [asked] => {
+                self.mistakes.iter().find(|(made, ..)| made == asked).map(|(_, colors, _)| colors.clone())
+            }
+            _ => None,
         };
-        let known = known.map(|(cause, _)| *cause);
-        let found = find_causes(known, picture, std::slice::from_ref(wrong), &self.right)[0];
-        self.original.or_speckles(found, wrong, &self.right)
+        let mut search = Search::new(Cow::Borrowed(wrong), Rc::new(Found::new(&self.original.colors)));
+        try_all(known.chunks(1), colors, &mut [&mut search]);
+        self.original.or_speckles(search.finding(), wrong, &self.right)
     }
 
     /// Returns true if the mistake makes exactly this picture.
     fn makes(&self, cause: Mistake, picture: &Picture) -> bool {
-        self.mistakes.iter().any(|(made, same)| *made == cause && same == picture)
+        self.mistakes.iter().any(|(made, _, same)| *made == cause && same == picture)
     }
-}
-
-/// Returns the picture with both mistakes. `None` if they cannot be combined.
-fn both(case: &Case, mistakes: [Mistake; 2]) -> Option<Picture> {
-    let (renderer, request) = (&case.renderer, &case.request);
-    let mut scene = renderer.scene.clone();
-    let (mut changed, mut switch, mut pixels) = (request.clone(), None, None);
-    for mistake in mistakes {
-        match mistake.make()? {
-            Make::Pixels(change) => pixels = Some(change),
-            make @ (Make::Camera(_) | Make::Effects(_)) => changed = make.request(&scene, &changed)?,
-            make @ (Make::Scene(_) | Make::Text(_)) => scene = make.scene(&scene, &renderer.source.text)?,
-            Make::Student(shows) if shows(&Setting { scene: &scene, request: &changed }) => {
-                switch = Some(mistake);
-            }
-            Make::Student(_) => return None,
-        }
-    }
-    let renderer = renderer.with_scene(scene).ok()?;
-    let prepared = renderer.prepare_for(Structure::Any, &changed, Tracing::Fast).ok()?;
-    let colors = match switch {
-        Some(_) => colors(&renderer, &changed, prepared.caster(), switch, &|| false).ok()?,
-        None => prepared.render(&changed).ok()?.pop()?,
-    };
-    Some(pixels.map_or_else(|| colors.to_picture(), |change| change(&colors)))
 }
 
 /// Returns true if one mistake resembles the other so much that it may be named when the other is unknown.
@@ -128,6 +106,10 @@ fn are_alike(one: Mistake, other: Mistake) -> bool {
         (Mistake::RaysClamped, Mistake::SamplesClamped),
         (Mistake::Shadows, Mistake::TransparentShadows),
         (Mistake::OneLevelBrighter, Mistake::RoundedUp),
+        (Mistake::CheckerboardCut, Mistake::CheckerboardSwapped),
+        (Mistake::DoubleScreen, Mistake::AngleOfShorterSide),
+        (Mistake::NoShadeBack, Mistake::AmbientFromAbove),
+        (Mistake::LightsTimesPi, Mistake::PointDirectionsNotNormalised),
         (Mistake::NoEpsilon { rays: SelfHitting::Secondary }, Mistake::ReflectionFromBelow),
     ];
     pairs.iter().any(|&(a, b)| (a.is_akin(one) && b.is_akin(other)) || (a.is_akin(other) && b.is_akin(one)))
@@ -170,28 +152,27 @@ struct Row {
 }
 
 fn add_alone(rows: &mut Vec<Row>, made: &Made) {
-    let wrong: Vec<Picture> = made.mistakes.iter().map(|(_, picture)| picture.clone()).collect();
-    let found = made.original.explain_all(&wrong, &made.right);
-    for ((cause, picture), found) in made.mistakes.iter().zip(found) {
-        assert!(matches!(found, Finding::Equal { pixels: 0, .. }), "{cause:?}: {found}");
-        let name = named(found).unwrap();
-        assert!(made.makes(name, picture), "{cause:?}: {found}");
+    let wrong: Vec<Picture> = made.mistakes.iter().map(|(.., picture)| picture.clone()).collect();
+    let found = made.original.explain_all(&wrong, &made.right, &[]);
+    for ((cause, _, picture), found) in made.mistakes.iter().zip(found) {
+        let Finding::Equal { pixels: 0, cause: name, ref also, ref same, .. } = found else {
+            panic!("{cause:?}: {found}")
+        };
+        assert!(made.makes(name, picture) && also.is_empty(), "{cause:?}: {found}");
         let place = rows.iter().position(|row| row.made == *cause).unwrap_or_else(|| {
             rows.push(Row { made: *cause, named: 0, same: BTreeSet::new() });
             rows.len() - 1
         });
-        if name == *cause {
-            rows[place].named += 1;
-        } else {
-            rows[place].same.insert(words(name));
-        }
+        let all = std::iter::once(&name).chain(same);
+        rows[place].named += all.clone().filter(|&named| named == cause).count();
+        rows[place].same.extend(all.filter(|&named| named != cause).map(|&named| words(named)));
     }
 }
 
 fn add_unknown(named_instead: &mut BTreeSet<[String; 2]>, made: &Made, wrong_names: &mut Vec<String>) {
-    for (cause, wrong) in &made.mistakes {
+    for (cause, _, wrong) in &made.mistakes {
         let found = made.explain(|other, same| !other.is_akin(*cause) && same != wrong, wrong);
-        let name = match (named(found), found) {
+        let name = match (named(&found), &found) {
             (Some(name), _) => {
                 if !are_alike(name, *cause) {
                     wrong_names.push(format!("{cause:?}: {found}"));
@@ -217,31 +198,37 @@ fn darkens_scattered_pixels(cause: Mistake) -> bool {
 
 /// Returns the findings for pairs of mistakes, one table row each.
 fn pairs(made: &Made, wrong_names: &mut Vec<String>) -> Vec<String> {
-    let causes: Vec<Mistake> = made.mistakes.iter().map(|(cause, _)| *cause).collect();
+    let causes: Vec<Mistake> = made.mistakes.iter().map(|(cause, ..)| *cause).collect();
     let all = causes.iter().flat_map(|&one| causes.iter().map(move |&other| [one, other]));
     let all: Vec<[Mistake; 2]> = all.filter(|&[one, other]| kind(one) < kind(other)).collect();
     let chosen = all.iter().step_by(all.len() / (PAIRS + 1));
-    let both = chosen.filter_map(|&pair| Some((pair, both(made.case, pair)?))).take(PAIRS);
-    both.map(|([one, other], wrong)| {
-        let found = made.explain(|_, _| true, &wrong);
-        let shown = match (named(found), found) {
-            (None, _) => "nothing".to_owned(),
-            (Some(name), Finding::Part { .. }) => {
-                if !name.is_akin(one) && !name.is_akin(other) {
-                    wrong_names.push(format!("{one:?} {other:?}: {found}"));
-                }
-                format!("at least {}", words(name))
+    let both =
+        chosen.filter_map(|&pair| Some((pair, made.original.made(&pair, None)?.to_picture()))).take(PAIRS);
+    let (pairs, wrong): (Vec<[Mistake; 2]>, Vec<Picture>) = both.unzip();
+    let found = made.original.explain_all(&wrong, &made.right, &[]);
+    let rows = pairs.into_iter().zip(wrong).zip(found).map(|(([one, other], wrong), found)| {
+        let is_meant = |name: Mistake| name.is_akin(one) || name.is_akin(other);
+        let (shown, is_right) = match &found {
+            Finding::Part { cause, .. } => (format!("at least {}", words(*cause)), is_meant(*cause)),
+            Finding::Equal { cause, also, .. } => {
+                let all: Vec<Mistake> = std::iter::once(cause).chain(also).copied().collect();
+                let is_right = all.iter().all(|&name| is_meant(name));
+                let is_same = made.original.made(&all, None).is_some_and(|made| made.to_picture() == wrong);
+                let names: Vec<String> = all.iter().map(|&name| words(name)).collect();
+                let shown = match (names.len(), is_right) {
+                    (2, true) => "both".to_owned(),
+                    _ => format!("the same picture: {}", names.join(", and ")),
+                };
+                (shown, is_right || is_same)
             }
-            (Some(name), _) => {
-                if !made.makes(name, &wrong) {
-                    wrong_names.push(format!("{one:?} {other:?}: {found}"));
-                }
-                format!("the same picture: {}", words(name))
-            }
+            _ => ("nothing".to_owned(), true),
         };
+        if !is_right {
+            wrong_names.push(format!("{one:?} {other:?}: {found}"));
+        }
         format!("| {} | {} | {shown} |\n", words(one), words(other))
-    })
-    .collect()
+    });
+    rows.collect()
 }
 
 #[test]
@@ -273,7 +260,7 @@ fn the_page_shows_what_is_named() {
     let _ = writeln!(page, "\nOf {nothing} of these {} pictures nothing is named.", both.len());
 
     // In these scenes nothing is this near to anything else.
-    let small = [0.0001, 0.001].map(|distance| Mistake::Epsilon { distance });
+    let small = [0.001].map(|distance| Mistake::Epsilon { distance });
     let is_made = |cause: &Mistake| alone.iter().any(|row| row.made == *cause && row.named > 0);
     // These mistakes show in other layers.
     let is_of_colors = |cause: &Mistake| cause.shows_in(Layer::Color);

@@ -2,6 +2,7 @@
 
 mod acne;
 mod confusion;
+mod single;
 
 use super::{Finding, Mistake, Original};
 use crate::caster::choose::Structure;
@@ -30,7 +31,7 @@ const SCENE: &str = "
         Material { diffuseColor .9 .9 .9 }
         Checkerboard { materialIndex 0 materialIndex 3 }
         Noise { materialIndex 0 materialIndex 3 octaves 3 } }
-    Group { numObjects 9
+    Group { numObjects 10
         MaterialIndex 4 Plane { normal 0 1 0 offset -.2 }
         MaterialIndex 1 Sphere { center -1.2 .6 0 radius .8 }
         MaterialIndex 2 Sphere { center .8 .4 1.5 radius .6 }
@@ -39,6 +40,7 @@ const SCENE: &str = "
         MaterialIndex 3 Triangle { vertex0 -2.5 .2 1.5 vertex1 -2.5 1.2 1.5 vertex2 -1.7 .2 1.5 }
         MaterialIndex 3 Triangle { vertex0 2.2 .2 1.5 vertex1 2.2 1.2 1.5 vertex2 3 .2 1.5 }
         MaterialIndex 5 Sphere { center -.2 .3 2.6 radius .4 }
+        MaterialIndex 3 Sphere { center .2 2.5 1.9 radius .15 }
         Transform { Translate -.9 .3 2 Group { numObjects 1 MaterialIndex 0
             Transform { YRotate 30 Scale .3 .5 .3 Box { min -.5 -.5 -.5 max .5 .5 .5 } } } } }";
 
@@ -94,9 +96,9 @@ fn cases() -> Vec<Case> {
 }
 
 /// Returns the mistake that the finding names, if any.
-fn named(found: Finding) -> Option<Mistake> {
+fn named(found: &Finding) -> Option<Mistake> {
     match found {
-        Finding::Equal { cause, .. } | Finding::Part { cause, .. } => Some(cause),
-        Finding::Speckles { .. } | Finding::Unknown { .. } => None,
+        Finding::Equal { cause, .. } | Finding::Part { cause, .. } => Some(*cause),
+        Finding::Rounding { .. } | Finding::Speckles { .. } | Finding::Unknown { .. } => None,
     }
 }

@@ -1,7 +1,7 @@
 //! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
 
 use crate::math::ray::{Ray, Visible};
-use crate::tools::causes::Hits;
+use crate::tools::causes::student::Hits;
 use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 

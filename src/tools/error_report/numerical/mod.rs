@@ -2,14 +2,14 @@
 //! with exact decisions, by this program, and by a textbook's tracer in single precision.
 
 mod brute_force;
-mod single;
+pub(super) mod single;
 
 use crate::math::ray::Ray;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Window};
 use crate::sampling::sampler::{Pattern, Sampler};
-use crate::tools::causes::{Hits, MAX_BOUNCES, Mistake, student_colors};
+use crate::tools::causes::student::{Hits, MAX_BOUNCES, ObjectSpaces, Student, colors};
 use brute_force::BruteForce;
 use glam::DVec2;
 use single::SinglePrecision;
@@ -56,8 +56,11 @@ pub fn measure(
     let request = affordable(renderer, request);
     let world = renderer.world();
     let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
-    let exact = student_colors(renderer, &request, &brute_force, None, &|| false)?;
-    let rough = student_colors(renderer, &request, &single, Some(Mistake::SinglePrecision), &|| false)?;
+    let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), world);
+    let exact = Student::new(renderer, &brute_force, request.effects, spaces);
+    let rough = Student { is_single: true, ..Student::new(renderer, &single, request.effects, spaces) };
+    let [exact, rough] = [exact, rough].map(|student| colors(&student, renderer, &request, &|| false));
+    let (exact, rough) = (exact?, rough?);
     let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
     let own_hits = other_hits(renderer, &request, &brute_force, prepared.caster());
     let single_hits = other_hits(renderer, &request, &brute_force, &single);

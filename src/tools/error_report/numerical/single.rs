@@ -2,7 +2,7 @@
 //! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
 
 use crate::math::ray::{Ray, Visible};
-use crate::tools::causes::Hits;
+use crate::tools::causes::student::Hits;
 use crate::world::shape::Shape;
 use crate::world::sphere::Sphere;
 use crate::world::{Primitive, SurfacePoint, World};

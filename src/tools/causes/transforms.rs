@@ -1,4 +1,4 @@
-//! Transformations multiplied in the opposite order.
+//! Transformations multiplied in the opposite order, or rotated by radians.
 
 use crate::math::rounded::RoundedAffine;
 use crate::scene::edition::Edition;
@@ -25,14 +25,14 @@ pub fn with_lists_reversed(scene: &Scene, text: &str) -> Option<Scene> {
 }
 
 /// Returns `scene` with the objects of a text in which only transformations differ.
-pub(super) fn with_objects_of(scene: &Scene, text: &str) -> Option<Scene> {
+fn with_objects_of(scene: &Scene, text: &str) -> Option<Scene> {
     // The objects are the same in every edition that can read the text.
     let reading = Edition::ALL.into_iter().find_map(|edition| read_in(edition, text).ok())?;
     let Scene { objects, root, .. } = reading.scene;
     Some(Scene { objects, root, ..scene.clone() })
 }
 
-pub(super) fn words(text: &str) -> Vec<&str> {
+fn words(text: &str) -> Vec<&str> {
     let mut lexer = Lexer::new(text);
     std::iter::from_fn(|| Some(lexer.next_word()).filter(|word| !word.is_end()))
         .map(|word| word.text)
@@ -56,6 +56,26 @@ fn values(words: &[&str]) -> usize {
         Some(&"{") => words.iter().position(|&word| word == "}").map_or(words.len(), |end| end + 1),
         _ => words.iter().take_while(|word| word.parse::<f64>().is_ok()).count(),
     }
+}
+
+/// Returns the scene of this text with rotation angles read as radians. `None` if nothing is rotated.
+pub fn in_radians(scene: &Scene, text: &str) -> Option<Scene> {
+    let mut words: Vec<String> = words(text).into_iter().map(str::to_owned).collect();
+    let mut changes = false;
+    for at in 0..words.len() {
+        let number = match words[at].as_str() {
+            "XRotate" | "YRotate" | "ZRotate" => 0,
+            // The axis precedes the angle.
+            "Rotate" => 3,
+            _ => continue,
+        };
+        let first = at + 1 + usize::from(words.get(at + 1).is_some_and(|word| word == "{"));
+        let Some(angle) = words.get_mut(first + number) else { continue };
+        let Ok(radians) = angle.parse::<f64>() else { continue };
+        *angle = radians.to_degrees().to_string();
+        changes |= radians != 0.0;
+    }
+    if changes { with_objects_of(scene, &words.join(" ")) } else { None }
 }
 
 /// Returns the scene with nested transforms multiplied from the innermost to the outermost. `None` if none are nested.
@@ -92,7 +112,7 @@ mod tests {
     use super::*;
     use crate::scene::parser::parse;
     use crate::world::placements;
-    use glam::DAffine3;
+    use glam::{DAffine3, DMat3};
 
     fn scene(objects: &str) -> String {
         format!(
@@ -135,5 +155,25 @@ mod tests {
         let found = with_nesting_reversed(&nested("Translate 1 2 3", "Scale 1 2 3")).unwrap();
         assert_eq!(matrix(&found), matrix(&nested("Scale 1 2 3", "Translate 1 2 3")));
         assert!(with_nesting_reversed(&parse(&scene(SPHERE)).unwrap()).is_none());
+    }
+
+    #[test]
+    fn every_kind_of_rotation_is_by_radians() {
+        let scene = |transformation: &str| scene(&format!("Transform {{ {transformation} {SPHERE} }}"));
+        for (text, expected) in [
+            ("XRotate 0.5", DMat3::from_rotation_x(0.5)),
+            ("YRotate { -30 } # degrees\n", DMat3::from_rotation_y(-30.0)),
+            ("ZRotate 7e-1", DMat3::from_rotation_z(0.7)),
+            ("Rotate { 0 0 1 1.25 }", DMat3::from_rotation_z(1.25)),
+        ] {
+            let found = in_radians(&parse(&scene(text)).unwrap(), &scene(text)).unwrap();
+            let matrix = matrix(&found).matrix3;
+            assert!(
+                (matrix - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12),
+                "{text} {matrix}"
+            );
+        }
+        let still = scene("Translate 1 2 3");
+        assert!(in_radians(&parse(&still).unwrap(), &still).is_none());
     }
 }
