@@ -60,7 +60,7 @@ async function compareLive(mine) {
   find('cause').textContent = 'looking for the cause …';
   const found = await ask('/cause', question);
   if (mine !== turn) return;
-  find('cause').textContent = found.meta.cause ? `cause: ${found.meta.cause}` : 'No cause can be looked for here.';
+  find('cause').textContent = found.meta.cause ? `cause: ${found.meta.cause}` : 'No cause can be searched for here.';
 }
 
 // Shows the picture, the file, their difference, or both side by side.

@@ -51,9 +51,8 @@ pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Diagn
         (filter != Filter::PIXEL && !shows_filter(request)).then(|| flag_of(&filter)),
     ];
     let flags: Vec<String> = flags.into_iter().flatten().map(|flag| format!("`{flag}`")).collect();
-    let message = || {
-        format!("{} {} no effect: no picture of colours is asked for", flags.join(", "), have(flags.len()))
-    };
+    let message =
+        || format!("{} {} no effect: no colour picture is rendered", flags.join(", "), have(flags.len()));
     (!flags.is_empty()).then(|| Diagnostic::warning(message()))
 }
 
