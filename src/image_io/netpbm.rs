@@ -164,7 +164,7 @@ impl<'a> Text<'a> {
             };
             let mut pixels = row.as_chunks_mut().0.iter_mut().enumerate();
             if !pixels.all(|(x, pixel)| header.set(pixel, |channel| sample(x * channels + channel))) {
-                let problem = format!("row {} has a sample above the maximum {white}", y + 1);
+                let problem = format!("row {} has a sample above {white}, the maximum", y + 1);
                 return Err(Diagnostic::error(problem));
             }
         }

@@ -53,7 +53,7 @@ fn numbers_become_bytes_and_clamped_ones_are_counted() {
     folder.run(&format!("{RENDER} -output o.pfm")).ok();
     let run = folder.run("-convert o.pfm -output c.tga").ok();
     assert!(
-        run.stderr.starts_with("note: ") && run.stderr.ends_with("they are converted clamped\n"),
+        run.stderr.starts_with("note: ") && run.stderr.ends_with("and are converted clamped\n"),
         "{}",
         run.stderr
     );
