@@ -121,6 +121,6 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-long-line.txt -output o.tga",
         1,
-        "m-long-line.txt:5:25: error: in the mesh `long-line.obj`: line 4: a face needs vertex indices such as `1 2 3`, and `xxx",
+        "m-long-line.txt:5:25: error: in the mesh `long-line.obj`: line 4: a face needs vertex indices such as `1 2 3`, found `xxx",
     ),
 ];
