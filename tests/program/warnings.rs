@@ -436,7 +436,7 @@ fn the_project_s_own_scenes_are_silent() {
         let run = crate::support::finish(&mut crate::support::program(folder.path(), line)).ok();
         // The first assignment has no lights, and later editions are told by their words.
         let is_expected = |line: &str| {
-            line == "WARNING:  No lights specified" || line.starts_with("note: the scene is taken")
+            line == "WARNING:  No lights specified" || line.starts_with("note: the scene is read as edition")
         };
         assert!(run.stderr.lines().all(is_expected), "{scene}: {}", run.stderr);
     }
