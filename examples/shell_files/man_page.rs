@@ -5,9 +5,9 @@ use raytracer::cli::command;
 
 /// What stands before the flags.
 const DESCRIPTION: &str = "\
-Flags start with one dash, may come in any order, and may be given at most once each.
+Flags start with one dash and come in any order, each at most once.
 Values are separate words.
-A word that starts with a dash and a letter is a flag, and any other word is a value.
+A word that starts with a dash and a letter is a flag, any other word is a value.
 The format of a picture follows from the extension of its name.";
 
 /// What stands after the flags, in the macros of man(7).

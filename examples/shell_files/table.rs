@@ -4,6 +4,8 @@ use clap::Arg;
 
 /// How the table starts.
 pub const HEAD: &str = "| Flag | Meaning |";
+/// The words that are values after a flag.
+const VALUES: [&str; 8] = ["-", "png", "aalto", "2012a5", "auto", "none", "size", "shadow"];
 
 /// Returns the table in Markdown.
 pub fn table() -> String {
@@ -20,7 +22,7 @@ fn row(flag: &Arg) -> String {
         meaning.push(match line.strip_prefix("Example: ") {
             Some(example) => format!("Example: `{example}`."),
             // clap leaves out the full stop of a single paragraph.
-            None => line.trim_end_matches('.').split(' ').map(code).collect::<Vec<_>>().join(" ") + ".",
+            None => line.trim_end_matches('.').split(' ').fold(String::new(), with_word) + ".",
         });
     }
     if !flag.get_default_values().is_empty() {
@@ -30,12 +32,15 @@ fn row(flag: &Arg) -> String {
     format!("| `-{}{usage}` | {} |\n", flag.get_id(), meaning.join(" ").replace('|', "\\|"))
 }
 
-/// A word, in the letters of code where it is a flag, a dash or the ending of a name.
-fn code(word: &str) -> String {
-    let end = word.trim_end_matches([',', '.', ';']).len();
-    let (word, rest) = word.split_at(end);
+/// Adds a word to a text: as code if it is a flag, a flag's value, a dash or the ending of a name.
+fn with_word(text: String, word: &str) -> String {
+    let (word, rest) = word.split_at(word.trim_end_matches([',', '.', ';']).len());
+    let space = if text.is_empty() { "" } else { " " };
     let is_flag =
         word.strip_prefix('-').is_some_and(|name| name.starts_with(|c: char| c.is_ascii_lowercase()));
-    let is_code = is_flag || word == "-" || word.starts_with('.');
-    if is_code { format!("`{word}`{rest}") } else { format!("{word}{rest}") }
+    match text.strip_suffix('`') {
+        Some(code) if VALUES.contains(&word) => format!("{code} {word}`{rest}"),
+        _ if is_flag || word == "-" || word.starts_with('.') => format!("{text}{space}`{word}`{rest}"),
+        _ => format!("{text}{space}{word}{rest}"),
+    }
 }

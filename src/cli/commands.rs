@@ -28,15 +28,15 @@ fn rendering(line: &str) -> Result<Options, Diagnostic> {
     };
     let is_cost = |output: &Output| matches!(output.layer, Layer::Cost(_));
     if options.outputs.iter().any(is_cost) {
-        return fail("a cost map is nothing to grade by");
+        return fail("a cost map cannot be graded: leave out `-cost_map`");
     }
     if options.region.is_some() {
-        return fail("a part of a picture is nothing to grade by");
+        return fail("a part cannot be graded: leave out `-region`");
     }
     if options.outputs.iter().any(Output::is_standard_output)
         || options.input.as_deref() == Some(Path::new("-"))
     {
-        return fail("`-` is no file to grade by");
+        return fail("`-` cannot be graded: name a file");
     }
     Ok(options)
 }
@@ -61,11 +61,14 @@ mod tests {
             ("rt -grade a -reference b", "line 2: the command does not render a scene"),
             (
                 "rt -input a.txt -region 0 0 9 9 -output a.tga",
-                "line 2: a part of a picture is nothing to grade by",
+                "line 2: a part cannot be graded: leave out `-region`",
             ),
-            ("rt -input - -output a.tga", "line 2: `-` is no file to grade by"),
-            ("rt -input a.txt -output - tga", "line 2: `-` is no file to grade by"),
-            ("rt -input a.txt -cost_map rays a.tga", "line 2: a cost map is nothing to grade by"),
+            ("rt -input - -output a.tga", "line 2: `-` cannot be graded: name a file"),
+            ("rt -input a.txt -output - tga", "line 2: `-` cannot be graded: name a file"),
+            (
+                "rt -input a.txt -cost_map rays a.tga",
+                "line 2: a cost map cannot be graded: leave out `-cost_map`",
+            ),
         ] {
             assert_eq!(parse_commands(&format!("\n{line}")).unwrap_err().message, message);
         }

@@ -41,6 +41,7 @@ pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic 
     let text = error.render().to_string();
     let message = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();
     let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+    let message = message.replace("the following required arguments were not provided:", "missing");
     // The standard library's words for a number that has a fraction or is none.
     let message = message.replace("invalid digit found in string", "not a whole number");
     Diagnostic { hint: hint(&error, words), ..Diagnostic::error(one_line(&single(&message))) }

@@ -61,7 +61,7 @@ pub(super) struct Flags {
     pub input: Option<PathBuf>,
 
     /// Writes the picture as .tga, .png, .bmp, .ppm, .pfm or .exr. The last two are in floating point. -output - png
-    /// writes it to standard output.
+    /// writes a PNG to standard output.
     ///
     /// The file appears under its name when it is complete.
     #[arg(long, group = "usual", num_args = 1..=2, value_names = ["picture", "format"])]
@@ -70,7 +70,7 @@ pub(super) struct Flags {
     /// Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1. As .pfm or .exr, the
     /// distances themselves.
     ///
-    /// In the edition 2019 it is the other way round: black at t0, white at t1.
+    /// The edition 2019 has black at t0 and white at t1.
     ///
     /// Example: raytracer -input scene.txt -depth 8 20 depth.png
     #[arg(long, group = "layers", num_args = 3..=4, value_names = ["t0", "t1", "picture", "format"])]
@@ -78,7 +78,7 @@ pub(super) struct Flags {
 
     /// Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves.
     ///
-    /// In the edition 2019 the bytes are (x + 1) / 2 and so on, and grey where nothing is hit.
+    /// The edition 2019 has (x + 1) / 2 and so on, and grey where nothing is hit.
     #[arg(long, group = "layers", visible_alias = "normal", num_args = 1..=2, value_names = ["picture", "format"])]
     pub normals: Option<Vec<OsString>>,
 
@@ -94,14 +94,14 @@ pub(super) struct Flags {
     #[arg(long, group = "layers", num_args = 2..=3, value_names = ["picture", "zoom"])]
     pub render_filter: Option<Vec<OsString>>,
 
-    /// Renders only this part of every picture; its bytes are those of the whole. The top left pixel is 0 0.
+    /// Renders only this part of every picture, with the same bytes as in the whole. The top left pixel is 0 0.
     ///
     /// Example: raytracer -input scene.txt -output top.png -region 0 0 100 50
     #[arg(long, num_args = 4, value_names = ["x", "y", "w", "h"], value_parser = value_parser!(u16))]
     #[arg(conflicts_with_all = NOT_OF_PARTS)]
     pub region: Option<Vec<u16>>,
 
-    /// Joins these parts of a picture, which come from -region, into -output. Their order is free.
+    /// Joins parts written by -region into -output, in any order.
     ///
     /// Example: raytracer -merge top.png bottom.png -output whole.png
     #[arg(long, num_args = 1.., value_names = ["parts"], group = "without_scene", requires = "output")]
@@ -111,8 +111,8 @@ pub(super) struct Flags {
 
     /// Converts the picture to the 8-bit format given by -output. Needs no scene.
     ///
-    /// Pixels stay the same. Numbers of .pfm and .exr become bytes as colours of a scene do; a line says how many are
-    /// clamped.
+    /// Bytes stay the same. Floating-point colours are clamped and cut to bytes as in a rendered picture; a note counts
+    /// the clamped pixels.
     ///
     /// Example: raytracer -convert mine.tga -output mine.png
     #[arg(long, value_name = "picture", value_parser = picture(), group = "without_scene", requires = "output")]
@@ -128,17 +128,18 @@ pub(super) struct Flags {
     #[arg(value_parser = sides, default_values = ["100", "100"])]
     pub size: Vec<Sides>,
 
-    /// Interprets scene and flags as this edition of the course does. Default: the one that the scene's words tell,
-    /// else 2004.
+    /// Reads scene and flags as in this edition of the course. Default: the edition that the scene's words show, else
+    /// 2004.
     ///
     /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2023, and aalto is Aalto University's. They
-    /// differ in the words of scenes, the camera, highlights, normals, recursion and the colours of depths and normals.
+    /// differ in scene words, camera, highlights, normals, recursion, and the colours of depths and normals.
     #[arg(long, value_name = "name")]
     #[arg(value_parser = PossibleValuesParser::new(Edition::NAMES).try_map(|name| Edition::named(&name).ok_or("")))]
     pub edition: Option<Edition>,
 
-    /// Draws a UV gradient instead of the scene: red = x, green = y, blue = 1. Implies -edition aalto, where a scene
-    /// without a group does so too.
+    /// Draws a UV gradient instead of the scene: red = x, green = y, blue = 1. Implies -edition aalto.
+    ///
+    /// In that edition a scene without a group shows the gradient even without the flag.
     #[arg(long, conflicts_with_all = ["pixel", "visualize_grid"])]
     pub uv: bool,
 
@@ -155,7 +156,7 @@ pub(super) struct Flags {
     #[arg(long, group = "usual")]
     pub shadows: bool,
 
-    /// Casts no shadows. This is the default; the flag is accepted for the command lines of 2003.
+    /// Casts no shadows, which is the default. Accepted for the command lines of 2003.
     #[arg(long, conflicts_with_all = ["shadows", "transparent_shadows"])]
     pub no_shadows: bool,
 
@@ -172,7 +173,7 @@ pub(super) struct Flags {
     #[arg(long, group = "usual", value_name = "n", value_parser = value_parser!(u32).range(0..=MAX_INT))]
     pub bounces: Option<u32>,
 
-    /// Traces no ray whose weight is w or less. Default: 0; in Aalto's edition, 0.1.
+    /// Drops reflected and refracted rays whose weight is w or less. Default: 0; in Aalto's edition, 0.1.
     ///
     /// A ray's weight is the product of the lengths of the reflective and transparent colours along its path.
     #[arg(long, value_name = "w", value_parser = number(NOT_NEGATIVE))]
@@ -185,7 +186,7 @@ pub(super) struct Flags {
     /// Takes n samples per pixel at the centres of a grid's cells; the grid is as nearly square as n allows: 4 by 2 for
     /// 8.
     ///
-    /// In Aalto's edition they are random, and -regular_samples are these.
+    /// In Aalto's edition this flag takes random samples, and -regular_samples takes these.
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), group = "samples")]
     pub uniform_samples: Option<u32>,
 
@@ -206,11 +207,9 @@ pub(super) struct Flags {
     #[arg(long, num_args = 2, value_names = ["n", "error"], group = "samples")]
     pub adaptive_samples: Option<Vec<OsString>>,
 
-    /// Renders a picture of three times the width and height, with one sample anywhere in each pixel. Implies -edition
-    /// 2012a5.
+    /// Renders three times the width and height, with one random sample in each pixel. Implies -edition 2012a5.
     ///
-    /// The random numbers are those of the C library's rand, so the samples are those of the course's program. Its
-    /// command lines have -filter too.
+    /// The samples are those of the course's program, with the random numbers of C's rand. Usually given with -filter.
     #[arg(long, group = "samples", conflicts_with = "seed")]
     pub jitter: bool,
 
@@ -240,11 +239,11 @@ pub(super) struct Flags {
     #[arg(long, value_name = "r", value_parser = number(FILTER_SIZE), group = "one_filter")]
     pub mitchell_filter: Option<f64>,
 
-    /// Uses a uniform grid of nx by ny by nz cells, of a suitable number with -grid auto, or none with -grid none. The
+    /// Traces rays through a grid of nx by ny by nz cells. -grid auto chooses the cells; -grid none uses no grid. The
     /// picture stays the same.
     ///
-    /// With -stats, -cost_map or -pixel the default is none, as in the course. Otherwise the fastest of a list, a grid
-    /// and a tree of boxes is chosen. auto chooses about one cubic cell per primitive.
+    /// auto makes about one cubic cell per primitive. By default the program chooses the fastest of a list, a grid and
+    /// a tree of boxes; with -stats, -cost_map or -pixel it uses no grid, as in the course.
     ///
     /// Example: raytracer -input scene.txt -output picture.png -grid 20 20 20
     #[arg(long, num_args = 1..=3, value_names = ["nx", "ny", "nz"])]
@@ -252,14 +251,14 @@ pub(super) struct Flags {
 
     /// Draws the grid's occupied cells instead of the scene. Needs -grid.
     ///
-    /// The colours show the number of primitives in each cell: white for 1, red for 17 or more. In 2003 a flag of its
-    /// own, -visualize_grid_count, drew them.
+    /// The colours show the number of primitives in each cell: white for 1, red for 17 or more. The flag of 2003,
+    /// -visualize_grid_count, does the same.
     #[arg(long, visible_alias = "visualize_grid_count", requires = "grid")]
     pub visualize_grid: bool,
 
-    /// Compares this picture with the reference, whatever the formats of both. Default: the rendered picture.
+    /// Compares this picture with the reference. Default: the rendered picture.
     ///
-    /// With a scene too, the likely cause of a difference is looked for.
+    /// The formats may differ. With a scene, the program also searches for the likely cause of a difference.
     ///
     /// Example: raytracer -compare mine.tga -reference theirs.png
     #[arg(long, value_name = "picture", value_parser = picture(), groups = ["usual", "compared"])]
@@ -280,65 +279,64 @@ pub(super) struct Flags {
     #[arg(long, num_args = 2, value_names = ["levels", "n"], requires = "compared")]
     pub tolerance: Option<Vec<OsString>>,
 
-    /// Compares the pictures in every folder of this folder with those of -reference or -commands.
+    /// Grades a class: compares the pictures in each subfolder with those of -reference or -commands.
     ///
     /// Example: raytracer -grade class -commands commands.txt -report page.html
     #[arg(long, value_name = "folder", group = "without_scene", requires = "references")]
     #[arg(conflicts_with_all = ["output", "region"])]
     pub grade: Option<PathBuf>,
 
-    /// Grades by the pictures that the command lines in this file render.
+    /// Renders the references for -grade with the command lines in this file.
     ///
-    /// The file has a command line on every line; empty lines and those that start with # are skipped.
+    /// Each line is a command line. Empty lines and lines that start with # are skipped.
     #[arg(long, value_name = "commands", groups = ["compared", "references"], requires = "grade")]
     pub commands: Option<PathBuf>,
 
-    /// Writes the result of -grade as a page, .html, and as a table beside it, .csv.
+    /// Writes the result of -grade as a page, .html, and beside it as a table, .csv.
     #[arg(long, value_name = "page", requires = "grade")]
-    #[arg(value_parser = path(|path| has_ending(path, "html"), "not .html"))]
+    #[arg(value_parser = path(|path| has_ending(path, "html"), "must end in .html"))]
     pub report: Option<PathBuf>,
 
-    /// Measures what samples, filters, bounces and grids cost and buy for the scene and the other flags; writes
-    /// report.html and report.csv.
+    /// Measures time and error with other samples, filters, bounces and grids; writes report.html and report.csv.
     ///
     /// Example: raytracer -input scene.txt -size 60 60 -shadows -error_report folder
     #[arg(long, value_name = "folder", conflicts_with_all = RENDERING)]
     #[arg(conflicts_with_all = ["output", "region", "jitter", "filter", "visualize_grid", "reference", "tolerance"])]
     pub error_report: Option<PathBuf>,
 
-    /// Prints the cheapest of all settings measured whose root mean square error is at most this, in levels; status 3
+    /// Prints the cheapest measured setting with a root mean square error of at most this, in levels. Ends with status 3
     /// if there is none.
     #[arg(long, value_name = "rmse", value_parser = number(NOT_NEGATIVE), requires = "error_report")]
     pub target: Option<f64>,
 
     /// Prints counters and times after rendering.
     ///
-    /// The program then runs and counts the course's algorithm, so that the counters can be compared.
+    /// The program then runs and counts the course's algorithm, so the counters are comparable.
     #[arg(long, group = "usual")]
     pub stats: bool,
 
-    /// Renders n times, 1 to 10000, and prints the least and the median time and the spread (maximum minus minimum).
+    /// Renders n times, 1 to 10000, and prints the least time, the median and the spread (maximum minus minimum).
     ///
     /// With -stats the course's algorithm is timed, otherwise the optimised one. Pictures are written once.
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(1..=10_000))]
     pub repeat: Option<u32>,
 
-    /// Draws what each pixel costs in false colours; kind is rays, tests or cells, as -stats counts them.
+    /// Draws the cost of each pixel as a heat map; kind is rays, tests or cells, as -stats counts them.
     ///
     /// Example: raytracer -input scene.txt -grid 20 20 20 -cost_map tests cost.png
     #[arg(long, num_args = 2..=3, value_names = ["kind", "picture", "format"])]
     pub cost_map: Option<Vec<OsString>>,
 
-    /// Prints the rays behind one pixel, and what each of them meets. The top left pixel is 0 0.
+    /// Prints the rays behind one pixel, and what each of them hits. The top left pixel is 0 0.
     ///
     /// Example: raytracer -input scene.txt -size 200 200 -shadows -pixel 100 160
     #[arg(long, num_args = 2, value_names = ["x", "y"], value_parser = value_parser!(u16))]
     #[arg(conflicts_with = "visualize_grid", requires = "input")]
     pub pixel: Option<Vec<u16>>,
 
-    /// Writes everything that is reported as .json; - writes it to standard output in place of the text.
+    /// Writes everything the run reports as .json; - writes it to standard output instead of the text.
     #[arg(long, value_name = "document")]
-    #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "neither - nor .json"))]
+    #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "must be - or end in .json"))]
     pub json: Option<PathBuf>,
 
     /// Renders, then shows the scene as a live page in the browser. Needs a terminal, or -port.
@@ -367,11 +365,11 @@ pub(super) struct Flags {
 
     /// Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.
     ///
-    /// Without it, one thread begins work that looks short, and the others join if it lasts.
+    /// By default, short work starts on one thread, and the others join if it lasts.
     #[arg(long, value_name = "n", value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_THREADS))]
     pub threads: Option<usize>,
 
-    /// Prints the progress every ten seconds where standard error is no terminal. A terminal shows it after one second.
+    /// Prints the progress every ten seconds if standard error is no terminal. A terminal shows it after one second.
     #[arg(long, alias = "show_progress", conflicts_with = "quiet")]
     pub progress: bool,
 
@@ -387,7 +385,7 @@ pub(super) struct Flags {
     #[arg(long)]
     h: bool,
 
-    /// Prints this text; -help size tells all about a flag, and -help shadow lists the flags with this word.
+    /// Lists all flags. -help size explains a flag, and -help shadow lists the flags with this word.
     #[arg(long)]
     help: bool,
 

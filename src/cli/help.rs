@@ -13,8 +13,8 @@ const WIDTH: usize = 80;
 const ROOM: usize = 5;
 
 const USUAL_TAIL: &str = "
--help lists all flags, -help size tells all about one, and -help shadow lists
-those with this word.
+-help lists all flags, -help size explains one, and -help shadow lists the flags
+with this word.
 ";
 
 const TAIL: &str = "

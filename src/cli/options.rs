@@ -227,10 +227,10 @@ impl Options {
     fn check_together(&self) -> Result<(), Diagnostic> {
         let [width, height] = self.picture_size();
         if width == 0 || height == 0 {
-            return fail("-filter: a third of the picture's width or height is no pixel");
+            return fail("-filter needs at least 3 x 3 pixels: use a larger -size");
         }
         if self.region.is_some_and(|part| part.x + part.width > width || part.y + part.height > height) {
-            return fail(format!("-region: not within the picture of {width} x {height} pixels"));
+            return fail(format!("-region reaches beyond the picture of {width} x {height} pixels"));
         }
         if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {
             let [last_column, last_row] = [width - 1, height - 1];
@@ -438,7 +438,7 @@ fn structure(values: &[OsString]) -> Result<Structure, Diagnostic> {
     };
     let [x, y, z] = [x?, y?, z?];
     if [x, y, z].map(u128::from).iter().product::<u128>() >= CELL_LIMIT {
-        return fail(format!("-grid: {x} x {y} x {z} cells are too many, 2147483647 is the most"));
+        return fail(format!("-grid: {x} x {y} x {z} cells are more than 2147483647"));
     }
     Ok(Structure::Grid(Resolution::Cells([x, y, z].map(|n| n as usize))))
 }

@@ -36,7 +36,7 @@ impl Output {
             (Some(_), Some(word)) => return unexpected(word),
             (None, Some(word)) => match Format::named(&word.to_string_lossy()) {
                 Some(format) => format,
-                None => return invalid(flag, word, "none of tga, png, bmp, ppm, pfm and exr"),
+                None => return invalid(flag, word, "must be tga, png, bmp, ppm, pfm or exr"),
             },
             (None, None) => {
                 let needed = "needs its format after it, as in '- png'";
@@ -114,7 +114,7 @@ fn cost_map(values: &[OsString]) -> Result<Output, Diagnostic> {
         Some("rays") => Cost::Rays,
         Some("tests") => Cost::Tests,
         Some("cells") => Cost::Cells,
-        _ => return invalid("cost_map", &values[0], "none of rays, tests, cells"),
+        _ => return invalid("cost_map", &values[0], "must be rays, tests or cells"),
     };
     // A picture in false colours has nothing beyond bytes.
     Output::new("cost_map", &values[1..], [Layer::Cost(cost); 2])?.of_bytes("cost_map")

@@ -21,9 +21,9 @@ pub(super) const NOT_NEGATIVE: Numbers = (0.0..=f64::MAX, "not a finite number o
 /// The filter's weights divide by its size and the square of that, which must not underflow.
 pub(super) const FILTER_SIZE: Numbers = (1e-6..=1e6, "not in 0.000001..=1000000 pixels");
 
-pub(super) const NOT_PICTURE: &str = "none of .tga, .png, .bmp, .ppm, .pfm and .exr";
-pub(super) const NOT_BYTES: &str = "none of .tga, .png, .bmp and .ppm";
-pub(super) const NOT_PART: &str = "neither .tga nor .png, as parts are";
+pub(super) const NOT_PICTURE: &str = "must end in .tga, .png, .bmp, .ppm, .pfm or .exr";
+pub(super) const NOT_BYTES: &str = "must end in .tga, .png, .bmp or .ppm";
+pub(super) const NOT_PART: &str = "must end in .tga or .png, as parts do";
 
 /// One side of a picture, or both.
 pub(super) type Sides = Vec<usize>;

@@ -96,7 +96,7 @@ impl<'o> Pair<'o> {
             if !(wanted.needs_scene() && only_shows && live::is_shown(options)) {
                 return Err(pair.cannot_compare([a, b]));
             }
-            let note = "the picture to compare with has another size, which only the page takes";
+            let note = "the picture to compare has another size: only the page compares the two";
             log.tell(Diagnostic::note(note));
             return Ok(None);
         }
@@ -184,11 +184,11 @@ pub fn read_picture(path: &Path, done: &str, log: &Log) -> Result<Picture, Diagn
     let (picture, Remarks { clamped, has_line_end }) = read_remarked_picture(path)?;
     let shown = quoted(path);
     if clamped > 0 {
-        let message = format!("{clamped} pixels of {shown} are not within 0 to 1; they are {done} clamped");
+        let message = format!("{clamped} pixels of {shown} are outside 0 to 1 and are {done} clamped");
         log.tell(Diagnostic::note(message));
     }
     if has_line_end {
-        log.tell(Diagnostic::note(format!("a line end follows the last pixel of {shown}; it is left out")));
+        log.tell(Diagnostic::note(format!("ignored a line end after the last pixel of {shown}")));
     }
     Ok(picture)
 }

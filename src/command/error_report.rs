@@ -73,7 +73,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     }
     put_in_place(vec![page_file, csv_file])?;
     if report.measured() < report.planned {
-        log.tell(Diagnostic::note("the run was ended; the report has what was measured until then"));
+        log.tell(Diagnostic::note("stopped: the report has the measurements made so far"));
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let text = text(&report, &answers, Shell::OF_SYSTEM);

@@ -151,7 +151,7 @@ fn tell_other_names(table: &Table, log: &Log) {
             let (name, file, picture) = (escape(name), escape(file), escape(picture));
             let more =
                 if others.len() > 1 { format!(", and {} more", others.len() - 1) } else { String::new() };
-            log.tell(Diagnostic::note(format!("{name}: {file} is taken for {picture}{more}")));
+            log.tell(Diagnostic::note(format!("{name}: graded {file} as {picture}{more}")));
         }
     }
 }

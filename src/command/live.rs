@@ -12,7 +12,7 @@ pub fn note(options: &Options) -> Option<&'static str> {
     match &options.page {
         Some(_) if is_shown(options) => None,
         Some(_) if cfg!(not(feature = "gui")) => Some("this build has no live page, so `-gui` shows nothing"),
-        Some(_) if scene_file(options).is_none() => Some("`-gui` shows a scene in a file, and there is none"),
+        Some(_) if scene_file(options).is_none() => Some("`-gui` needs a scene in a file"),
         Some(_) => Some("`-gui` opens its page on a terminal; elsewhere it needs `-port n`"),
         None if options.preview => Some("`-tessellation` and `-gouraud` change nothing"),
         None => None,

@@ -192,7 +192,7 @@ fn not_shown(exceptional: &Exceptional) -> Vec<Diagnostic> {
         1 => Some("the colour of 1 pixel is not a number; it is black".into()),
         _ => Some(format!("the colours of {black} pixels are not numbers; they are black")),
     };
-    let nan = (nan > 0).then(|| format!("pixels that are not numbers, also in the file: {nan}"));
+    let nan = (nan > 0).then(|| format!("pixels that are NaN in the file: {nan}"));
     let beyond = (out_of_range > 0)
         .then(|| format!("pixels beyond single precision, infinite or 0 in the file: {out_of_range}"));
     [black, nan, beyond].into_iter().flatten().map(Diagnostic::warning).collect()

@@ -35,7 +35,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
         false => no_lights,
     });
     if asks_for_nothing(options) {
-        found.push(Diagnostic::warning("no picture is asked for: add `-output file.tga`"));
+        found.push(Diagnostic::warning("nothing is written: add `-output file.tga`"));
     }
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
     let request = Request { effects: *effects, ..options.request() };

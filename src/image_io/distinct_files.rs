@@ -56,7 +56,7 @@ pub fn check_distinct(
         for (kind, path) in read {
             if let Some(file) = FileId::of(&path, "/dev/stdin").and_then(|identity| known.get(&identity)) {
                 let path = if is_stream(&path) { "standard input".into() } else { quoted(&path) };
-                return Err(Diagnostic::error(format!("{file} is the {kind} {path}, which would be lost")));
+                return Err(Diagnostic::error(format!("{file} would overwrite the {kind} {path}")));
             }
         }
     }

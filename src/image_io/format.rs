@@ -99,7 +99,7 @@ const SHOWN: usize = 24;
 /// The problem of a file that ends too early.
 pub(super) const CUT_HEADER: &str = "it ends within its header";
 /// Advice for a picture with other text in it.
-pub(super) const OTHER_TEXT: &str = "messages belong to the standard error, as `std::cerr`";
+pub(super) const OTHER_TEXT: &str = "print messages to standard error, as with `std::cerr`";
 
 /// The starts of files that are not read, and what to do with them.
 const FOREIGN: [(&[u8], &str, &str); 13] = [
@@ -112,14 +112,14 @@ const FOREIGN: [(&[u8], &str, &str); 13] = [
     (b"<", "a page or a file in XML", "save the picture in it as PNG"),
     (b"PK\x03\x04", "a ZIP archive", "unpack it"),
     (b"\x1f\x8b", "compressed with gzip", "unpack it"),
-    (b"version https://git-lfs", "a pointer of Git LFS", "`git lfs pull` fetches the picture"),
+    (b"version https://git-lfs", "a pointer of Git LFS", "fetch the picture with `git lfs pull`"),
     (b"\xff\xfe", WIDE, BYTES),
     (b"\xfe\xff", WIDE, BYTES),
     (b"P\x003\0", WIDE, BYTES),
 ];
 const CONVERT: &str = "convert it to PNG";
 const WIDE: &str = "text in UTF-16, as `>` in PowerShell writes it";
-const BYTES: &str = "`>` in cmd.exe leaves the bytes as they are, and an editor can save it as UTF-8";
+const BYTES: &str = "use `>` in cmd.exe, or save the file as UTF-8 in an editor";
 
 /// Returns the format of a file by its first bytes. An error, without the file, if its name has the ending of another
 /// format.

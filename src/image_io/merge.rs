@@ -36,12 +36,16 @@ impl Merge {
                 true => continue,
             };
             let [other, path] = [other, &path].map(quoted);
-            return failed(format!("{other} and {path} do not belong together: the former is {difference}"));
+            return failed(format!(
+                "{other} and {path} are not parts of one picture: the first is {difference}"
+            ));
         }
         let [width, height] = first.whole.map(|side| side as usize);
         let target = region.unwrap_or(Window { x: 0, y: 0, width, height });
         if !target.fits([width, height]) {
-            return failed(format!("`-region`: not within the whole picture of {width} x {height} pixels"));
+            return failed(format!(
+                "`-region` reaches beyond the whole picture of {width} x {height} pixels"
+            ));
         }
         if let Some(Window { x, y, width, height }) = first_gap(&parts, target) {
             return failed(format!("a part is missing: `-region {x} {y} {width} {height}`"));

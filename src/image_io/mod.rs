@@ -49,5 +49,5 @@ fn cannot(action: &str, path: &Path, reason: impl Into<Diagnostic>) -> Diagnosti
 
 /// Returns the error of a file whose name ends in none of the endings of pictures.
 fn unknown_ending() -> Diagnostic {
-    Diagnostic::error("its name ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr")
+    Diagnostic::error("its name must end in .tga, .png, .bmp, .ppm, .pfm or .exr")
 }

@@ -96,7 +96,7 @@ impl<'a> Text<'a> {
         } else if bits == 32 {
             let word = self.word()?;
             let scale = parse::<f64>(word).filter(|scale| scale.is_finite() && *scale != 0.0);
-            let scale = scale.ok_or_else(|| self.bad_word(word, "is no scale, a number other than 0"))?;
+            let scale = scale.ok_or_else(|| self.bad_word(word, "is not a scale: a number other than 0"))?;
             header.is_little_endian = scale < 0.0;
         }
         Ok(header)
@@ -164,7 +164,7 @@ impl<'a> Text<'a> {
             };
             let mut pixels = row.as_chunks_mut().0.iter_mut().enumerate();
             if !pixels.all(|(x, pixel)| header.set(pixel, |channel| sample(x * channels + channel))) {
-                let problem = format!("row {} has a sample above {white}, its white", y + 1);
+                let problem = format!("row {} has a sample above {white}, the maximum", y + 1);
                 return Err(Diagnostic::error(problem));
             }
         }
@@ -195,7 +195,7 @@ impl<'a> Text<'a> {
                 }
                 let bytes = if surplus == 1 { "byte" } else { "bytes" };
                 let problem = format!("it is {surplus} {bytes} too long for {width} x {height} pixels");
-                Err(Diagnostic::error(problem + ", so that they may be shifted")
+                Err(Diagnostic::error(problem + ": they may be shifted")
                     .with_hint("write it in binary mode, one picture in a file"))
             }
         }

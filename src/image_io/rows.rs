@@ -27,14 +27,12 @@ impl PartFile {
         let no_part = |problem: String| cannot("merge", path, Diagnostic::error(problem));
         let Rows { size: [width, height], comment, .. } = Rows::open(path)?;
         let part = comment.as_deref().and_then(Part::parse).ok_or_else(|| {
-            no_part(format!(
-                "it is a picture of {width} x {height} pixels, and no part as `-region` makes it"
-            ))
+            no_part(format!("it is a picture of {width} x {height} pixels, not a part written by `-region`"))
         })?;
         let [x, y, width, height] = [part.at[0], part.at[1], width, height].map(|n| n as usize);
         let window = Window { x, y, width, height };
         if !window.fits(part.whole.map(|side| side as usize)) {
-            return Err(no_part("it says that it lies outside of its picture".into()));
+            return Err(no_part("its place lies outside its picture".into()));
         }
         Ok(Self { path: path.to_owned(), part, window })
     }
@@ -80,7 +78,11 @@ impl Rows {
             Ok(Some((size, comment, decoder))) if !size.contains(&0) => {
                 Ok(Self { path: path.to_owned(), size, comment, decoder, left: size[1] })
             }
-            Ok(_) => Err(cannot("merge", path, Diagnostic::error("it is not encoded as `-region` makes it"))),
+            Ok(_) => Err(cannot(
+                "merge",
+                path,
+                Diagnostic::error("it is not encoded like a part written by `-region`"),
+            )),
             Err(error) => Err(cannot("read", path, or_too_early(error, Diagnostic::error(CUT_HEADER)))),
         }
     }

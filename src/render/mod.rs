@@ -84,7 +84,7 @@ impl fmt::Display for Stopped {
                     f,
                     "the rays of one pixel split without end: more than {MOST_WAITING} wait to be traced; "
                 )?;
-                write!(f, "fewer `-bounces` or a larger `-weight` ends them")
+                write!(f, "use fewer `-bounces` or a larger `-weight`")
             }
         }
     }

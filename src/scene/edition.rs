@@ -71,15 +71,15 @@ impl Choice {
     /// Returns a note if the words identified the edition, or a warning if they were ambiguous.
     pub fn remark(&self) -> Option<Diagnostic> {
         let (edition, because) = (self.edition, self.because.as_ref()?);
-        let taken = format!("the scene is taken as one of the edition {edition}");
+        let taken = format!("the scene is read as edition {edition}");
         if self.others.is_empty() {
             return Some(Diagnostic::note(format!(
-                "{taken}, because of {because}; `-edition` names another"
+                "{taken}, because of {because}; `-edition` chooses another"
             )));
         }
         let others: Vec<String> = self.others.iter().map(|other| format!("`-edition {other}`")).collect();
         let hint = format!("add `-edition {edition}`, or {} for another picture", others.join(" or "));
-        Some(Diagnostic::warning(format!("{taken}, but {because} may be of others")).with_hint(hint))
+        Some(Diagnostic::warning(format!("{taken}, but {because} may belong to another")).with_hint(hint))
     }
 }
 

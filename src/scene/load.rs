@@ -156,8 +156,7 @@ fn read_words(text: &str, named: Option<Edition>) -> Result<(Choice, Reading), D
         }
         Err(error) => {
             let because = choice.because.unwrap_or_default();
-            let read =
-                format!("the scene is read as one of `-edition {}`, because of {because}", choice.edition);
+            let read = format!("the scene is read as `-edition {}`, because of {because}", choice.edition);
             let hint = error.hint.as_ref().map_or(read.clone(), |hint| format!("{hint}; {read}"));
             Err(error.with_hint(hint))
         }
@@ -178,7 +177,7 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     match stream.take(LONGEST_STREAM + 1).read_to_end(&mut bytes)? as u64 {
         0..=LONGEST_STREAM => Ok(bytes),
-        _ => Err(io::Error::other("it does not end after 256 MiB")),
+        _ => Err(io::Error::other("it is longer than 256 MiB")),
     }
 }
 

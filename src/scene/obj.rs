@@ -130,8 +130,8 @@ mod tests {
             ("# nothing", ""),
             (SQUARE, ""),
             ("v 0 0 0\nv 1 0 0\nl 1 2\n", ", only points, lines or curves"),
-            ("surf 0 1 0 1 1 2 3 4", ": a curved surface is left out"),
-            ("nothing", ": `nothing` is no keyword of OBJ, and its line is left out"),
+            ("surf 0 1 0 1 1 2 3 4", ": a curved surface is ignored"),
+            ("nothing", ": `nothing` is not a keyword of OBJ; its line is ignored"),
         ] {
             assert_eq!(refuse(text).message, format!("the mesh has no faces{why}"), "{text}");
         }
@@ -161,15 +161,14 @@ mod tests {
     /// Returns faulty statements (`@` marks the caret), the error message, and the start of its hint.
     fn faults() -> Vec<(&'static str, String, &'static str)> {
         const NUMBERS: &str = "a vertex needs three numbers";
-        let word = |word: &str| format!("{NUMBERS}, and `{word}` is none");
+        let word = |word: &str| format!("{NUMBERS}, found `{word}`");
         let few = || NUMBERS.to_owned();
         let surplus = |count: usize| {
             format!(
                 "a vertex has {count} numbers: it needs three, and may have a weight or a colour of three or four"
             )
         };
-        let corner =
-            |word: &str| format!("a face needs vertex indices such as `1 2 3`, and `{word}` is none");
+        let corner = |word: &str| format!("a face needs vertex indices such as `1 2 3`, found `{word}`");
         let few_corners = || "a face needs at least three vertices".to_owned();
         let missing = || "a face names a vertex that does not exist; the mesh has 4".to_owned();
         let negative = "a negative index counts back";
@@ -297,8 +296,8 @@ mod tests {
         assert_eq!(
             said,
             [
-                "line 5, column 1: warning: `F` is no keyword of OBJ, and its line is left out (and 1 more)",
-                "line 8, column 2: warning: a curved surface is left out",
+                "line 5, column 1: warning: `F` is not a keyword of OBJ; its line is ignored (and 1 more)",
+                "line 8, column 2: warning: a curved surface is ignored",
                 "line 9, column 1: warning: the outline of the polygon crosses itself (and 1 more)",
                 "line 11, column 1: warning: the outline of the polygon encloses nothing (and 2 more)",
             ]
@@ -314,7 +313,7 @@ mod tests {
         let error = parse_obj(text).unwrap_err();
         assert_eq!(
             (error.position(), error.message.clone()),
-            (Some(at), "a vertex needs three numbers, and `\u{fffd}` is none".to_owned())
+            (Some(at), "a vertex needs three numbers, found `\u{fffd}`".to_owned())
         );
         let shown = error.in_text(Path::new("m"), &super::text(text)).to_string();
         assert!(shown.ends_with("\n    2 | v 0 \u{fffd} 0\n      |     ^"), "{shown}");
@@ -378,7 +377,7 @@ mod tests {
             assert_eq!(read(&text).texture_coordinates, [found], "{number}");
         }
         let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true).unwrap_err();
-        assert_eq!(error.message, "a texture coordinate needs numbers, and `x` is none");
+        assert_eq!(error.message, "a texture coordinate needs numbers, found `x`");
         // A file without coordinates has an empty list, even if faces refer to some.
         assert_eq!(read(&format!("{SQUARE}f 1/1 2/2 3/3\n")).texture_coordinates, []);
         // An index far out of range allocates nothing.

@@ -63,7 +63,7 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
         triangles.extend(polygon.triangles.iter().map(|triangle| triangle.map(|corner| first + corner)));
         match polygon.fault {
             Some(OutlineFault::Crosses) => crossing.add(|| {
-                let hint = "what it covers is a guess: divide it into triangles when the mesh is exported";
+                let hint = "its triangles are a guess: export the mesh as triangles";
                 fault(text, statement, "the outline of the polygon crosses itself", Some(hint))
             }),
             Some(OutlineFault::EnclosesNothing) => {
@@ -138,16 +138,15 @@ impl<'a> Normal<'a> {
                 b"vt" if self.is_textured => self.coordinate(&words)?,
                 b"f" | b"fo" => self.face(&words)?,
                 b"surf" | b"bsp" | b"bzp" | b"cdc" | b"cdp" => self.surfaces.add(|| {
-                    let hint = "convert it to polygons when the mesh is exported";
-                    fault(text, words[0], "a curved surface is left out", Some(hint))
+                    let hint = "export the mesh as polygons";
+                    fault(text, words[0], "a curved surface is ignored", Some(hint))
                 }),
                 b"p" | b"l" | b"curv" | b"curv2" => has_lines = true,
                 word if is_keyword(word) => {}
                 word => self.unknown.add(|| {
                     let name = String::from_utf8_lossy(word);
                     let hint = nearest(&name, &COMMON).map(|near| format!("did you mean `{near}`?"));
-                    let message =
-                        format!("{} is no keyword of OBJ, and its line is left out", quoted(&*name));
+                    let message = format!("{} is not a keyword of OBJ; its line is ignored", quoted(&*name));
                     fault(text, word, message, hint.as_deref())
                 }),
             }
@@ -243,7 +242,7 @@ impl<'a> Normal<'a> {
     /// Returns the error that a word breaks a rule.
     fn not(&self, word: &[u8], rule: &str, is_corner: bool) -> Diagnostic {
         let shown = String::from_utf8_lossy(word);
-        fault(self.text, word, format!("{rule}, and {} is none", quoted(&*shown)), hint(&shown, is_corner))
+        fault(self.text, word, format!("{rule}, found {}", quoted(&*shown)), hint(&shown, is_corner))
     }
 
     fn face(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {

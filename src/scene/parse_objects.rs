@@ -112,7 +112,7 @@ impl ObjectTree {
             return Err(reader.unexpected("an object", &OBJECTS));
         }
         if announced.is_reached() && before != reader.peek() {
-            let problem = "must stand before an object, but the group's last object is past";
+            let problem = "must come before an object, but the group has no more";
             return Err(Diagnostic::error(format!("{} {problem}", before.quoted())).at(before.at));
         }
         Ok(false)

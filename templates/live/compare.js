@@ -65,7 +65,7 @@ async function compareLive(mine) {
   find('cause').textContent = 'looking for the cause …';
   const found = await ask('/cause', question);
   if (mine !== turn) return;
-  find('cause').textContent = found.meta.cause ? `cause: ${found.meta.cause}` : 'No cause can be looked for here.';
+  find('cause').textContent = found.meta.cause ? `cause: ${found.meta.cause}` : 'No cause can be searched for here.';
 }
 
 // Offers the pixel with the largest difference, if there is one.

@@ -28,7 +28,7 @@ async function editorSends() {
     if (mine !== editor.sent) return;
     editor.errors = meta.errors || [];
     if (meta.scene) view.open(meta.scene);
-    else find('taken').textContent = 'The text is no scene of this edition; “Scene” shows where.';
+    else find('taken').textContent = 'The text is not a scene of this edition; “Scene” shows where.';
     if (meta.scene && meta.scene.is_unlit) say('The scene has no lights: its surfaces show their flat colours.');
   } catch (error) {
     complain(error);

@@ -142,7 +142,7 @@ function startRays() {
   find('untrace').addEventListener('click', clearRays);
   find('show-cells').addEventListener('change', () => {
     if (find('show-cells').checked && traced.rays && traced.rays.cells.length === 0) {
-      say('Without a grid no cells are passed: choose one among the controls, and trace again.');
+      say('There is no grid: choose one in Controls, and trace again.');
     }
     drawOverlay();
   });

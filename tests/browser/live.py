@@ -508,7 +508,7 @@ def check_editions(program, browser, folder, shot):
         page.run("find('refine').click(); return 0")
         page.settle()
         taken = page.run("return find('taken').textContent")
-        assert taken.startswith("the scene is taken as one of the edition 2012a5, because of `falloff`"), taken
+        assert taken.startswith("the scene is read as edition 2012a5, because of `falloff`"), taken
         assert page.run("return find('bounces').placeholder") == "4"
         page.check_pixels("by the scene")
         assert "-edition 2012a5" in page.run(command), page.run(command)

@@ -53,14 +53,14 @@ fn numbers_become_bytes_and_clamped_ones_are_counted() {
     folder.run(&format!("{RENDER} -output o.pfm")).ok();
     let run = folder.run("-convert o.pfm -output c.tga").ok();
     assert!(
-        run.stderr.starts_with("note: ") && run.stderr.ends_with("they are converted clamped\n"),
+        run.stderr.starts_with("note: ") && run.stderr.ends_with("and are converted clamped\n"),
         "{}",
         run.stderr
     );
     assert!(folder.read("c.tga") == folder.read("o.tga"));
     assert_eq!(
         folder.run("-convert o.tga -output c.exr").message(2),
-        "error: invalid value 'c.exr' for '-output': none of .tga, .png, .bmp and .ppm\n"
+        "error: invalid value 'c.exr' for '-output': must end in .tga, .png, .bmp or .ppm\n"
     );
 }
 
@@ -70,13 +70,9 @@ fn the_picture_that_is_read_is_not_written_and_nothing_else_is_understood() {
     folder.run(&format!("{RENDER} -output o.png")).ok();
     let before = folder.read("o.png");
     for (line, status, message) in [
-        ("-convert o.png -output o.png", 2, "`o.png` is the picture `o.png`, which would be lost"),
-        ("-convert o.png -output ./o.png", 2, "`./o.png` is the picture `o.png`, which would be lost"),
-        (
-            "-convert o.png",
-            2,
-            "the following required arguments were not provided: -output <picture> [format]",
-        ),
+        ("-convert o.png -output o.png", 2, "`o.png` would overwrite the picture `o.png`"),
+        ("-convert o.png -output ./o.png", 2, "`./o.png` would overwrite the picture `o.png`"),
+        ("-convert o.png", 2, "missing -output <picture> [format]"),
         (
             "-convert o.png -output a.bmp -size 3 3",
             2,
@@ -95,17 +91,17 @@ fn the_picture_that_is_read_is_not_written_and_nothing_else_is_understood() {
         (
             "-convert s.txt -output a.bmp",
             2,
-            "invalid value 's.txt' for '-convert <picture>': none of .tga, .png, .bmp, .ppm, .pfm and .exr",
+            "invalid value 's.txt' for '-convert <picture>': must end in .tga, .png, .bmp, .ppm, .pfm or .exr",
         ),
         (
             "-merge o.png -output a.bmp",
             1,
-            "cannot merge `o.png`: it is a picture of 21 x 15 pixels, and no part as `-region` makes it",
+            "cannot merge `o.png`: it is a picture of 21 x 15 pixels, not a part written by `-region`",
         ),
         (
             "-merge o.bmp -output a.png",
             2,
-            "invalid value 'o.bmp' for '-merge <parts>...': neither .tga nor .png, as parts are",
+            "invalid value 'o.bmp' for '-merge <parts>...': must end in .tga or .png, as parts do",
         ),
     ] {
         assert_eq!(folder.run(line).message(status), format!("error: {message}\n"), "{line}");

@@ -92,7 +92,7 @@ fn the_most_expensive_pixel_is_white_and_the_background_black() {
 #[test]
 fn a_kind_that_is_none_is_an_error() {
     let message = Folder::with_scene(SCENE).run("-input s.txt -cost_map time m.tga").message(2);
-    for part in ["'time'", "-cost_map", "rays, tests, cells"] {
+    for part in ["'time'", "-cost_map", "rays, tests or cells"] {
         assert!(only_line(&message).contains(part), "{message}");
     }
 }

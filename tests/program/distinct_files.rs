@@ -69,11 +69,11 @@ fn a_file_that_is_read_is_not_replaced() {
     symlink("m.obj", path("mesh.json")).unwrap();
     let (scene, mesh) = (folder.read("s.txt"), folder.read("m.obj"));
     for (flags, expected) in [
-        ("-output scene.tga", "error: `scene.tga` is the scene `s.txt`, which would be lost"),
-        ("-normals scene.png", "error: `scene.png` is the scene `s.txt`, which would be lost"),
-        ("-output s.txt tga", "error: `s.txt` is the scene `s.txt`, which would be lost"),
-        ("-output mesh.tga", "error: `mesh.tga` is the mesh `m.obj`, which would be lost"),
-        ("-stats -json mesh.json", "error: `mesh.json` is the mesh `m.obj`, which would be lost"),
+        ("-output scene.tga", "error: `scene.tga` would overwrite the scene `s.txt`"),
+        ("-normals scene.png", "error: `scene.png` would overwrite the scene `s.txt`"),
+        ("-output s.txt tga", "error: `s.txt` would overwrite the scene `s.txt`"),
+        ("-output mesh.tga", "error: `mesh.tga` would overwrite the mesh `m.obj`"),
+        ("-stats -json mesh.json", "error: `mesh.json` would overwrite the mesh `m.obj`"),
     ] {
         assert_eq!(only_line(&folder.run(&format!("-input s.txt {flags}")).message(2)), expected);
     }
@@ -108,33 +108,73 @@ fn everything_that_is_read() -> Folder {
 
 /// A run, the file that it would write over, and its message, in which `NEW` is the name that the file has for the run.
 const OVERWRITING: &[(&str, &str, &str)] = &[
-    ("-input s.txt -output NEW.tga -compare a.tga", "a.tga", "`NEW.tga` is the picture `a.tga`"),
-    ("-input s.txt -output NEW.tga -reference a.tga", "a.tga", "`NEW.tga` is the picture `a.tga`"),
-    ("-input s.txt -normals NEW.png -compare b.png", "b.png", "`NEW.png` is the picture `b.png`"),
-    ("-compare a.tga -reference b.png -difference NEW.tga", "a.tga", "`NEW.tga` is the picture `a.tga`"),
-    ("-compare a.tga -reference b.png -difference NEW.tga", "b.png", "`NEW.tga` is the picture `b.png`"),
-    ("-compare a.tga -reference b.png -json NEW.json", "b.png", "`NEW.json` is the picture `b.png`"),
-    ("-input s.txt -size 4 4 -compare a.tga -difference NEW.png", "s.txt", "`NEW.png` is the scene `s.txt`"),
-    ("-input s.txt -size 4 4 -compare a.tga -difference NEW.png", "m.obj", "`NEW.png` is the mesh `m.obj`"),
-    ("-input s.txt -output o.tga -depth 1 2 NEW.pfm", "m.obj", "`NEW.pfm` is the mesh `m.obj`"),
-    ("-input s.txt -cost_map rays NEW.png", "s.txt", "`NEW.png` is the scene `s.txt`"),
-    ("-input s.txt -render_samples NEW.tga 2", "m.obj", "`NEW.tga` is the mesh `m.obj`"),
-    ("-input s.txt -render_filter NEW.tga 2", "s.txt", "`NEW.tga` is the scene `s.txt`"),
-    ("-merge top.tga rest.png -output NEW.tga", "top.tga", "`NEW.tga` is the part `top.tga`"),
-    ("-merge top.tga rest.png -output NEW.png", "rest.png", "`NEW.png` is the part `rest.png`"),
-    ("-grade class -commands c.csv -report NEW.html", "c.csv", "`NEW.html` is the list of commands `c.csv`"),
-    ("-grade class -commands c.csv -report NEW.html", "s.txt", "`NEW.html` is the scene `s.txt`"),
-    ("-grade class -commands c.csv -report NEW.html", "m.obj", "`NEW.html` is the mesh `m.obj`"),
+    ("-input s.txt -output NEW.tga -compare a.tga", "a.tga", "`NEW.tga` would overwrite the picture `a.tga`"),
+    (
+        "-input s.txt -output NEW.tga -reference a.tga",
+        "a.tga",
+        "`NEW.tga` would overwrite the picture `a.tga`",
+    ),
+    (
+        "-input s.txt -normals NEW.png -compare b.png",
+        "b.png",
+        "`NEW.png` would overwrite the picture `b.png`",
+    ),
+    (
+        "-compare a.tga -reference b.png -difference NEW.tga",
+        "a.tga",
+        "`NEW.tga` would overwrite the picture `a.tga`",
+    ),
+    (
+        "-compare a.tga -reference b.png -difference NEW.tga",
+        "b.png",
+        "`NEW.tga` would overwrite the picture `b.png`",
+    ),
+    (
+        "-compare a.tga -reference b.png -json NEW.json",
+        "b.png",
+        "`NEW.json` would overwrite the picture `b.png`",
+    ),
+    (
+        "-input s.txt -size 4 4 -compare a.tga -difference NEW.png",
+        "s.txt",
+        "`NEW.png` would overwrite the scene `s.txt`",
+    ),
+    (
+        "-input s.txt -size 4 4 -compare a.tga -difference NEW.png",
+        "m.obj",
+        "`NEW.png` would overwrite the mesh `m.obj`",
+    ),
+    ("-input s.txt -output o.tga -depth 1 2 NEW.pfm", "m.obj", "`NEW.pfm` would overwrite the mesh `m.obj`"),
+    ("-input s.txt -cost_map rays NEW.png", "s.txt", "`NEW.png` would overwrite the scene `s.txt`"),
+    ("-input s.txt -render_samples NEW.tga 2", "m.obj", "`NEW.tga` would overwrite the mesh `m.obj`"),
+    ("-input s.txt -render_filter NEW.tga 2", "s.txt", "`NEW.tga` would overwrite the scene `s.txt`"),
+    ("-merge top.tga rest.png -output NEW.tga", "top.tga", "`NEW.tga` would overwrite the part `top.tga`"),
+    ("-merge top.tga rest.png -output NEW.png", "rest.png", "`NEW.png` would overwrite the part `rest.png`"),
+    (
+        "-grade class -commands c.csv -report NEW.html",
+        "c.csv",
+        "`NEW.html` would overwrite the list of commands `c.csv`",
+    ),
+    (
+        "-grade class -commands c.csv -report NEW.html",
+        "s.txt",
+        "`NEW.html` would overwrite the scene `s.txt`",
+    ),
+    ("-grade class -commands c.csv -report NEW.html", "m.obj", "`NEW.html` would overwrite the mesh `m.obj`"),
     (
         "-grade class -commands c.csv -report NEW.html",
         "class/bob/a.tga",
-        "`NEW.html` is the picture `class/bob/a.tga`",
+        "`NEW.html` would overwrite the picture `class/bob/a.tga`",
     ),
-    ("-grade class -reference ref -report NEW.html", "ref/a.tga", "`NEW.html` is the picture `ref/a.tga`"),
+    (
+        "-grade class -reference ref -report NEW.html",
+        "ref/a.tga",
+        "`NEW.html` would overwrite the picture `ref/a.tga`",
+    ),
     (
         "-grade class -reference ref -report NEW.html",
         "class/ann/a.tga",
-        "`NEW.html` is the picture `class/ann/a.tga`",
+        "`NEW.html` would overwrite the picture `class/ann/a.tga`",
     ),
 ];
 
@@ -157,23 +197,35 @@ fn what_a_run_reads_it_never_writes() {
                 true => symlink(path(read), path(name)).unwrap(),
                 false => hard_link(path(read), path(name)).unwrap(),
             }
-            refuse(&folder, line, read, &format!("{message}, which would be lost"));
+            refuse(&folder, line, read, message);
             std::fs::remove_file(path(name)).unwrap();
         }
     }
     // By its own name.
     for (line, read, message) in [
-        ("-input s.txt -output a.tga -compare a.tga", "a.tga", "`a.tga` is the picture `a.tga`"),
+        ("-input s.txt -output a.tga -compare a.tga", "a.tga", "`a.tga` would overwrite the picture `a.tga`"),
         (
             "-input s.txt -output ./folder/../a.tga -reference a.tga",
             "a.tga",
-            "`./folder/../a.tga` is the picture `a.tga`",
+            "`./folder/../a.tga` would overwrite the picture `a.tga`",
         ),
-        ("-compare a.tga -reference b.png -difference a.tga", "a.tga", "`a.tga` is the picture `a.tga`"),
-        ("-merge top.tga rest.png -output top.tga", "top.tga", "`top.tga` is the part `top.tga`"),
-        ("-grade class -commands c.csv -report c.html", "c.csv", "`c.csv` is the list of commands `c.csv`"),
+        (
+            "-compare a.tga -reference b.png -difference a.tga",
+            "a.tga",
+            "`a.tga` would overwrite the picture `a.tga`",
+        ),
+        (
+            "-merge top.tga rest.png -output top.tga",
+            "top.tga",
+            "`top.tga` would overwrite the part `top.tga`",
+        ),
+        (
+            "-grade class -commands c.csv -report c.html",
+            "c.csv",
+            "`c.csv` would overwrite the list of commands `c.csv`",
+        ),
     ] {
-        refuse(&folder, line, read, &format!("{message}, which would be lost"));
+        refuse(&folder, line, read, message);
     }
 }
 
@@ -183,9 +235,9 @@ fn what_a_report_writes_is_no_scene_and_no_mesh_and_differs() {
     let path = |name: &str| folder.path().join(name);
     create_dir(path("er")).unwrap();
     for (file, read, message) in [
-        ("er/report.html", "s.txt", "`er/report.html` is the scene `s.txt`, which would be lost"),
-        ("er/report.csv", "s.txt", "`er/report.csv` is the scene `s.txt`, which would be lost"),
-        ("er/report.html", "m.obj", "`er/report.html` is the mesh `m.obj`, which would be lost"),
+        ("er/report.html", "s.txt", "`er/report.html` would overwrite the scene `s.txt`"),
+        ("er/report.csv", "s.txt", "`er/report.csv` would overwrite the scene `s.txt`"),
+        ("er/report.html", "m.obj", "`er/report.html` would overwrite the mesh `m.obj`"),
     ] {
         symlink(path(read), path(file)).unwrap();
         refuse(&folder, "-input s.txt -size 4 4 -error_report er", read, message);
@@ -202,7 +254,7 @@ fn what_a_report_writes_is_no_scene_and_no_mesh_and_differs() {
     );
     symlink(path("t.ppm"), path("er/report.csv")).unwrap();
     let line = "-edition 2012a4 -input textured.txt -size 4 4 -error_report er";
-    refuse(&folder, line, "t.ppm", "`er/report.csv` is the picture `t.ppm`, which would be lost");
+    refuse(&folder, line, "t.ppm", "`er/report.csv` would overwrite the picture `t.ppm`");
     std::fs::remove_file(path("er/report.csv")).unwrap();
     symlink("report.html", path("er/report.csv")).unwrap();
     let message = folder.run("-input s.txt -size 4 4 -error_report er").message(2);
@@ -218,12 +270,7 @@ fn the_part_of_a_stopped_run_is_no_other_file() {
     folder.write("o.partial.tga", folder.read("a.tga"));
     let part = "`o.partial.tga`, where a stopped run keeps rows of `o.tga`,";
     let line = "-input s.txt -output o.tga -compare o.partial.tga";
-    refuse(
-        &folder,
-        line,
-        "o.partial.tga",
-        &format!("{part} is the picture `o.partial.tga`, which would be lost"),
-    );
+    refuse(&folder, line, "o.partial.tga", &format!("{part} would overwrite the picture `o.partial.tga`"));
     let line = "-input s.txt -output o.tga -normals o.partial.tga";
     refuse(&folder, line, "o.partial.tga", &format!("{part} is also `o.partial.tga`"));
     // An earlier one is replaced.
@@ -235,12 +282,8 @@ fn standard_streams_that_are_files_count() {
     let folder = everything_that_is_read();
     let opened = |name: &str| File::options().append(true).open(folder.path().join(name)).unwrap();
     for (line, output, message) in [
-        ("-input s.txt -stats", "s.txt", "standard output is the scene `s.txt`, which would be lost"),
-        (
-            "-compare a.tga -reference b.png",
-            "a.tga",
-            "standard output is the picture `a.tga`, which would be lost",
-        ),
+        ("-input s.txt -stats", "s.txt", "standard output would overwrite the scene `s.txt`"),
+        ("-compare a.tga -reference b.png", "a.tga", "standard output would overwrite the picture `a.tga`"),
         ("-input s.txt -stats -output b.png", "b.png", "`b.png` and standard output are the same file"),
         (
             "-input s.txt -output - png -normals b.png",
@@ -250,18 +293,14 @@ fn standard_streams_that_are_files_count() {
         (
             "-merge top.tga rest.png -output - tga",
             "top.tga",
-            "standard output is the part `top.tga`, which would be lost",
+            "standard output would overwrite the part `top.tga`",
         ),
         (
             "-grade class -commands c.csv",
             "c.csv",
-            "standard output is the list of commands `c.csv`, which would be lost",
+            "standard output would overwrite the list of commands `c.csv`",
         ),
-        (
-            "-input s.txt -error_report er",
-            "s.txt",
-            "standard output is the scene `s.txt`, which would be lost",
-        ),
+        ("-input s.txt -error_report er", "s.txt", "standard output would overwrite the scene `s.txt`"),
     ] {
         let before = folder.read(output);
         let run = finish(folder.command(line).stdout(opened(output)));
@@ -270,7 +309,7 @@ fn standard_streams_that_are_files_count() {
     }
     let input = || File::open(folder.path().join("s.txt")).unwrap();
     let run = finish(folder.command("-input - -output s.txt tga").stdin(input()));
-    let expected = "error: `s.txt` is the scene standard input, which would be lost";
+    let expected = "error: `s.txt` would overwrite the scene standard input";
     assert_eq!(only_line(&run.message(2)), expected);
 }
 

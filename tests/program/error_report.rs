@@ -255,9 +255,9 @@ fn an_interrupt_keeps_what_is_done() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(said, "note: the run was ended; the report has what was measured until then\n");
+    assert_eq!(said, "note: stopped: the report has the measurements made so far\n");
     let page = String::from_utf8(folder.read("r/report.html")).unwrap();
-    assert!(page.contains("<strong>The run was ended: 0 of 86 settings were measured.</strong>"));
+    assert!(page.contains("<strong>The run was stopped: 0 of 86 settings were measured.</strong>"));
     assert_eq!(table(&folder, "r/report.csv").len(), 1);
 }
 

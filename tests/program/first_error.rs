@@ -73,7 +73,7 @@ fn a_mesh_with_an_error_shows_its_own_line() {
     folder.write("good.obj", "v 0 0 0\nf 1 1 1\n");
     folder.write("s.txt", scene("a"));
     let expected = "\
-s.txt:4:25: error: in the mesh `a.obj`: line 2: a vertex needs three numbers, and `x` is none
+s.txt:4:25: error: in the mesh `a.obj`: line 2: a vertex needs three numbers, found `x`
     4 | TriangleMesh { obj_file a.obj } }
       |                         ^
   a.obj:2:5:

@@ -172,9 +172,7 @@ fn floats_are_compared_as_the_bytes_that_they_show() {
         let notes: Vec<_> = [a, b]
             .iter()
             .filter(|name| !name.ends_with(".tga"))
-            .map(|name| {
-                format!("note: 48 pixels of `{name}` are not within 0 to 1; they are compared clamped\n")
-            })
+            .map(|name| format!("note: 48 pixels of `{name}` are outside 0 to 1 and are compared clamped\n"))
             .collect();
         assert_eq!(run.stderr, notes.concat());
     }
@@ -234,7 +232,7 @@ fn what_is_not_read_is_named() {
         ("no.exr", "it is not an EXR file, since it begins with `no picture at all`"),
         ("no.pfm", "it is a PPM file; name it `no.ppm`"),
         ("size.pfm", "line 2: `-1` is not a whole number from 0 to 4294967295"),
-        ("scale.pfm", "line 3: `0` is no scale, a number other than 0"),
+        ("scale.pfm", "line 3: `0` is not a scale: a number other than 0"),
         ("short.pfm", "it is too short for 1 x 2 pixels"),
         ("vast.pfm", "it is too short for 4294967295 x 4294967295 pixels"),
     ] {

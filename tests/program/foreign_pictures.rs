@@ -234,7 +234,7 @@ fn raw_files_that_are_too_long_or_a_byte_too_short_are_refused() {
     for end in ["\n", "\r\n"] {
         folder.write("a.ppm", file("P6\n2 2\n255\n", &samples, end.as_bytes()));
         let run = folder.run("-convert a.ppm -output out.ppm").ok();
-        assert_eq!(run.stderr, "note: a line end follows the last pixel of `a.ppm`; it is left out\n");
+        assert_eq!(run.stderr, "note: ignored a line end after the last pixel of `a.ppm`\n");
         assert_eq!(written(&folder), ([2, 2], samples.to_vec()));
     }
 }

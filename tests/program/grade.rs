@@ -263,7 +263,7 @@ fn a_picture_under_another_name_is_found_and_said() {
         ("two", "o.png"),
     ] {
         assert_eq!(result(&folder, who, "o.tga"), format!("passed,0,0,0,0,\"found as {file}\""));
-        let note = format!("note: {who}: {file} is taken for o.tga\n");
+        let note = format!("note: {who}: graded {file} as o.tga\n");
         assert!(run.stderr.contains(&note), "{}", run.stderr);
     }
     assert!(result(&folder, "own", "o.tga").starts_with("failed,"));
@@ -467,7 +467,10 @@ fn what_cannot_be_read_or_written_ends_the_run() {
     for (line, start) in [
         ("-grade none -reference ref", "error: cannot read the folder `none`: "),
         ("-grade s.txt -reference ref", "error: cannot read the folder `s.txt`: "),
-        ("-grade hollow -reference ref", "error: `hollow` has no folder of pictures in it"),
+        (
+            "-grade hollow -reference ref",
+            "error: `hollow` has no folder of pictures in it: put the pictures of each name into a folder",
+        ),
         ("-grade class -reference none", "error: cannot read the folder `none`: "),
         ("-grade class -reference hollow", "error: there is no picture to grade by"),
         ("-grade class -commands ref", "error: cannot read the commands `ref`: it is not a regular file"),

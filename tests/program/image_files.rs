@@ -162,7 +162,7 @@ fn a_name_that_tells_no_format_is_an_error() {
     let path = folder.path().join("a.jpg");
     let message = write(&path, &sample()).unwrap_err().to_string();
     assert!(
-        message.ends_with("a.jpg`: its name ends in none of .tga, .png, .bmp, .ppm, .pfm and .exr"),
+        message.ends_with("a.jpg`: its name must end in .tga, .png, .bmp, .ppm, .pfm or .exr"),
         "{message}"
     );
     assert!(names(&folder).is_empty());

@@ -17,6 +17,7 @@ mod course_page;
 mod distinct_files;
 #[cfg(unix)]
 mod documents;
+mod edition_pictures;
 mod editions;
 mod error_report;
 mod floats;

@@ -227,11 +227,11 @@ fn a_scene_without_an_end_is_refused() {
     for (run, expected) in [
         (
             folder.run("-input /dev/zero"),
-            "/dev/zero: error: cannot read the scene: it does not end after 256 MiB",
+            "/dev/zero: error: cannot read the scene: it is longer than 256 MiB",
         ),
         (
             finish(folder.command("-input -").stdin(zero())),
-            "standard input: error: cannot read the scene: it does not end after 256 MiB",
+            "standard input: error: cannot read the scene: it is longer than 256 MiB",
         ),
         (folder.run("-input folder"), "folder: error: cannot read the scene: Is a directory (os error 21)"),
     ] {

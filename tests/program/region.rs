@@ -198,7 +198,7 @@ fn a_gap_is_named_as_the_region_to_render() {
     assert_eq!(refused(&folder, "a.tga b.tga c.tga d.tga"), "error: a part is missing: `-region 14 15 9 2`");
     assert_eq!(
         refused(&folder, "a.tga -region 20 10 5 5"),
-        "error: `-region`: not within the whole picture of 23 x 17 pixels"
+        "error: `-region` reaches beyond the whole picture of 23 x 17 pixels"
     );
 }
 
@@ -231,13 +231,14 @@ fn parts_of_different_pictures_do_not_mix() {
         ("mesh", other),
         ("scene", other),
     ] {
-        let expected =
-            format!("error: `{file}.tga` and `a.tga` do not belong together: the former is {difference}");
+        let expected = format!(
+            "error: `{file}.tga` and `a.tga` are not parts of one picture: the first is {difference}"
+        );
         assert_eq!(refused(&folder, &format!("a.tga {file}.tga")), expected);
     }
     assert_eq!(
         refused(&folder, "a.tga whole.tga"),
-        "error: cannot merge `whole.tga`: it is a picture of 9 x 9 pixels, and no part as `-region` makes it"
+        "error: cannot merge `whole.tga`: it is a picture of 9 x 9 pixels, not a part written by `-region`"
     );
 }
 
@@ -303,7 +304,7 @@ fn damaged_parts_are_refused() {
     folder.write("flipped.tga", bytes);
     assert_eq!(
         refused(&folder, "flipped.tga"),
-        "error: cannot merge `flipped.tga`: it is not encoded as `-region` makes it"
+        "error: cannot merge `flipped.tga`: it is not encoded like a part written by `-region`"
     );
     fs::create_dir(folder.path().join("folder.tga")).unwrap();
     assert_eq!(refused(&folder, "folder.tga"), "error: cannot read `folder.tga`: it is not a regular file");

@@ -158,7 +158,7 @@ fn what_the_preview_s_flags_do_not_do_is_said_once() {
         assert_eq!(folder.tga("p.tga"), plain);
     }
     let run = folder.run("-compare p.tga -reference o.tga -gui -port 0").ok();
-    assert_eq!(only_line(&run.stderr), "note: `-gui` shows a scene in a file, and there is none");
+    assert_eq!(only_line(&run.stderr), "note: `-gui` needs a scene in a file");
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn names_in_other_capitals_are_one_file_where_the_disk_says_so() {
         ("-output a.tga -normals A.tga", ["a.tga", "A.tga"], "`a.tga` and `A.tga` are the same file"),
         // Both are there, or one of them.
         ("-output a.tga -normals A.tga", ["a.tga", "A.tga"], "`a.tga` and `A.tga` are the same file"),
-        ("-output S.TXT tga", ["s.txt", "S.TXT"], "`S.TXT` is the scene `s.txt`, which would be lost"),
+        ("-output S.TXT tga", ["s.txt", "S.TXT"], "`S.TXT` would overwrite the scene `s.txt`"),
     ];
     for (flags, names, expected) in cases {
         let run = folder.run(&format!("-input s.txt -size 9 9 {flags}"));

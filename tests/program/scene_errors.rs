@@ -170,9 +170,9 @@ const WITH_CAMERA: &[(&str, &str)] = &[
     ("Group { numObjects 1 Material { } @}", "`numObjects` announces 1, but only 0 found"),
     (
         "Materials { numMaterials 1 Material { } } Group { numObjects 0 @MaterialIndex 0 }",
-        "`MaterialIndex` must stand before an object",
+        "`MaterialIndex` must come before an object",
     ),
-    ("Group { numObjects 0 @Material { } }", "`Material` must stand before an object"),
+    ("Group { numObjects 0 @Material { } }", "`Material` must come before an object"),
     ("Group { numObjects 1 MaterialIndex @0 }", "there is no material 0: none is declared"),
     ("Group { numObjects 1 @Sphere { center 0 0 0 radius 1 } }", "the `Sphere` has no material"),
     ("Group { numObjects 1 Transform { @Box { } } }", "the `Box` has no material"),

@@ -224,8 +224,8 @@ fn a_page_ends_by_a_signal_and_saves_no_picture_over_what_is_read() {
             assert_eq!(status, 422);
             body
         };
-        assert!(message("o.tga", "s.txt").contains("`o.tga` is the scene `s.txt`, which would be lost"));
-        assert!(message("n.png", "m.obj").contains("`n.png` is the mesh `m.obj`, which would be lost"));
+        assert!(message("o.tga", "s.txt").contains("`o.tga` would overwrite the scene `s.txt`"));
+        assert!(message("n.png", "m.obj").contains("`n.png` would overwrite the mesh `m.obj`"));
         assert!(message("n.png", "o.tga").contains("`o.tga` and `n.png` are the same file"));
         assert_eq!(folder.read("m.obj"), mesh.as_bytes());
         server.ask("/save", &saved).expect("saved");

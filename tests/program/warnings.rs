@@ -78,19 +78,19 @@ fn located() -> Vec<(String, &'static str, &'static str)> {
             scene(1, "TriangleMesh { obj_file @bow.obj }"),
             "",
             "in the mesh `bow.obj`: line 5: the outline of the polygon crosses itself (and 1 more)\n  \
-             bow.obj:5:1:\n  hint: what it covers is a guess: divide it into triangles when the mesh is exported",
+             bow.obj:5:1:\n  hint: its triangles are a guess: export the mesh as triangles",
         ),
         (
             scene(1, "TriangleMesh { obj_file @word.obj }"),
             "",
-            "in the mesh `word.obj`: line 4: `face` is no keyword of OBJ, and its line is left out (and 2 more)\n  \
+            "in the mesh `word.obj`: line 4: `face` is not a keyword of OBJ; its line is ignored (and 2 more)\n  \
              word.obj:4:1:",
         ),
         (
             scene(1, "TriangleMesh { obj_file @surface.obj }"),
             "",
-            "in the mesh `surface.obj`: line 5: a curved surface is left out\n  surface.obj:5:2:\n  \
-             hint: convert it to polygons when the mesh is exported",
+            "in the mesh `surface.obj`: line 5: a curved surface is ignored\n  surface.obj:5:2:\n  \
+             hint: export the mesh as polygons",
         ),
         (
             with(&light("@DirectionalLight { direction 0 0 -1 color 0 0 0 }"), &white, BALL),
@@ -212,7 +212,7 @@ fn the_line_is_shown_with_a_caret() {
 fn warnings_about_flags_are_one_line() {
     let folder = Folder::with_scene(&sphere());
     for (flags, expected) in [
-        ("-size 3 3", "warning: no picture is asked for: add `-output file.tga`\n"),
+        ("-size 3 3", "warning: nothing is written: add `-output file.tga`\n"),
         (
             "-output o.tga -bounces 3",
             "warning: `-bounces 3` has no effect: no object reflects or transmits light\n",
@@ -240,7 +240,7 @@ fn warnings_about_flags_are_one_line() {
         ),
         (
             "-normals n.tga -shadows -bounces 4 -jittered_samples 4",
-            "warning: `-shadows`, `-bounces 4`, `-jittered_samples 4` have no effect: no picture of colours is asked for\n",
+            "warning: `-shadows`, `-bounces 4`, `-jittered_samples 4` have no effect: no colour picture is rendered\n",
         ),
         (
             "-output o.tga -uniform_samples 4 -tent_filter 0.1",
@@ -380,7 +380,7 @@ fn strict_takes_each_for_an_error_and_writes_nothing() {
     }
     folder.write("s.txt", sphere());
     let message = folder.run("-input s.txt -strict").message(1);
-    assert_eq!(message, "error: no picture is asked for: add `-output file.tga`\n");
+    assert_eq!(message, "error: nothing is written: add `-output file.tga`\n");
     folder.write("s.txt", sphere().replace(LIGHT, ""));
     let message = folder.run("-input s.txt -output o.tga -strict").message(1);
     assert_eq!(message, "error: the scene has no lights\n");
@@ -436,7 +436,7 @@ fn the_project_s_own_scenes_are_silent() {
         let run = crate::support::finish(&mut crate::support::program(folder.path(), line)).ok();
         // The first assignment has no lights, and later editions are told by their words.
         let is_expected = |line: &str| {
-            line == "WARNING:  No lights specified" || line.starts_with("note: the scene is taken")
+            line == "WARNING:  No lights specified" || line.starts_with("note: the scene is read as edition")
         };
         assert!(run.stderr.lines().all(is_expected), "{scene}: {}", run.stderr);
     }

@@ -36,7 +36,10 @@ impl Folder {
         let is_folder = |name: &OsString| path.join(name).is_dir();
         let (names, others): (Vec<_>, Vec<_>) = entries.into_iter().partition(is_folder);
         if names.is_empty() {
-            return Err(Diagnostic::error(format!("{} has no folder of pictures in it", quoted(path))));
+            return Err(Diagnostic::error(format!(
+                "{} has no folder of pictures in it: put the pictures of each name into a folder",
+                quoted(path)
+            )));
         }
         let mut taken = vec![vec![]; wanted.len()];
         let mut notes: Vec<String> =

@@ -54,7 +54,7 @@ pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Diagn
         (filter != Filter::PIXEL && !shows_filter(request)).then(|| filter.flag()),
     ];
     let flags: Vec<String> = flags.into_iter().flatten().collect();
-    let why = ": no picture of colours is asked for".into();
+    let why = ": no colour picture is rendered".into();
     (!flags.is_empty()).then(|| Warning::FlagsWithoutEffect { flags, why }.into())
 }
 

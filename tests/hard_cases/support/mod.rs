@@ -21,6 +21,7 @@ pub mod textbook;
 pub mod textbook_grid;
 pub mod textbook_noise;
 pub mod textbook_offsets;
+#[cfg(feature = "fast")]
 pub mod views;
 
 /// The number of rays, or of other inputs, of a case: the first argument in the ordinary tier, and the second

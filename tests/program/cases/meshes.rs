@@ -26,7 +26,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-word.txt -output o.tga",
         1,
-        "m-word.txt:5:25: error: in the mesh `word.obj`: line 1: a vertex needs three numbers, and `zero` is none",
+        "m-word.txt:5:25: error: in the mesh `word.obj`: line 1: a vertex needs three numbers, found `zero`",
     ),
     (
         "r -input m-short.txt -output o.tga",
@@ -56,7 +56,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-letters.txt -output o.tga",
         1,
-        "m-letters.txt:5:25: error: in the mesh `letters.obj`: line 4: a face needs vertex indices such as `1 2 3`, and `a` is none",
+        "m-letters.txt:5:25: error: in the mesh `letters.obj`: line 4: a face needs vertex indices such as `1 2 3`, found `a`",
     ),
     (
         "r -input m-big-index.txt -output o.tga",
@@ -86,7 +86,7 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-latin1.txt -output o.tga",
         1,
-        "m-latin1.txt:5:25: error: in the mesh `latin1.obj`: line 1: a vertex needs three numbers, and `\u{fffd}` is none",
+        "m-latin1.txt:5:25: error: in the mesh `latin1.obj`: line 1: a vertex needs three numbers, found `\u{fffd}`",
     ),
     (
         "r -input m-binary.txt -output o.tga",
@@ -121,6 +121,6 @@ pub const CASES: &[Case] = &[
     (
         "r -input m-long-line.txt -output o.tga",
         1,
-        "m-long-line.txt:5:25: error: in the mesh `long-line.obj`: line 4: a face needs vertex indices such as `1 2 3`, and `xxx",
+        "m-long-line.txt:5:25: error: in the mesh `long-line.obj`: line 4: a face needs vertex indices such as `1 2 3`, found `xxx",
     ),
 ];

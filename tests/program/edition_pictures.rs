@@ -1,0 +1,313 @@
+//! The pictures of the later editions: known bugs, and the pictures that the editions' own programs made.
+//!
+//! `EDITIONS_DIR` names a folder with scenes and pictures of 2012 and 2019, which are not part of this project. Without
+//! it the tests of pictures print that they are skipped.
+
+use crate::support::{Folder, finish, program};
+use raytracer::caster::choose::Structure;
+use raytracer::image_io::read_picture;
+use raytracer::picture::Picture;
+use raytracer::render::renderer::{Meshes, Renderer};
+use raytracer::render::{Layer, Request, Tracing};
+use raytracer::scene::load::load;
+use raytracer::scene::material::Material;
+use raytracer::scene::model::{FaceWeights, Highlight, MeshNormals, Screen};
+use raytracer::scene::{Light, Scene};
+use raytracer::tools::causes::{Mistake, Original};
+use raytracer::trace::{Effects, Shadows};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn with_constant(light: &mut Light, constant: f64) {
+    if let Light::Point { attenuation, .. } = light {
+        attenuation[0] = constant;
+    }
+}
+
+fn with_highlights(material: &mut Material) {
+    if let Material::Phong(phong) | Material::Painted(phong, _) = material {
+        phong.specular = phong.reflective;
+    }
+}
+
+/// A scene of each edition with a mistake that is common in it, and the mistake.
+#[test]
+fn mistakes_of_the_editions_are_found() {
+    type Change = fn(&mut Scene);
+    let cases: [(&str, Change, &str); 10] = [
+        (
+            "screen_2012a4",
+            |scene| scene.lighting.highlight = Highlight::Blinn,
+            "highlights by the half-way vector",
+        ),
+        ("screen_2012a4", |scene| scene.screen = Screen::LongerSide, "which is not stretched"),
+        ("mirrors_2019", |scene| scene.mesh_normals = MeshNormals::Flat, "the normals of the faces"),
+        (
+            "mirrors_2019",
+            |scene| scene.mesh_normals = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 0 },
+            "other weights of the faces around a vertex",
+        ),
+        (
+            "glass_2012a5",
+            |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [b, a, d, c, f, e]),
+            "all opposite faces of the cube map swapped",
+        ),
+        (
+            "glass_2012a5",
+            |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [a, b, c, d, f, e]),
+            "the faces front and back of the cube map swapped",
+        ),
+        (
+            "mirrors_2019",
+            |scene| scene.lights.iter_mut().for_each(|light| with_constant(light, 1.0)),
+            "1 + falloff d^2 instead of falloff d^2",
+        ),
+        (
+            "glass_2012a5",
+            |scene| scene.lights.iter_mut().for_each(|light| with_constant(light, 0.0)),
+            "falloff d^2 instead of 1 + falloff d^2",
+        ),
+        (
+            "glass_2012a5",
+            |scene| scene.materials.iter_mut().for_each(with_highlights),
+            "picture with highlights",
+        ),
+        ("mirrors_2019", |scene| scene.lighting.epsilon = Some(1e-4), "an epsilon of 0.0001"),
+    ];
+    for (name, change, cause) in cases {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/editions/{name}.txt"));
+        let load = || load(&path).unwrap_or_else(|error| panic!("{error}"));
+        let effects = Effects { bounces: 2, shadows: Shadows::Opaque, ..Effects::default() };
+        let request = Request { effects, ..Request::new([60, 40]) };
+        let mut wrong = load();
+        change(&mut wrong.scene);
+        let render = |loaded| {
+            let renderer = Renderer::new(loaded, Meshes::Kept).expect("a scene");
+            let prepared =
+                renderer.prepare_for(Structure::Any, &request, Tracing::Fast).expect("a structure");
+            prepared.render(&request).expect("a picture").remove(0).to_picture()
+        };
+        let (wrong, right) = (render(wrong), render(load()));
+        let renderer = Renderer::new(load(), Meshes::Kept).expect("a scene");
+        let original = Original::new(&renderer, Structure::Any, &request).expect("memory");
+        let found = original.explain(&wrong, &right).to_string();
+        assert!(found.contains(cause), "{name}: {found}");
+    }
+}
+
+/// The mistakes that show in the distances and normals of 2019, whose greys and colours are its own.
+#[test]
+fn mistakes_in_depths_and_normals_are_found() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions/mirrors_2019.txt");
+    let renderer = Renderer::new(load(&path).expect("a scene"), Meshes::Kept).expect("a scene");
+    let one_pixel_right = Mistake::Shifted { half_pixels: [2, 0] };
+    for (layer, causes) in [
+        (Layer::Depth { near: 3.0, far: 9.0 }, vec![one_pixel_right, Mistake::NearWhite]),
+        (
+            Layer::Normals,
+            vec![one_pixel_right, Mistake::AbsoluteNormals, Mistake::FlatMeshes, Mistake::NormalsByMatrix],
+        ),
+    ] {
+        let request = Request { layers: vec![layer], ..Request::new([60, 40]) };
+        let original = Original::new(&renderer, Structure::Any, &request).expect("memory");
+        let right = original.picture(Mistake::Unchanged).expect("a picture");
+        for cause in causes {
+            let wrong = original.picture(cause).expect("a mistake that shows");
+            let found = original.explain(&wrong, &right).to_string();
+            assert_eq!(found, format!("equals this program's picture{cause} (0 pixels differ)"));
+            assert_ne!(wrong, right);
+        }
+        // The shifted picture is the other one, one column further on.
+        let moved = original.picture(one_pixel_right).expect("a picture");
+        let rows = |picture: &Picture| -> Vec<Vec<u8>> {
+            picture.pixels().chunks_exact(3 * 60).map(<[u8]>::to_vec).collect()
+        };
+        let pairs = rows(&moved).into_iter().zip(rows(&right));
+        let differing: usize =
+            pairs.map(|(m, r)| (0..3 * 59).filter(|&i| m[i].abs_diff(r[i + 3]) > 1).count()).sum();
+        assert!(differing < 40 * 3 * 59 / 50, "{differing}");
+    }
+    let colors = Original::new(&renderer, Structure::Any, &Request::new([9, 9])).expect("memory");
+    assert_eq!(colors.picture(Mistake::NearWhite), None);
+}
+
+/// The folder of the editions, from `EDITIONS_DIR`.
+fn editions() -> Option<PathBuf> {
+    let folder = std::env::var_os("EDITIONS_DIR").map(PathBuf::from);
+    if folder.is_none() {
+        println!("skipped: EDITIONS_DIR is not set");
+    }
+    folder
+}
+
+/// A command line of an edition, the picture that its program made, and what is to be the same.
+struct Official {
+    line: String,
+    picture: String,
+    /// The share of bytes that are identical, at least.
+    identical: f64,
+    /// The largest difference, at most.
+    levels: u8,
+}
+
+fn official(line: String, picture: &str, identical: f64, levels: u8) -> Official {
+    Official { line, picture: picture.into(), identical, levels }
+}
+
+/// Those of 2019. The scenes' own cube map is not among them, so that colours are compared with a smaller one.
+fn of_2019() -> Vec<Official> {
+    let mut all = vec![];
+    let sizes = [("200 200", "staff200/s", ""), ("800 800", "sample_out/a", "only number")];
+    for (size, prefix, number_only) in sizes {
+        for name in ["01_plane", "02_cube", "03_sphere", "04_axes"] {
+            let scene = format!("-edition 2019 -input scene{name}.txt -size {size}");
+            let name = if number_only.is_empty() { name } else { &name[..2] };
+            for (layer, flag) in [("", "-output"), ("d", "-depth 8 18"), ("n", "-normals")] {
+                // Two pixels of a plane's horizon and of two spheres' outlines are of the sky in the one and not in the other.
+                let levels = if layer == "d" && number_only.is_empty() { 1 } else { u8::MAX };
+                all.push(official(
+                    format!("{scene} {flag} @"),
+                    &format!("{prefix}{name}{layer}"),
+                    0.9994,
+                    levels,
+                ));
+            }
+        }
+    }
+    for (scene, number) in [("small_06_bunny_1k", "06"), ("small_07_arch", "07")] {
+        for (layer, flag) in [("d", "-depth 8 18"), ("n", "-normals")] {
+            let line = format!("-edition 2019 -input {scene}.txt -size 800 800 {flag} @");
+            all.push(official(line, &format!("sample_out/a{number}{layer}"), 0.9994, 1));
+        }
+        let line = format!("-edition 2019 -input {scene}.txt -size 200 200 -bounces 4 -output @");
+        let line = if number == "07" { format!("{line} -shadows") } else { line };
+        all.push(official(line, &format!("staff200/{scene}"), 0.994, 1));
+    }
+    all.push(official(
+        "-edition 2019 -input scene01_plane.txt -size 300 200 -output @".into(),
+        "staff200/scene01_300x200",
+        0.9994,
+        1,
+    ));
+    all
+}
+
+/// Those of assignment 4 of 2012. The textured scenes 8 and 9 are left out, whose ambient light depends on the order of
+/// pixels.
+fn of_2012a4() -> Vec<Official> {
+    let mut all = vec![];
+    let names = ["01_plane", "02_cube", "03_sphere", "04_axes", "05_bunny_200", "06_bunny_1k", "07_shine"];
+    for (number, name) in (1..).zip(names) {
+        let depths = match number {
+            5 => "-depth .8 1.0",
+            6 => "-depth 3 8",
+            _ => "-depth 8 18",
+        };
+        let scene = format!("-edition 2012a4 -input scene{name}.txt -size 200 200");
+        for (layer, flag) in [("", "-output"), ("d", depths), ("n", "-normals")] {
+            all.push(official(format!("{scene} {flag} @"), &format!("staff/a4_{number}{layer}"), 0.999, 1));
+        }
+    }
+    for (size, name) in [("300 200", "1w"), ("200 300", "1h")] {
+        let line = format!("-edition 2012a4 -input scene01_plane.txt -size {size} -output @");
+        all.push(official(line, &format!("staff/a4_{name}"), 0.999, 1));
+    }
+    all
+}
+
+/// Those of assignment 5 of 2012.
+fn of_2012a5() -> Vec<Official> {
+    let diamond = "-edition 2012a5 -input a5_scene13_diamond.txt -output @";
+    let small =
+        |name: &str, flags: &str| format!("-edition 2012a5 -input a5_small_{name}.txt -output @ {flags}");
+    let four = "-size 100 100 -shadows -bounces 4";
+    vec![
+        official(format!("{diamond} -size 200 200 -bounces 0"), "staff/a5_13_b0", 0.999, 1),
+        official(format!("{diamond} -size 200 200 -bounces 0 -shadows"), "staff/a5_13_b0s", 0.999, 1),
+        official(format!("{diamond} -size 200 200 -bounces 1 -shadows"), "staff/a5_13_b1", 0.999, 1),
+        official(format!("{diamond} -size 200 200 -shadows"), "staff/a5_13_plain", 0.999, 1),
+        official(format!("{diamond} -size 60 60 -shadows -jitter -filter"), "staff/a5_13_60_jf", 0.999, 1),
+        official(format!("{diamond} -size 300 300 -shadows -jitter -filter"), "staff/a5_13", 0.999, 1),
+        official(small("06_bunny_1k", four), "staff/a5_small_06_bunny_1k", 0.993, 1),
+        // Edges are seen through a ball, which magnifies the roundings of the other program's single precision.
+        official(small("10_sphere", four), "staff/a5_small_10_sphere", 0.993, u8::MAX),
+        official(small("11_cube", four), "staff/a5_small_11_cube", 0.999, 1),
+        official(small("12_vase", "-size 60 60 -shadows -bounces 2"), "staff/a5_small_12_vase", 0.999, 1),
+        official(
+            small("06_bunny_1k", "-size 40 40 -shadows -jitter -filter"),
+            "staff/a5_small_06_bunny_1k_jf",
+            0.999,
+            1,
+        ),
+        official(
+            small("11_cube", "-size 40 40 -shadows -jitter -filter"),
+            "staff/a5_small_11_cube_jf",
+            0.999,
+            1,
+        ),
+    ]
+}
+
+#[test]
+fn pictures_of_2019() {
+    let Some(folder) = editions() else { return };
+    compare(&folder.join("f19"), of_2019());
+}
+
+#[test]
+fn pictures_of_2012() {
+    let Some(folder) = editions() else { return };
+    compare(&folder.join("f12"), of_2012a4());
+    compare(&folder.join("f12"), of_2012a5());
+}
+
+/// Aalto's scenes are those of 2004, with its flags.
+#[test]
+fn scenes_of_aalto() {
+    let Some(folder) = editions() else { return };
+    let scenes = folder.join("aalto");
+    let entries = fs::read_dir(&scenes).expect("EDITIONS_DIR has aalto");
+    let paths = entries.map(|entry| entry.expect("a readable folder").path());
+    let mut count = 0;
+    for path in paths.filter(|path| path.extension().is_some_and(|end| end == "txt")) {
+        let to = Folder::new();
+        let picture = to.path().join("o.tga");
+        let mut run =
+            program(&scenes, ["-edition", "aalto", "-size", "20", "20", "-shadows", "-regular_samples", "4"]);
+        run.arg("-input").arg(&path).arg("-output").arg(picture);
+        finish(&mut run).ok();
+        count += 1;
+    }
+    assert!(count > 0);
+}
+
+/// Renders each line in the folder. Pictures that are not there are counted as well, and not all may be missing.
+fn compare(folder: &Path, all: Vec<Official>) {
+    let to = Folder::new();
+    let (mut compared, mut faults) = (0, vec![]);
+    for Official { line, picture, identical, levels } in all {
+        let expected = folder.join(format!("{picture}.png"));
+        if !expected.is_file() {
+            continue;
+        }
+        let own = to.path().join("o.png");
+        let line = line.replace('@', &own.to_string_lossy());
+        finish(&mut program(folder, line.split_whitespace())).ok();
+        let [own, expected] = [own.as_path(), &expected].map(|path| read_picture(path).expect("a picture"));
+        let (share, largest) = difference(&own, &expected);
+        println!("{picture}: {:.3}% of bytes identical, largest difference {largest}", 100.0 * share);
+        if share < identical || largest > levels {
+            faults.push(format!("{picture}: {share} {largest}"));
+        }
+        compared += 1;
+    }
+    assert!(compared > 0 && faults.is_empty(), "{compared} {faults:?}");
+}
+
+/// The share of bytes that are identical, and the largest difference.
+fn difference(one: &Picture, other: &Picture) -> (f64, u8) {
+    assert_eq!([one.width(), one.height()], [other.width(), other.height()]);
+    let differences = || one.pixels().iter().zip(other.pixels()).map(|(a, b)| a.abs_diff(*b));
+    let identical = differences().filter(|difference| *difference == 0).count();
+    (identical as f64 / one.pixels().len() as f64, differences().max().unwrap_or(0))
+}
