@@ -11,17 +11,17 @@ use crate::stats::Counts;
 use crate::trace::NoHints;
 #[cfg(feature = "fast")]
 use crate::trace::Shadows;
-use crate::trace::{Effects, Memory, Patience, RayCount, Tracer};
+use crate::trace::{Memory, Patience, RayCount, Tracer};
 use fearless_simd::dispatch;
 use std::ops::Range;
 
 /// Traces the samples of a picture.
 #[derive(Clone, Debug)]
 pub struct PictureTracer<'a> {
-    camera: &'a Camera,
-    caster: &'a Caster<'a>,
-    effects: Effects,
-    tracing: Tracing,
+    pub camera: &'a Camera,
+    pub caster: &'a Caster<'a>,
+    pub view: View<'a>,
+    pub request: &'a Request,
     patience: Patience<'a>,
     #[cfg(feature = "fast")]
     hints: RasterHints,
@@ -33,22 +33,21 @@ impl<'a> PictureTracer<'a> {
     pub fn new(
         camera: &'a Camera,
         caster: &'a Caster<'a>,
-        view: View,
-        request: &Request,
-        tracing: Tracing,
+        view: View<'a>,
+        request: &'a Request,
         patience: Patience<'a>,
     ) -> Self {
         #[cfg(feature = "fast")]
-        let hints = RasterHints::new(caster.world, demand(view, request, tracing));
+        let hints = RasterHints::new(caster.world, demand(view, request));
         #[cfg(not(feature = "fast"))]
-        let (hints, _) = (NoHints, view);
-        Self { camera, caster, effects: request.effects, tracing, patience, hints }
+        let hints = NoHints;
+        Self { camera, caster, view, request, patience, hints }
     }
 
     /// Returns a tracer that is prepared for these rows, counted from the bottom.
     #[cfg(feature = "fast")]
     pub fn rows(&self, rows: Range<usize>) -> Self {
-        if self.tracing == Tracing::Counted {
+        if self.request.tracing == Tracing::Counted {
             return self.clone();
         }
         Self { hints: self.hints.in_rows(self.camera, self.caster, rows), ..self.clone() }
@@ -75,12 +74,12 @@ impl<'a> PictureTracer<'a> {
         memory: &mut Memory,
         counts: &mut Counts,
     ) {
-        let Self { camera, caster, effects, .. } = self;
+        let Self { camera, caster, request: Request { effects, tracing, .. }, .. } = self;
         if memory.is_cut() {
             return;
         }
         let level = caster.level;
-        match self.tracing {
+        match tracing {
             Tracing::Counted => {
                 let tracer = Tracer::new(caster, *effects);
                 dispatch!(level, simd => tracer.trace(simd, camera, j, wanted, packet, colors, memory, counts));
@@ -98,9 +97,9 @@ impl<'a> PictureTracer<'a> {
 
 /// Returns the rays that a request needs if it does not count.
 #[cfg(feature = "fast")]
-fn demand(view: View, request: &Request, tracing: Tracing) -> Demand {
+fn demand(view: View, request: &Request) -> Demand {
     let is_scene = matches!(view, View::Scene);
-    let colors = tracing == Tracing::Fast && request.traces_colors(tracing) && is_scene;
+    let colors = request.tracing == Tracing::Fast && request.traces_colors(Tracing::Fast) && is_scene;
     let footprint = if colors && !request.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
     let samples = request.window_size().iter().product::<usize>() * request.samples();
     let is_blocked_or_not = colors && request.effects.shadows == Shadows::Opaque;
@@ -145,7 +144,7 @@ mod tests {
         ] {
             let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
             let request = Request { sampler, effects, layers, ..Request::new([6, 5]) };
-            let demand = demand(view, &request, Tracing::Fast);
+            let demand = demand(view, &request);
             assert_eq!((demand.footprint, demand.shadow_rays), (footprint, colors), "{request:?}");
         }
     }

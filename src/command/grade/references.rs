@@ -97,14 +97,14 @@ fn open(options: &Options) -> Result<(Renderer, Options), Diagnostic> {
 
 fn render<'r>(renderer: &'r Renderer, options: &Options, layer: Layer) -> Result<Reference<'r>, Diagnostic> {
     let no_memory = || Diagnostic::error("there is no memory for the picture");
-    let request = Request { layers: vec![layer], ..options.request() };
+    let request = Request { layers: vec![layer], tracing: Tracing::Fast, ..options.request() };
     if shows_scene(options, renderer, layer) {
         let mut original = Original::new(renderer, Structure::Any, &request).ok_or_else(no_memory)?;
         let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
         let explain = move |wrong: &[_], picture: &_| original.explain_parts(wrong, picture);
         return Ok(Reference { picture, explain: Box::new(explain) });
     }
-    let prepared = options.prepare(renderer, &request, Tracing::Fast)?;
+    let prepared = options.prepare(renderer, &request)?;
     let colors = prepared.render(&request)?.into_iter().next();
     let colors = colors.ok_or_else(|| Diagnostic::error("nothing is rendered"))?;
     let picture = colors.to_picture();

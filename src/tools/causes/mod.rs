@@ -38,7 +38,6 @@ use std::ops::ControlFlow;
 pub struct Original<'a> {
     prepared: Prepared<'a>,
     watch: Watch<'a>,
-    structure: Structure,
     /// The request. Its window is the part of the picture used to judge causes.
     request: Request,
     /// The whole picture.
@@ -61,12 +60,13 @@ impl<'a> Original<'a> {
         watch: Watch<'a>,
     ) -> Option<Self> {
         let layer = request.layers.first().copied().unwrap_or(Layer::Color);
-        let request = Request { layers: vec![layer], window: None, ..request.clone() };
+        let (layers, tracing, draws_cells) = (vec![layer], Tracing::Fast, false);
+        let request = Request { layers, tracing, draws_cells, structure, window: None, ..request.clone() };
         // The tracer casts all rays, even those that the renderer can skip.
         let rays = request.camera_rays();
         let prepared = renderer.prepare_as(structure, Rays::cast(rays), Tracing::Fast).ok()?;
         let colors = rendered(&prepared, &request, watch)?;
-        Some(Self { prepared, watch, structure, request, colors })
+        Some(Self { prepared, watch, request, colors })
     }
 
     /// Returns true if the watch has cancelled the search.
@@ -101,7 +101,7 @@ impl<'a> Original<'a> {
     /// Returns the picture of another scene with the same meshes.
     fn picture_of(&self, scene: Scene, request: &Request) -> Option<Picture> {
         let renderer = self.renderer().with_scene(scene).ok()?;
-        let prepared = renderer.prepare_for(self.structure, request, Tracing::Fast).ok()?;
+        let prepared = renderer.prepare(request).ok()?;
         Some(rendered(&prepared, request, self.watch)?.to_picture())
     }
 
@@ -136,6 +136,6 @@ fn rendered(prepared: &Prepared, request: &Request, watch: Watch) -> Option<Floa
         picture.colors.extend_from_slice(row);
         ControlFlow::Continue(())
     };
-    prepared.render_rows_fast(request, watch, &mut take_row).ok()?;
+    prepared.render_rows(request, watch, &mut take_row).ok()?;
     Some(picture)
 }

@@ -1,7 +1,7 @@
 //! A setting of the renderer, and its command-line flags.
 
 use crate::caster::choose::{Resolution, Structure};
-use crate::render::{Layer, Request};
+use crate::render::{Layer, Request, Tracing};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
@@ -105,8 +105,19 @@ impl Setting {
             Samples::Fixed(pattern, count) => (Sampler::new(pattern, count, rng), None),
             Samples::Adaptive(adaptive) => (Sampler::of_adaptive(rng), Some(adaptive)),
         };
-        let (filter, effects) = (self.filter, self.effects);
-        Request { sampler, adaptive, filter, effects, layers: vec![Layer::Color], ..base.clone() }
+        let Self { filter, effects, structure, .. } = *self;
+        let (layers, tracing, draws_cells) = (vec![Layer::Color], Tracing::Fast, false);
+        Request {
+            sampler,
+            adaptive,
+            filter,
+            effects,
+            layers,
+            structure,
+            tracing,
+            draws_cells,
+            ..base.clone()
+        }
     }
 
     /// Returns the kind of sampling.

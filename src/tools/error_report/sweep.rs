@@ -126,14 +126,12 @@ impl<'a> Sweep<'a> {
 
     /// Renders the reference for a filter. `None` if the watch ended the sweep.
     fn reference(&mut self, filter: Filter) -> Result<Option<Reference>, Diagnostic> {
-        let own = Request { adaptive: None, filter, layers: vec![Layer::Color], ..self.request.clone() };
+        let (layers, tracing, draws_cells) = (vec![Layer::Color], Tracing::Fast, false);
+        let own = Request { adaptive: None, filter, layers, tracing, draws_cells, ..self.request.clone() };
         let mut halves = Vec::new();
         for sampler in reference::samplers(self.request.sampler.rng()) {
             let request = Request { sampler, ..own.clone() };
-            let prepared = self
-                .bench
-                .many
-                .install(|| self.renderer.prepare_for(self.own.structure, &request, Tracing::Fast))?;
+            let prepared = self.bench.many.install(|| self.renderer.prepare(&request))?;
             let work = self.reference_work() / 2.0;
             let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
             let Some((half, _)) = rendered else { return Ok(None) };
@@ -145,9 +143,10 @@ impl<'a> Sweep<'a> {
 
     /// Measures the effect of rounding on the request's samples.
     fn numerical(&self) -> Result<Option<Numerical>, Diagnostic> {
-        let request = Request { layers: vec![Layer::Color], ..self.request.clone() };
+        let (layers, tracing, draws_cells) = (vec![Layer::Color], Tracing::Fast, false);
+        let request = Request { layers, tracing, draws_cells, ..self.request.clone() };
         self.bench.many.install(|| {
-            let prepared = self.renderer.prepare_for(self.own.structure, &request, Tracing::Fast)?;
+            let prepared = self.renderer.prepare(&request)?;
             Ok(numerical::measure(self.renderer, &prepared, &request)?)
         })
     }
@@ -187,8 +186,7 @@ impl<'a> Sweep<'a> {
         let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let request = setting.request(self.request, self.request.sampler.rng());
-        let prepared =
-            self.bench.many.install(|| renderer.prepare_for(setting.structure, &request, Tracing::Fast))?;
+        let prepared = self.bench.many.install(|| renderer.prepare(&request))?;
         let repeated = self.repeat(setting, &prepared, &request)?;
         let Some((picture, rays, times)) = repeated else { return Ok(None) };
         let bytes = picture.to_picture();

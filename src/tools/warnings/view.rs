@@ -38,7 +38,7 @@ pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> 
         true => ControlFlow::Continue(()),
         false => ControlFlow::Break(()),
     };
-    let sees_nothing = prepared.render_rows_fast(&centers, watch, &mut take_row).is_ok();
+    let sees_nothing = prepared.render_rows(&centers, watch, &mut take_row).is_ok();
     sees_nothing.then(|| warning(reason(prepared, &centers)))
 }
 

@@ -1,9 +1,8 @@
 //! Makes each mistake, alone and in pairs, and writes the findings of the search to `tables.md`.
 
 use super::{Case, cases, named};
-use crate::caster::choose::Structure;
 use crate::picture::Picture;
-use crate::render::{Layer, Request, Tracing};
+use crate::render::{Layer, Request};
 use crate::tools::causes::finding::find_causes;
 use crate::tools::causes::mistakes::{Make, Setting};
 use crate::tools::causes::paint::colors;
@@ -108,7 +107,7 @@ fn both(case: &Case, mistakes: [Mistake; 2]) -> Option<Picture> {
         }
     }
     let renderer = renderer.with_scene(scene).ok()?;
-    let prepared = renderer.prepare_for(Structure::Any, &changed, Tracing::Fast).ok()?;
+    let prepared = renderer.prepare(&changed).ok()?;
     let colors = match switch {
         Some(_) => colors(&renderer, &changed, prepared.caster(), switch, &|| false).ok()?,
         None => prepared.render(&changed).ok()?.pop()?,
