@@ -1,7 +1,7 @@
 //! A setting of the renderer, and its command-line flags.
 
 use crate::caster::choose::{Resolution, Structure};
-use crate::render::{Layer, Request};
+use crate::render::{Layer, Request, Tracing};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::sampler::Pattern;
 use crate::scene::edition::Edition;
@@ -77,9 +77,10 @@ pub struct Setting {
 
 impl Setting {
     /// Returns the setting for the colours of a request, with the flags of an edition.
-    pub fn new(request: Request, structure: Structure, edition: Edition) -> Self {
-        let request = Request { layers: vec![Layer::Color], ..request };
-        Self { axis: Axis::Samples, request, octaves: None, structure, edition }
+    pub fn new(request: Request, edition: Edition) -> Self {
+        let (layers, tracing) = (vec![Layer::Color], Tracing::Fast);
+        let request = Request { layers, tracing, draws_cells: false, ..request };
+        Self { axis: Axis::Samples, request, octaves: None, edition }
     }
 
     /// Returns the kind of sampling.

@@ -113,7 +113,7 @@ impl Sweep<'_> {
         let mut halves = Vec::new();
         for sampler in reference::samplers(own.sampler.rng()) {
             let request = Request { sampler, ..own.clone() };
-            let prepared = self.prepared(self.renderer, self.own.structure, &request)?;
+            let prepared = self.prepared(self.renderer, &request)?;
             let work = self.reference_work() / 2.0;
             let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
             let Some((half, _)) = rendered else { return Ok(None) };
@@ -126,17 +126,12 @@ impl Sweep<'_> {
     /// Measures the effect of rounding on the request's samples.
     fn numerical(&self) -> Result<Option<Numerical>, Diagnostic> {
         let request = &self.own.request;
-        let prepared = self.prepared(self.renderer, self.own.structure, request)?;
+        let prepared = self.prepared(self.renderer, request)?;
         Ok(self.bench.many.install(|| numerical::measure(self.renderer, &prepared, request))?)
     }
 
-    fn prepared<'r>(
-        &self,
-        renderer: &'r Renderer,
-        structure: Structure,
-        request: &Request,
-    ) -> Result<Prepared<'r>, Diagnostic> {
-        Ok(self.bench.many.install(|| renderer.prepare_for(structure, request, Tracing::Fast))?)
+    fn prepared<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Diagnostic> {
+        Ok(self.bench.many.install(|| renderer.prepare(request))?)
     }
 
     /// Measures the settings. Returns those that were finished.
@@ -173,7 +168,7 @@ impl Sweep<'_> {
         // The changed scene has the same objects, so a world can be built for it.
         let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
         let renderer = other.as_ref().unwrap_or(self.renderer);
-        let prepared = self.prepared(renderer, setting.structure, &setting.request)?;
+        let prepared = self.prepared(renderer, &setting.request)?;
         let Some((picture, rays, times)) = self.repeat(setting, &prepared)? else { return Ok(None) };
         let bytes = picture.to_picture();
         let compared = self.bench.many.install(|| Comparison::new(&bytes, &reference.picture));
