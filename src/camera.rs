@@ -60,10 +60,11 @@ pub struct Eye {
 impl Projection {
     /// Returns the place at which a point is seen, in pixels from the picture's lower left corner; NaN if the point is not
     /// ahead of the eye.
+    #[inline]
     pub fn place(&self, point: DVec3) -> DVec2 {
         let (Self::Perspective(eye) | Self::Orthographic(eye)) = self;
         let from_eye = point - eye.center;
-        let along = |axis: DVec3| from_eye.dot(axis) / axis.length_squared();
+        let along = |axis: DVec3| from_eye.dot(axis / axis.length_squared());
         let across = DVec2::new(along(eye.right), along(eye.up));
         let across = match self {
             Self::Orthographic(_) => across,

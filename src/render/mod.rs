@@ -22,7 +22,6 @@ use crate::base::memory::{self, NoMemory};
 use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::picture::{BadSize, Color, FloatPicture};
-use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::Blur;
 use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sampler::Sampler;
@@ -148,14 +147,14 @@ fn render_rows(
     let is_cancelled = |waiting| tally.asks(waiting);
     let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
     let planner = Planner::new(&tracer);
-    let (mut counts, mut plans, mut end) = (Counts::default(), vec![], rows.end);
+    let (mut counts, mut bands, mut end) = (Counts::default(), vec![], rows.end);
     while end > rows.start {
         let strip = Strip::below(request, end, rows.start);
         if let Some(planner) = &planner {
-            let planned = planner.plans(&tracer, &strip.traced(), plans, &tally)?;
-            plans = planned.ok_or(Stopped::Cancelled { rows: rows.end - end })?;
+            let planned = planner.bands(&tracer, &strip.traced(), bands, &tally)?;
+            bands = planned.ok_or(Stopped::Cancelled { rows: rows.end - end })?;
         }
-        let traced = strip.render(&tracer, &plans, &tally, take_row);
+        let traced = strip.render(&tracer, &bands, &tally, take_row);
         counts = counts.merge(traced.map_err(|stopped| tally.reason(stopped))?);
         end = strip.rows.start;
     }
@@ -177,11 +176,11 @@ pub fn render_some_rows(
     let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
     // The plan of adaptive samples is the same for all samplers.
     let all = request.traced_rows(request.rows());
-    let plans = match Planner::new(&tracer) {
-        Some(planner) => planner.plans(&tracer, &all, vec![], &tally)?,
+    let bands = match Planner::new(&tracer) {
+        Some(planner) => planner.bands(&tracer, &all, vec![], &tally)?,
         None => Some(vec![]),
     };
-    let plans = plans.ok_or(Stopped::Cancelled { rows: 0 })?;
+    let bands = bands.ok_or(Stopped::Cancelled { rows: 0 })?;
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
         let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
@@ -192,7 +191,7 @@ pub fn render_some_rows(
                 colors.extend_from_slice(row);
                 ControlFlow::Continue(())
             };
-            let rendered = Strip::below(request, end, end - 1).render(&tracer, &plans, &tally, &mut take_row);
+            let rendered = Strip::below(request, end, end - 1).render(&tracer, &bands, &tally, &mut take_row);
             rendered.map_err(|stopped| tally.reason(stopped))?;
             Ok(colors)
         };
@@ -208,21 +207,22 @@ pub fn adaptive_offsets(
     (camera, caster): (&Camera, &Caster),
     view: View,
     request: &Request,
-    place: [usize; 2],
+    [column, row]: [usize; 2],
     watch: Watch,
 ) -> Vec<DVec2> {
-    let [column, row] = place;
     let window = Some(Window { x: column, y: request.size[1] - 1 - row, width: 1, height: 1 });
     let request = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tally = Tally::new(1, watch);
     let is_cancelled = |waiting| tally.asks(waiting);
     let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
     let planner = Planner::new(&tracer);
-    let plans = planner.and_then(|planner| planner.plans(&tracer, &(row..row + 1), vec![], &tally).ok()?);
-    let (Some(plans), Some(Adaptive { most, .. })) = (plans, request.adaptive) else { return vec![] };
-    let index = (column * request.size[1] + row) as u64;
-    let rng = request.sampler.rng().jumped(index * MultiJittered::draws(most));
-    MultiJittered::new(plan::strata(&plans, place, most), rng).collect()
+    let bands = planner.and_then(|planner| planner.bands(&tracer, &(row..row + 1), vec![], &tally).ok()?);
+    let plan = bands.iter().flatten().find_map(|band| band.plan(row));
+    plan.map_or(vec![], |plan| {
+        let index = (column * request.size[1] + row) as u64;
+        let rng = request.sampler.rng().jumped(index * MultiJittered::draws(plan.most));
+        MultiJittered::new(plan.strata(column), rng).collect()
+    })
 }
 
 /// Renders a request into memory. Returns a picture for each of its layers, and the counts. Fails if a layer has no

@@ -1,13 +1,12 @@
 //! Traces the samples of a row of pixels, and adds their colours to the layers.
 
 use super::layer::Layer;
-use super::plan::{self, Plan};
+use super::plan::Plan;
 use super::request::{Request, View};
 use super::tracing::PictureTracer;
 use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::render::grid_view::Face;
-use crate::sampling::adaptive::Adaptive;
 use crate::sampling::c_rand::CRand;
 use crate::sampling::drand48::Jump;
 use crate::sampling::multi_jittered::MultiJittered;
@@ -56,11 +55,20 @@ impl Colors {
     }
 }
 
+/// The results of rays that do not contribute to the picture.
+pub struct Looked {
+    pub colors: Vec<Color>,
+    /// The cost of all rays together.
+    pub counts: Counts,
+    /// The cost of each ray, if costs are a layer.
+    pub costs: Vec<Counts>,
+}
+
 impl PictureTracer<'_> {
     /// Traces row `j`. Returns `None` if the render is cancelled meanwhile, possibly within a pixel that takes
     /// long. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
-    pub fn row(&self, j: usize, is_shown: bool, plans: &[Plan]) -> Option<Row> {
-        let mut painter = Painter { plans, ..self.painter(j, is_shown) };
+    pub fn row(&self, j: usize, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
+        let mut painter = Painter { plan, ..self.painter(j, is_shown) };
         let (columns, mut packet) = (self.request.traced_columns(), SamplePacket::default());
         if self.request.has_costs() {
             for column in columns {
@@ -80,28 +88,29 @@ impl PictureTracer<'_> {
         Some(painter.row)
     }
 
-    /// Casts rays through these columns of row `j`, at these offsets from their pixels' centres. Returns their colours,
-    /// and the cost of each ray if costs are a layer, or else of all of them. Returns `None` if the render is cancelled
-    /// meanwhile.
-    pub fn look(&self, j: usize, places: &[(usize, DVec2)]) -> Option<(Vec<Color>, Vec<Counts>)> {
+    /// Casts rays through these columns of row `j`, at these offsets from their pixels' centres. Returns `None` if the
+    /// render is cancelled meanwhile.
+    pub fn look(&self, j: usize, mut places: impl Iterator<Item = (usize, DVec2)>) -> Option<Looked> {
         let mut painter = self.painter(j, false);
         let (mut packet, mut colors, mut costs) = (SamplePacket::default(), vec![], vec![]);
         let has_costs = self.request.has_costs();
-        for places in places.chunks(if has_costs { 1 } else { SamplePacket::SIZE }) {
-            places.iter().for_each(|&(column, offset)| packet.push(column, offset, false));
-            colors.extend_from_slice(&painter.colors_of(&mut packet)[..places.len()]);
+        let at_once = if has_costs { 1 } else { SamplePacket::SIZE };
+        loop {
+            places.by_ref().take(at_once).for_each(|(column, offset)| packet.push(column, offset, false));
+            let count = packet.samples().len();
+            if count == 0 {
+                return Some(Looked { colors, counts: painter.row.counts, costs });
+            }
+            let before = painter.row.counts;
+            colors.extend_from_slice(&painter.colors_of(&mut packet)[..count]);
             packet.clear();
+            if has_costs {
+                costs.push(painter.row.counts.since(before));
+            }
             if painter.memory.is_cut() {
                 return None;
             }
-            if has_costs {
-                costs.push(std::mem::take(&mut painter.row.counts));
-            }
         }
-        if !has_costs {
-            costs.push(painter.row.counts);
-        }
-        Some((colors, costs))
     }
 
     /// Returns a painter of row `j`.
@@ -117,7 +126,7 @@ impl PictureTracer<'_> {
             sum: Sum::default(),
             plots: plots(request, is_shown),
             c_rand: request.sampler.c_rand([request.traced_columns().start, j], request.size[0]),
-            plans: &[],
+            plan: None,
             row: self.empty_row(j),
         }
     }
@@ -154,8 +163,8 @@ struct Painter<'a> {
     plots: Vec<(usize, usize)>,
     /// The random numbers of the next sample, if they are drawn row by row.
     c_rand: Option<CRand>,
-    /// The plans of the row's tiles, if the samples are adaptive.
-    plans: &'a [Plan],
+    /// The number of samples of each pixel, if the samples are adaptive.
+    plan: Option<Plan<'a>>,
     row: Row,
 }
 
@@ -184,9 +193,8 @@ impl Painter<'_> {
             return;
         }
         let mut cost = self.row.counts.since(before);
-        let place = [column, self.row.j];
-        if let Some(plan) = self.plans.iter().find(|plan| plan.contains(place)) {
-            cost = cost.merge(plan.cost(place));
+        if let Some(plan) = &self.plan {
+            cost = cost.merge(plan.cost(column));
         }
         for (layer, colors) in self.request.layers.iter().zip(&mut self.row.layers) {
             if let Layer::Cost(kind) = layer {
@@ -222,14 +230,13 @@ impl Painter<'_> {
 
     /// Traces the samples of the pixels in these columns.
     fn take_samples(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let Request { sampler, adaptive, size: [_, height], .. } = *self.request;
+        let Request { sampler, size: [_, height], .. } = *self.request;
         let first = self.index(columns.start);
-        if let Some(Adaptive { most, .. }) = adaptive {
-            let draws = MultiJittered::draws(most);
+        if let Some(plan) = self.plan {
+            let draws = MultiJittered::draws(plan.most);
             let (mut rng, jump) = (sampler.rng().jumped(first * draws), Jump::of(height as u64 * draws));
-            let (plans, j) = (self.plans, self.row.j);
             self.take(columns, packet, |column| {
-                let offsets = MultiJittered::new(plan::strata(plans, [column, j], most), rng);
+                let offsets = MultiJittered::new(plan.strata(column), rng);
                 rng = rng.after(jump);
                 offsets
             });
@@ -332,10 +339,7 @@ impl Painter<'_> {
             Colors::Finished(_) if CENTERS => sum.add(self.center_weight, color),
             Colors::Finished(_) => sum.add(self.request.filter.weight(offset), color),
             Colors::Spread(spread) => {
-                let part = self.request.adaptive.map_or(1.0, |Adaptive { most, .. }| {
-                    let [columns, rows] = plan::strata(self.plans, [column, self.row.j], most);
-                    1.0 / f64::from(columns * rows)
-                });
+                let part = self.plan.as_ref().map_or(1.0, |plan| plan.part(column));
                 spread.add(column, offset, color, part);
             }
         }

@@ -28,9 +28,9 @@ pub struct Speck {
 }
 
 /// The specks of some columns and rows of pixels.
-struct Specks<'p> {
-    columns: &'p Range<usize>,
-    rows: &'p Range<usize>,
+struct Specks {
+    columns: Range<usize>,
+    rows: Range<usize>,
     specks: Vec<Speck>,
 }
 
@@ -40,12 +40,12 @@ const SMALL: f32 = 1.5;
 /// Small things that fill more than this part of a pixel form a surface, which corners and other probes do not miss.
 const FULL: f32 = 0.5;
 
-/// The number of points per pixel along a thing, and the largest number in all. No picture has more pixels in a row.
-const POINTS: f32 = 4.0;
-const MOST_POINTS: f32 = 4e5;
+/// Across things narrower than this number of pixels, the middle is the only point. Wider things also get points near
+/// both sides.
+const THIN: f32 = 0.02;
 
-/// The step of points across a thing: the golden ratio spreads them evenly.
-const ACROSS: f32 = 0.618_034;
+/// The maximum number of steps along a thing. No picture has more pixels in a row.
+const MOST_STEPS: f32 = 1e5;
 
 impl<'a> SmallThings<'a> {
     pub fn new(camera: &Camera, world: &'a World) -> Self {
@@ -56,62 +56,87 @@ impl<'a> SmallThings<'a> {
 
     /// Returns the specks in these pixels, row by row.
     pub fn specks(&self, columns: &Range<usize>, rows: &Range<usize>) -> Vec<Speck> {
-        let mut specks = Specks { columns, rows, specks: vec![Speck::default(); columns.len() * rows.len()] };
-        let [low, high] = [[columns.start, rows.start], [columns.end, rows.end]]
-            .map(|[x, y]| Vec2::new(x as f32, y as f32));
+        let specks = vec![Speck::default(); columns.len() * rows.len()];
+        let mut found = Specks { columns: columns.clone(), rows: rows.clone(), specks };
+        let band = [rows.start as f32 - 1.0, rows.end as f32 + 1.0];
         for (id, triangle) in self.world.triangles.iter().enumerate() {
             let [a, b, c] = triangle.map(|vertex| self.vertices[vertex as usize]);
-            // All comparisons with NaN are false.
-            let is_inside = a.max(b).max(c).cmpge(low).all() && a.min(b).min(c).cmplt(high).all();
-            if !is_inside || !(a + b + c).is_finite() || !self.world.may_be_hit(id as u32) {
+            let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+            let is_ahead = (a + b + c).is_finite();
+            if !is_ahead || max.y < band[0] || min.y > band[1] || !self.world.may_be_hit(id as u32) {
                 continue;
             }
-            // `a` is opposite the shortest side.
+            let double_area = (b - a).perp_dot(c - a).abs();
+            if (max - min).max_element() < SMALL {
+                found.add_box(min, max, 0.5 * double_area);
+                continue;
+            }
             let sides = [[a, b, c], [b, c, a], [c, a, b]];
-            let [a, b, c] = sides.into_iter().fold(sides[0], |best, side| {
-                let is_shorter = side[1].distance_squared(side[2]) < best[1].distance_squared(best[2]);
-                if is_shorter { side } else { best }
+            let [a, b, c] = sides.into_iter().fold(sides[0], |longest, side| {
+                let is_longer = side[0].distance_squared(side[1]) > longest[0].distance_squared(longest[1]);
+                if is_longer { side } else { longest }
             });
-            let (length, double_area) = (a.distance(b).max(a.distance(c)), (b - a).perp_dot(c - a).abs());
-            if double_area <= SMALL * length {
-                let at = |t: f32, u: f32| a.lerp(b.lerp(c, u), t.sqrt());
-                specks.add(0.5 * double_area, length, at);
+            let way = b - a;
+            if double_area < SMALL * way.length() {
+                let foot = ((c - a).dot(way) / way.length_squared()).clamp(0.01, 0.99);
+                let height = c - a.lerp(b, foot);
+                // `t` goes along the longest side, and `width` is the width there.
+                found.add(0.5 * double_area, way.length(), height.length(), |t, u| {
+                    let width = (t / foot).min((1.0 - t) / (1.0 - foot));
+                    a + t * way + u * width * height
+                });
             }
         }
         for shape in &self.world.shapes {
             let corners =
                 shape.form().bounds().corners().map(|corner| self.projection.place(corner).as_vec2());
-            let (min, max) = corners
-                .into_iter()
-                .fold((corners[0], corners[0]), |(min, max), corner| (min.min(corner), max.max(corner)));
-            let is_inside = max.cmpge(low).all() && min.cmplt(high).all();
+            let [min, max] =
+                corners.into_iter().fold([Vec2::INFINITY, Vec2::NEG_INFINITY], |[min, max], at| {
+                    // Keep NaN.
+                    [Vec2::select(at.cmpge(min), min, at), Vec2::select(at.cmple(max), max, at)]
+                });
             let size = max - min;
-            if is_inside && corners.into_iter().all(Vec2::is_finite) && size.min_element() < SMALL {
-                // A sphere fills about 0.8 of its box, and contains the inner part of the box.
-                let (min, inner) = (min + 0.15 * size, 0.7 * size);
-                let at = |t: f32, u: f32| {
-                    min + inner * if size.x > size.y { Vec2::new(t, u) } else { Vec2::new(u, t) }
-                };
-                specks.add(0.8 * size.element_product(), size.max_element(), at);
+            if size.min_element() < SMALL && max.y > band[0] && min.y < band[1] {
+                found.add_box(min, max, 0.8 * size.element_product());
             }
         }
-        specks.specks
+        found.specks
     }
 }
 
-impl Specks<'_> {
-    /// Adds a thing with this area and length. `at` returns its points, for two numbers from 0 to 1.
-    fn add(&mut self, area: f32, length: f32, at: impl Fn(f32, f32) -> Vec2) {
-        let count = (POINTS * length + 1.0).floor().min(MOST_POINTS);
-        for k in 0..count as u32 {
-            let k = k as f32;
-            let place = at((k + 0.5) / count, 0.02 + 0.96 * (ACROSS * k + 0.5).fract());
-            let [x, y] = [place.x as usize, place.y as usize];
-            if place.min_element() >= 0.0 && self.columns.contains(&x) && self.rows.contains(&y) {
-                let speck =
-                    &mut self.specks[(y - self.rows.start) * self.columns.len() + x - self.columns.start];
-                speck.part += area / count;
-                speck.offset = place.fract() - 0.5;
+impl Specks {
+    /// Adds a thing with this area that fills a box.
+    fn add_box(&mut self, min: Vec2, max: Vec2, area: f32) {
+        let size = max - min;
+        if size.x > size.y {
+            self.add(area, size.x, size.y, |t, u| min + Vec2::new(t, u) * size);
+        } else {
+            self.add(area, size.y, size.x, |t, u| min + Vec2::new(u, t) * size);
+        }
+    }
+
+    /// Adds a thing with this area, length and width. `at` returns its points, for a part of the length and a part of
+    /// the width.
+    fn add(&mut self, area: f32, length: f32, width: f32, at: impl Fn(f32, f32) -> Vec2) {
+        let steps = if length < THIN { 0.0 } else { (2.0 * length).ceil().clamp(2.0, MOST_STEPS) };
+        let across = if width < THIN { [0.5].as_slice() } else { &[0.5, 0.02, 0.98] };
+        let part = area / ((steps + 1.0) * across.len() as f32);
+        for k in 0..=steps as u32 {
+            // Go from the ends to the middle, which is the surest point.
+            let k = if k % 2 == 0 { k / 2 } else { steps as u32 - k / 2 };
+            let t = if steps > 0.0 { 0.01 + 0.98 * k as f32 / steps } else { 0.5 };
+            for &u in across {
+                let place = at(t, u);
+                let [x, y] = [place.x.floor() as usize, place.y.floor() as usize];
+                if place.min_element() >= 0.0 && self.columns.contains(&x) && self.rows.contains(&y) {
+                    let index = (y - self.rows.start) * self.columns.len() + x - self.columns.start;
+                    let speck = &mut self.specks[index];
+                    // The middle is certainly in the thing.
+                    if u == 0.5 || speck.part == 0.0 {
+                        speck.offset = place.fract() - 0.5;
+                    }
+                    speck.part += part;
+                }
             }
         }
     }

@@ -5,7 +5,7 @@
 //! So the strip's pixels are the same as in the whole picture.
 
 use super::layer::Layer;
-use super::plan::Plan;
+use super::plan::Band;
 use super::request::Request;
 use super::row::{Colors, Row};
 use super::tally::{Tally, in_parallel};
@@ -74,14 +74,14 @@ impl<'a> Strip<'a> {
     pub fn render(
         &self,
         picture: &PictureTracer,
-        plans: &[Plan],
+        bands: &[Band],
         tally: &Tally,
         take_row: TakeRow,
     ) -> Result<Counts, Stopped> {
         let request = self.request;
         let tracer = &picture.rows(self.traced());
         if request.support() > 0 {
-            let finished = self.finish(tracer, plans, tally);
+            let finished = self.finish(tracer, bands, tally);
             return finished.ok_or(self.cancelled_above(self.rows.end))?.hand_out(request, take_row);
         }
         // Hand out a batch of rows while the next one is traced.
@@ -98,7 +98,7 @@ impl<'a> Strip<'a> {
             let rows = end.saturating_sub(batch).max(self.rows.start)..end;
             let (taken, next) = rayon::join(
                 || hand_out_rows(&traced),
-                || in_parallel(rows.clone(), tally, |j| self.row(j, tracer, plans, tally)),
+                || in_parallel(rows.clone(), tally, |j| self.row(j, tracer, bands, tally)),
             );
             taken?;
             traced = next.into_iter().rev().map_while(|row| row).collect();
@@ -123,7 +123,7 @@ impl<'a> Strip<'a> {
     }
 
     /// Traces the strip. Returns `None` if the watch cancels the render.
-    fn finish(&self, tracer: &PictureTracer, plans: &[Plan], tally: &Tally) -> Option<Finished> {
+    fn finish(&self, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Finished> {
         let Request { filter, size, .. } = *self.request;
         let traced = self.traced();
         let mut film = Film::starting_at(filter, size, traced.start);
@@ -131,7 +131,7 @@ impl<'a> Strip<'a> {
             Finished { counts: Counts::default(), rows: vec![Default::default(); self.rows.len()] };
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            for row in in_parallel(rows, tally, |j| self.row(j, tracer, plans, tally)) {
+            for row in in_parallel(rows, tally, |j| self.row(j, tracer, bands, tally)) {
                 finished.take(row?, self, &mut film);
             }
         }
@@ -170,10 +170,11 @@ impl<'a> Strip<'a> {
     }
 
     /// Traces row `j`. Returns `None` if the render is cancelled meanwhile.
-    fn row(&self, j: usize, tracer: &PictureTracer, plans: &[Plan], tally: &Tally) -> Option<Row> {
+    fn row(&self, j: usize, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Row> {
         let is_shown = self.rows.contains(&j);
-        let mut row = tracer.row(j, is_shown, plans)?;
-        row.counts = plans.iter().fold(row.counts, |sum, plan| sum.merge(plan.counts(j)));
+        let plan = bands.iter().find_map(|band| band.plan(j));
+        let mut row = tracer.row(j, is_shown, plan)?;
+        row.counts = row.counts.merge(plan.map_or(Counts::default(), |plan| plan.counts));
         if is_shown {
             tally.row_is_done(row.counts.rays());
         }

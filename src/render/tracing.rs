@@ -175,8 +175,8 @@ mod tests {
             let camera = Camera::new(&scene.camera, [40, 40]);
             let request = Request::new([40, 40]);
             let has_grid = |caster: Caster| {
-                let (tracing, is_over): (_, IsOver) = (Tracing::Fast, &|_| false);
-                let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, tracing, is_over);
+                let is_over: IsOver = &|_| false;
+                let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, is_over);
                 tracer.rows(0..40).caster.is_selective()
             };
             assert_eq!(has_grid(Caster::new(&world, None).unwrap().replaceable()), is_selective, "{far}");

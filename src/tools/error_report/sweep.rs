@@ -5,11 +5,10 @@ use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
-use crate::caster::choose::Structure;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{BadSize, Color, FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
-use crate::render::{Progress, Request, Stopped, Tracing};
+use crate::render::{Progress, Request, Stopped};
 use crate::sampling::filter::Filter;
 use crate::tools::compare::Comparison;
 use rayon::ThreadPool;
@@ -144,10 +143,10 @@ impl Sweep<'_> {
         for setting in settings {
             let Some(mut measured) = self.measure(setting, reference)? else { break };
             if setting.axis == Axis::Structure {
-                let is_asked_for = |other: &&Measurement| {
-                    let Setting { request, structure, octaves, .. } = &other.setting;
-                    *request == setting.request && *structure == self.own.structure && octaves.is_none()
-                };
+                let structure = self.own.request.structure;
+                let same = Request { structure, ..setting.request.clone() };
+                let is_asked_for =
+                    |other: &&Measurement| other.setting.request == same && other.setting.octaves.is_none();
                 let asked_for = measurements.iter().find(is_asked_for);
                 measured.changed =
                     asked_for.map(|other| pixels_that_differ(&other.picture, &measured.picture));
