@@ -108,7 +108,7 @@ fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
     let (many, one) = (ThreadPoolBuilder::new().build()?, ThreadPoolBuilder::new().num_threads(1).build()?);
     let clock = || ProcessTime::now().as_duration();
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &|_| ControlFlow::Continue(()) };
-    let own = Setting::new(options.request(), options.structure, Edition::default());
+    let own = Setting::new(options.request(), Edition::default());
     Ok(error_report::measure(&renderer, &own, bench, false)?)
 }
 

@@ -75,9 +75,9 @@ pub fn bytes_and_nans(
 ) -> (Vec<u8>, u64) {
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
     let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];
-    let request = Request { effects, layers, ..Request::new(size) };
+    let request = Request { effects, layers, tracing, ..Request::new(size) };
     let camera = Camera::new(&scene.camera, size);
-    let rendered = render_in_memory((&camera, caster), View::Scene, &request, tracing);
+    let rendered = render_in_memory((&camera, caster), View::Scene, &request);
     let (pictures, _) = rendered.expect("small pictures");
     pictures.iter().map(FloatPicture::to_bytes).fold((vec![], 0), |(mut all, nans), (bytes, more)| {
         all.extend(bytes);

@@ -57,6 +57,26 @@ pub struct Eye {
     pub is_turned: bool,
 }
 
+impl Projection {
+    /// Returns the place at which a point is seen, in pixels from the picture's lower left corner; NaN if the point is not
+    /// ahead of the eye.
+    #[inline]
+    pub fn place(&self, point: DVec3) -> DVec2 {
+        let (Self::Perspective(eye) | Self::Orthographic(eye)) = self;
+        let from_eye = point - eye.center;
+        let along = |axis: DVec3| from_eye.dot(axis / axis.length_squared());
+        let across = DVec2::new(along(eye.right), along(eye.up));
+        let across = match self {
+            Self::Orthographic(_) => across,
+            Self::Perspective(_) => match from_eye.dot(eye.direction) {
+                depth if depth > 0.0 => across / depth,
+                _ => DVec2::NAN,
+            },
+        };
+        across + eye.middle + 0.5
+    }
+}
+
 /// The error of a ray's direction from a turned eye, in units of u times the sum of the lengths of the eye's direction
 /// and of the offsets along both axes: 10 of the cosine, 7 of the direction, 8 of the point where the eye's ray meets
 /// the picture, and 4 of the offsets.

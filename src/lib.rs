@@ -5,8 +5,7 @@
 //! requests: other layers, other effects, a moved camera, or a window of the picture.
 //!
 //! ```
-//! use raytracer::caster::choose::Structure;
-//! use raytracer::render::{Layer, Request, Tracing, Window};
+//! use raytracer::render::{Layer, Request, Window};
 //! use raytracer::render::renderer::Renderer;
 //! use raytracer::trace::{Effects, Shadows};
 //! use std::path::Path;
@@ -17,7 +16,7 @@
 //! let layers = vec![Layer::Color, Layer::Normals];
 //! let request = Request { effects, layers, ..Request::new(size) };
 //! // Builds a grid if it saves time for this scene and this request.
-//! let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast)?;
+//! let prepared = renderer.prepare(&request)?;
 //! let pictures = prepared.render(&request)?;
 //! assert_eq!(pictures[0].size, size);
 //!

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = options.in_edition(loaded.choice.edition);
     let renderer = Renderer::new(loaded, Meshes::Kept)?;
     let request = options.request();
-    let prepared = options.prepare(&renderer, &request, options.tracing())?;
+    let prepared = options.prepare(&renderer, &request)?;
     let mut output = stdout().lock();
     for picture in prepared.render(&request)? {
         let [width, height] = picture.size;

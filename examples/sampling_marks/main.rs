@@ -15,7 +15,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use raytracer::cli::{Command, Options, parse};
 use raytracer::picture::{Color, FloatPicture};
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
-use raytracer::render::{Layer, Request, Tracing};
+use raytracer::render::{Layer, Request};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -100,8 +100,7 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
         adaptive: Some(Adaptive { most, error }),
         ..base.clone()
     };
-    let prepared =
-        renderer.prepare_for(options.structure, &jittered(settings.reference, 0), Tracing::Fast)?;
+    let prepared = renderer.prepare(&jittered(settings.reference, 0))?;
     let halves =
         [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(settings.reference, seed))));
     let [a, b] = halves;

@@ -288,20 +288,9 @@ impl Options {
         if counts { Tracing::Counted } else { Tracing::Fast }
     }
 
-    /// Prepares the scene for a request, or the cells of the grid that are drawn in its place.
-    pub fn prepare<'r>(
-        &self,
-        renderer: &'r Renderer,
-        request: &Request,
-        tracing: Tracing,
-    ) -> Result<Prepared<'r>, Diagnostic> {
-        let prepared = match self.structure {
-            Structure::Grid(grid) if self.visualize_grid => {
-                renderer.prepare_cells(grid, request.camera_rays(), tracing)
-            }
-            structure => renderer.prepare_for(structure, request, tracing),
-        };
-        prepared.map_err(|error| match self.structure {
+    /// Prepares the scene for a request.
+    pub fn prepare<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Diagnostic> {
+        renderer.prepare(request).map_err(|error| match request.structure {
             Structure::Grid(Resolution::Cells(cells)) => {
                 // Each cell has an entry, and a few lists are of the same length while the grid is built.
                 let bytes = cells.iter().fold(4u64, |bytes, &n| bytes.saturating_mul(n as u64));
@@ -348,6 +337,9 @@ impl Options {
             filter: self.filter,
             is_reduced: self.reduced,
             layers: self.outputs.iter().map(|output| output.layer).collect(),
+            structure: self.structure,
+            tracing: self.tracing(),
+            draws_cells: self.visualize_grid,
         }
     }
 }

@@ -53,7 +53,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
         signals.goes_on()
     };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
-    let own = Setting::new(options.request(), options.structure, options.edition.unwrap_or_default());
+    let own = Setting::new(options.request(), options.edition.unwrap_or_default());
     let mut report = measure(&renderer, &own, bench, true)?;
     drop(line);
     report.stages.insert(0, ("reading the scene", reading));

@@ -57,7 +57,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let warn = |doubts: Vec<Diagnostic>| warnings::say(doubts, options, &renderer.source, log);
     warn(doubts)?;
     let request = request(options);
-    let prepared = options.prepare(&renderer, &request, options.tracing())?;
+    let prepared = options.prepare(&renderer, &request)?;
     let building = lap();
 
     // Open the outputs.
@@ -213,13 +213,13 @@ fn explanation(
     prepared: Prepared,
     pixel: [usize; 2],
 ) -> Result<Option<PixelTree>, Diagnostic> {
-    let request = options.request();
+    let request = Request { tracing: Tracing::Counted, ..options.request() };
     if (0..2).any(|axis| pixel[axis] >= request.size[axis]) {
         return Ok(None);
     }
     let prepared = match prepared.tracing() {
         Tracing::Counted => prepared,
-        Tracing::Fast => options.prepare(renderer, &request, Tracing::Counted)?,
+        Tracing::Fast => options.prepare(renderer, &request)?,
     };
     let explainer = Explainer::new(&prepared)?;
     let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);

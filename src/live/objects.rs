@@ -49,7 +49,7 @@ pub fn object_map(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Tracing;
+    use crate::caster::choose::Structure;
     use crate::render::renderer::{Meshes, Renderer};
     use crate::scene::MeshFile;
     use crate::scene::load::{Hints, Readers, Source, load_text};
@@ -68,7 +68,8 @@ mod tests {
         let readers = Readers { mesh: &no_mesh, image: &no_image };
         let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
-        let prepared = renderer.prepare(None, 4, Tracing::Fast).unwrap();
+        let prepared =
+            renderer.prepare(&Request { structure: Structure::List, ..Request::new([2, 2]) }).unwrap();
         let stop = Stop::at(Instant::now() + Duration::from_secs(60));
         let (objects, places) = object_map(&prepared, None, [2, 2], &stop).unwrap();
         let named: Vec<(&str, u32)> =

@@ -156,8 +156,8 @@ mod tests {
         let loaded = load_text(source, &Hints::default(), readers).unwrap();
         let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
         let effects = Effects { shadows: Shadows::Opaque, bounces: 3, shade_back: true, min_weight: 0.0 };
-        let request = Request { effects, ..Request::new([9, 9]) };
-        let prepared = renderer.prepare_for(structure, &request, Tracing::Counted).unwrap();
+        let request = Request { effects, structure, tracing: Tracing::Counted, ..Request::new([9, 9]) };
+        let prepared = renderer.prepare(&request).unwrap();
         let stop = Stop::at(Instant::now() + Duration::from_secs(60));
         let tree = Explainer::new(&prepared).unwrap().pixel(&request, [5, 4], &stop).unwrap();
         let rays = Rays::of(&tree, renderer.bounds(), prepared.cells());

@@ -46,7 +46,8 @@ impl View {
             Some(size) => Request { effects: whole.effects, ..Request::new(size) },
             None => whole,
         };
-        Request { camera: self.camera, layers: vec![layer], ..drawn }
+        let tracing = if matches!(layer, Layer::Cost(_)) { Tracing::Counted } else { Tracing::Fast };
+        Request { camera: self.camera, layers: vec![layer], tracing, ..drawn }
     }
 
     /// Returns the memory in bytes of this number of pictures and copies of the scene.
@@ -158,7 +159,9 @@ impl Painter {
     /// Prepares the scene of a view, unless it is prepared already: to count the work, or to show the grid's cells.
     pub fn ready(&self, view: &View, counts: bool, shows_cells: bool) -> Result<Arc<Ready>, Answer> {
         let (scene, structure) = (&view.scene, view.options.structure);
-        let whole = Request { layers: vec![Layer::Color], ..view.options.request() };
+        let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
+        let (layers, draws_cells) = (vec![Layer::Color], shows_cells);
+        let whole = Request { layers, tracing, draws_cells, ..view.options.request() };
         let rays = (counts || shows_cells).then(|| whole.camera_rays());
         let preparation = (scene.revision, structure, counts, shows_cells, rays);
         let all = || self.ready.lock().unwrap_or_else(PoisonError::into_inner);
@@ -175,14 +178,10 @@ impl Painter {
             }
             memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
         }
-        let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
         // Without the lock, so that others need not wait. Two requests may prepare the same.
-        let ready = Arc::new(Ready::try_new(scene.clone(), |scene| match structure {
-            Structure::Grid(grid) if shows_cells => {
-                scene.renderer.prepare_cells(grid, whole.camera_rays(), tracing)
-            }
-            _ if counts => scene.renderer.prepare_for(structure, &whole, tracing),
-            _ => scene.renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing),
+        let ready = Arc::new(Ready::try_new(scene.clone(), |scene| match counts || shows_cells {
+            true => scene.renderer.prepare(&whole),
+            false => scene.renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing),
         })?);
         let mut all = all();
         all.push((preparation, ready.clone()));

@@ -1,7 +1,7 @@
 //! Renders rows of pixels in parallel: samples -> film -> the layers' rows. Rows are handed out from the top as soon
 //! as they are finished.
 
-mod delivery;
+mod filter_picture;
 pub mod grid_view;
 pub mod layer;
 mod plan;
@@ -23,14 +23,14 @@ use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::sampling::blur::Blur;
-use crate::sampling::filter::Filter;
+use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sampler::Sampler;
 use crate::stats::Counts;
 use crate::trace::MOST_WAITING;
+use filter_picture::render_filter;
 use glam::DVec2;
 use plan::Planner;
 use rayon::prelude::*;
-use row::RenderSetting;
 use std::fmt;
 use std::ops::ControlFlow;
 use strip::Strip;
@@ -103,10 +103,9 @@ impl From<NoMemory> for Stopped {
 /// Rows are traced in parallel on rayon's current thread pool and handed out in order. Neither the colours nor the
 /// counts depend on the number of threads. Only some rows are in memory at a time, never the whole picture.
 pub fn render(
-    (camera, caster): (&Camera, &Caster),
+    scene: (&Camera, &Caster),
     view: View,
     request: &Request,
-    tracing: Tracing,
     watch: Watch,
     take_row: TakeRow,
 ) -> Result<Counts, Stopped> {
@@ -115,26 +114,48 @@ pub fn render(
             render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
         }
     }
-    if request.layers.iter().any(|layer| request.reduces(layer)) {
-        return render_reduced((camera, caster), view, request, tracing, watch, take_row);
+    // Reduce the colours of layers that are reduced.
+    let blur = |layer: &Layer| request.reduces(layer).then(|| Blur::new(request.rows().len()));
+    let mut blurs: Vec<Option<Blur>> = request.layers.iter().map(blur).collect();
+    let mut reduce = |layer: usize, row: &[Color]| match &mut blurs[layer] {
+        Some(blur) => blur.add(row).map_or(ControlFlow::Continue(()), |row| take_row(layer, &row)),
+        None => take_row(layer, row),
+    };
+    let counts = render_rows(scene, view, request, watch, &mut reduce)?;
+    for (layer, blur) in blurs.iter_mut().enumerate() {
+        if let Some(row) = blur.as_mut().and_then(Blur::end)
+            && take_row(layer, &row).is_break()
+        {
+            return Err(Stopped::Output);
+        }
     }
-    let setting = RenderSetting { caster, view, request, tracing };
+    Ok(counts)
+}
+
+/// Renders the layers of a request, whose colours are not reduced.
+fn render_rows(
+    (camera, caster): (&Camera, &Caster),
+    view: View,
+    request: &Request,
+    watch: Watch,
+    take_row: TakeRow,
+) -> Result<Counts, Stopped> {
     let rows = request.rows();
     // No strip takes more memory than the first one.
-    memory::ask(Strip::below(&setting, rows.end, rows.start).bytes())?;
+    memory::ask(Strip::below(request, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = |waiting| tally.asks(waiting);
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing, &is_cancelled);
-    let planner = Planner::new(camera, setting);
+    let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
+    let planner = Planner::new(&tracer);
     let (mut counts, mut bands, mut end) = (Counts::default(), vec![], rows.end);
     while end > rows.start {
-        let strip = Strip::below(&setting, end, rows.start);
+        let strip = Strip::below(request, end, rows.start);
         if let Some(planner) = &planner {
             let planned = planner.bands(&tracer, &strip.traced(), bands, &tally)?;
             bands = planned.ok_or(Stopped::Cancelled { rows: rows.end - end })?;
         }
-        counts = counts
-            .merge(strip.render(&tracer, &bands, &tally, take_row).map_err(|stopped| tally.reason(stopped))?);
+        let traced = strip.render(&tracer, &bands, &tally, take_row);
+        counts = counts.merge(traced.map_err(|stopped| tally.reason(stopped))?);
         end = strip.rows.start;
     }
     Ok(counts)
@@ -152,20 +173,17 @@ pub fn render_some_rows(
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), watch);
     let is_cancelled = |waiting| tally.asks(waiting);
-    let tracing = Tracing::Fast;
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing, &is_cancelled);
+    let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
     // The plan of adaptive samples is the same for all samplers.
-    let planner = Planner::new(camera, RenderSetting { caster, view, request, tracing });
     let all = request.traced_rows(request.rows());
-    let bands = match planner {
+    let bands = match Planner::new(&tracer) {
         Some(planner) => planner.bands(&tracer, &all, vec![], &tally)?,
         None => Some(vec![]),
     };
     let bands = bands.ok_or(Stopped::Cancelled { rows: 0 })?;
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
-        let setting = RenderSetting { caster, view, request, tracing };
-        let tracer = PictureTracer::new(camera, caster, view, request, tracing, &is_cancelled);
+        let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
         let colors = |row: &usize| {
             let end = request.rows().end - row;
             let mut colors = memory::with_room(request.columns().len())?;
@@ -173,42 +191,14 @@ pub fn render_some_rows(
                 colors.extend_from_slice(row);
                 ControlFlow::Continue(())
             };
-            Strip::below(&setting, end, end - 1)
-                .render(&tracer, &bands, &tally, &mut take_row)
-                .map_err(|stopped| tally.reason(stopped))?;
+            let rendered = Strip::below(request, end, end - 1).render(&tracer, &bands, &tally, &mut take_row);
+            rendered.map_err(|stopped| tally.reason(stopped))?;
             Ok(colors)
         };
         let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
         Ok(colors.concat())
     };
     samplers.iter().map(render).collect()
-}
-
-/// Renders the layers of a request whose colours are reduced, and returns the counts.
-fn render_reduced(
-    scene: (&Camera, &Caster),
-    view: View,
-    request: &Request,
-    tracing: Tracing,
-    watch: Watch,
-    take_row: TakeRow,
-) -> Result<Counts, Stopped> {
-    let blur = |layer: &Layer| request.reduces(layer).then(|| Blur::new(request.rows().len()));
-    let mut blurs: Vec<Option<Blur>> = request.layers.iter().map(blur).collect();
-    let mut reduce = |layer: usize, row: &[Color]| match &mut blurs[layer] {
-        Some(blur) => blur.add(row).map_or(ControlFlow::Continue(()), |row| take_row(layer, &row)),
-        None => take_row(layer, row),
-    };
-    let whole = Request { is_reduced: false, ..request.clone() };
-    let counts = render(scene, view, &whole, tracing, watch, &mut reduce)?;
-    for (layer, blur) in blurs.iter_mut().enumerate() {
-        if let Some(row) = blur.as_mut().and_then(Blur::end)
-            && take_row(layer, &row).is_break()
-        {
-            return Err(Stopped::Output);
-        }
-    }
-    Ok(counts)
 }
 
 /// Returns the offsets of the adaptive samples of the pixel in this column and row from the bottom left. Returns an
@@ -220,17 +210,19 @@ pub fn adaptive_offsets(
     [column, row]: [usize; 2],
     watch: Watch,
 ) -> Vec<DVec2> {
-    let (tracing, y) = (Tracing::Counted, request.size[1] - 1 - row);
-    let window = Some(Window { x: column, y, width: 1, height: 1 });
+    let window = Some(Window { x: column, y: request.size[1] - 1 - row, width: 1, height: 1 });
     let request = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tally = Tally::new(1, watch);
     let is_cancelled = |waiting| tally.asks(waiting);
-    let tracer = PictureTracer::new(camera, caster, view, request, tracing, &is_cancelled);
-    let setting = RenderSetting { caster, view, request, tracing };
-    let planner = Planner::new(camera, setting);
+    let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
+    let planner = Planner::new(&tracer);
     let bands = planner.and_then(|planner| planner.bands(&tracer, &(row..row + 1), vec![], &tally).ok()?);
     let plan = bands.iter().flatten().find_map(|band| band.plan(row));
-    plan.map_or(vec![], |plan| setting.offsets(&plan, [column, row]).collect())
+    plan.map_or(vec![], |plan| {
+        let index = (column * request.size[1] + row) as u64;
+        let rng = request.sampler.rng().jumped(index * MultiJittered::draws(plan.most));
+        MultiJittered::new(plan.strata(column), rng).collect()
+    })
 }
 
 /// Renders a request into memory. Returns a picture for each of its layers, and the counts. Fails if a layer has no
@@ -239,7 +231,6 @@ pub fn render_in_memory(
     scene: (&Camera, &Caster),
     view: View,
     request: &Request,
-    tracing: Tracing,
 ) -> Result<(Vec<FloatPicture>, Counts), BadSize> {
     let empty = |layer: &Layer| FloatPicture::with_room(request.layer_size(layer));
     let mut pictures: Vec<FloatPicture> = request.layers.iter().map(empty).collect::<Result<_, _>>()?;
@@ -248,7 +239,7 @@ pub fn render_in_memory(
         ControlFlow::Continue(())
     };
     let never_cancels = |_| ControlFlow::Continue(());
-    let counts = match render(scene, view, request, tracing, &never_cancels, &mut take_row) {
+    let counts = match render(scene, view, request, &never_cancels, &mut take_row) {
         Ok(counts) => counts,
         // Neither callback ends the render.
         Err(Stopped::Cancelled { .. } | Stopped::Output) => Counts::default(),
@@ -259,37 +250,6 @@ pub fn render_in_memory(
         }
     };
     Ok((pictures, counts))
-}
-
-/// Draws the weights of a filter around the middle pixel. Each pixel is enlarged `zoom` times.
-///
-/// As in the course's program, the middle is half the width along both axes, pixels beyond the filter's
-/// support are dark blue, and blue lines separate the pixels.
-fn render_filter(
-    filter: Filter,
-    [width, height]: [usize; 2],
-    zoom: usize,
-    take_row: &mut dyn FnMut(&[Color]) -> ControlFlow<()>,
-) -> Result<(), Stopped> {
-    let middle = width / 2;
-    let supported = middle.saturating_sub(filter.support())..=middle + filter.support();
-    // The offset from the middle pixel's centre, in pixels.
-    let offset = |k: usize| k as f64 / zoom as f64 - (middle as f64 + 0.5);
-    for y in (0..=height * zoom).rev() {
-        let color = |x: usize| {
-            if x.is_multiple_of(zoom) || y.is_multiple_of(zoom) {
-                Color::Z
-            } else if supported.contains(&(x / zoom)) && supported.contains(&(y / zoom)) {
-                Color::splat(filter.weight(DVec2::new(offset(x), offset(y))))
-            } else {
-                0.5 * Color::Z
-            }
-        };
-        if take_row(&(0..width * zoom + 1).map(color).collect::<Vec<_>>()).is_break() {
-            return Err(Stopped::Output);
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -4,12 +4,12 @@
 //! The picture is cut into tiles. Each tile is planned by itself. So a part of a picture needs only the plans of the
 //! tiles that it touches.
 
-use super::row::{Looked, RenderSetting};
+use super::request::Request;
+use super::row::Looked;
 use super::small_things::SmallThings;
 use super::tally::Tally;
 use super::tracing::PictureTracer;
 use crate::base::memory::{self, NoMemory};
-use crate::camera::Camera;
 use crate::picture::Color;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::multi_jittered::MultiJittered;
@@ -49,7 +49,7 @@ pub struct Band {
 
 /// Plans tiles of a picture.
 pub struct Planner<'a> {
-    setting: RenderSetting<'a>,
+    request: &'a Request,
     settings: Adaptive,
     small_things: SmallThings<'a>,
     /// The brightest colour that may be seen in mirrors or glass, at least white.
@@ -112,13 +112,13 @@ impl Plan<'_> {
 
 impl<'a> Planner<'a> {
     /// Returns a planner, or `None` if samples are not adaptive or no colours are traced.
-    pub fn new(camera: &Camera, setting: RenderSetting<'a>) -> Option<Self> {
-        let settings = setting.request.adaptive.filter(|_| setting.request.traces_colors(setting.tracing))?;
-        let world = setting.caster.world;
+    pub fn new(picture: &PictureTracer<'a>) -> Option<Self> {
+        let (request, world) = (picture.request, picture.caster.world);
+        let settings = request.adaptive.filter(|_| request.traces_colors(request.tracing))?;
         let reflects =
-            setting.request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
+            request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let reflected = if reflects { brightest(world) } else { 1.0 };
-        Some(Self { setting, settings, small_things: SmallThings::new(camera, world), reflected })
+        Some(Self { request, settings, small_things: SmallThings::new(picture.camera, world), reflected })
     }
 
     /// Plans the rows of tiles that overlap these rows, except the rows of tiles in `planned`. Returns `None` if the
@@ -130,11 +130,11 @@ impl<'a> Planner<'a> {
         mut planned: Vec<Band>,
         tally: &Tally,
     ) -> Result<Option<Vec<Band>>, NoMemory> {
-        let [_, height] = self.setting.request.size;
+        let [_, height] = self.request.size;
         planned.retain(|band| band.rows.start < rows.end && rows.start < band.rows.end);
         for rows in tiles(rows, height) {
             if planned.iter().all(|band| band.rows != rows) {
-                let width = self.setting.columns().len();
+                let width = self.request.traced_columns().len();
                 memory::ask((width * SIDE * BYTES + SIDE * SIDE * BYTES_OF_TILE) as u64)?;
                 let Some(band) = self.band(picture, rows, tally) else { return Ok(None) };
                 planned.push(band);
@@ -145,10 +145,10 @@ impl<'a> Planner<'a> {
 
     fn band(&self, picture: &PictureTracer, rows: Range<usize>, tally: &Tally) -> Option<Band> {
         let tracer = picture.rows(rows.clone());
-        let tiles: Vec<_> = tiles(&self.setting.columns(), self.setting.request.size[0]).collect();
+        let tiles: Vec<_> = tiles(&self.request.traced_columns(), self.request.size[0]).collect();
         let columns = tiles.first().map_or(0, |tile| tile.start)..tiles.last().map_or(0, |tile| tile.end);
         let pixels = columns.len() * rows.len();
-        let costs = if self.setting.request.has_costs() { vec![Counts::default(); pixels] } else { vec![] };
+        let costs = if self.request.has_costs() { vec![Counts::default(); pixels] } else { vec![] };
         let counts = vec![Counts::default(); rows.len()];
         let samples = Vec::with_capacity(pixels);
         let mut band = Band { most: self.settings.most, columns, rows, samples, costs, counts };

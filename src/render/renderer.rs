@@ -1,7 +1,7 @@
 //! The library's main interface. Open a scene once, prepare it once for each grid, and render it any number of times.
 
 use crate::camera::Camera;
-use crate::caster::choose::{Layout, Rays, Resolution, Structure};
+use crate::caster::choose::{Layout, Rays, Structure};
 use crate::caster::{Caster, Fullness, GridTooLarge};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
@@ -92,19 +92,19 @@ impl Renderer {
         (!self.world.bounds.is_empty()).then_some(self.world.bounds)
     }
 
-    /// Builds a structure for a request that is traced in this way. [`Structure::Any`] chooses the structure with the
-    /// least total time. If rays are counted as in the course's program, it chooses no grid.
-    pub fn prepare_for(
-        &self,
-        structure: Structure,
-        request: &Request,
-        tracing: Tracing,
-    ) -> Result<Prepared<'_>, GridTooLarge> {
+    /// Prepares the scene for a request: builds the structure that it asks for, or counts the primitives in each cell of
+    /// the grid that is drawn in place of the scene. For the latter the renderer must have kept the scene's meshes. The
+    /// result renders other requests, too.
+    pub fn prepare(&self, request: &Request) -> Result<Prepared<'_>, GridTooLarge> {
+        let Request { structure, tracing, draws_cells, .. } = *request;
+        if draws_cells && let Structure::Grid(_) = structure {
+            return self.prepare_cells(structure, Rays::cast(request.camera_rays()), tracing);
+        }
         let cast = request.cast_rays(&self.camera(request), &self.world);
         self.prepare_as(structure, Rays { camera: request.camera_rays(), cast }, tracing)
     }
 
-    /// Builds a structure like [`Renderer::prepare_for`], but for about this number of rays.
+    /// Builds a structure like [`Renderer::prepare`], but for about this number of rays.
     pub fn prepare_as(
         &self,
         structure: Structure,
@@ -132,28 +132,14 @@ impl Renderer {
         Camera::with_screen(camera, request.size, self.scene.screen)
     }
 
-    /// Builds a grid, or a list of all primitives. `rays` is the approximate number of camera rays. An automatic grid
-    /// depends on it.
-    pub fn prepare(
+    fn prepare_cells(
         &self,
-        grid: Option<Resolution>,
-        rays: usize,
-        tracing: Tracing,
-    ) -> Result<Prepared<'_>, GridTooLarge> {
-        self.prepare_as(grid.map_or(Structure::List, Structure::Grid), Rays::cast(rays), tracing)
-    }
-
-    /// Counts the primitives in each cell of a grid. The result draws the cells in place of the scene. The renderer
-    /// must have kept the scene's meshes.
-    pub fn prepare_cells(
-        &self,
-        grid: Resolution,
-        rays: usize,
+        structure: Structure,
+        rays: Rays,
         tracing: Tracing,
     ) -> Result<Prepared<'_>, GridTooLarge> {
         self.on_own_threads(|| {
-            let is_counted = tracing == Tracing::Counted;
-            let cells = Structure::Grid(grid).layout(&self.world, Rays::cast(rays), is_counted).cells();
+            let cells = structure.layout(&self.world, rays, tracing == Tracing::Counted).cells();
             let caster = Caster::with(&self.world, Layout::List, instructions::available()[0])?;
             let occupancy =
                 cells.map(|cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells));
@@ -182,7 +168,7 @@ pub struct Prepared<'r> {
 }
 
 impl Prepared<'_> {
-    /// Returns how the scene is traced.
+    /// Returns the way to trace that it was prepared for.
     pub fn tracing(&self) -> Tracing {
         self.tracing
     }
@@ -202,25 +188,16 @@ impl Prepared<'_> {
     /// does not fit into memory.
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
         let camera = self.camera(request);
-        let scene = (&camera, &self.caster);
-        let render = || render::render_in_memory(scene, self.view(), request, Tracing::Fast);
+        let render = || render::render_in_memory((&camera, &self.caster), self.view(), request);
         self.renderer.on_own_threads(render).map(|(pictures, _)| pictures)
     }
 
     /// Renders a request row by row, and returns the counts. Rows are handed out from the top as soon as they are
     /// finished.
     pub fn render_rows(&self, request: &Request, watch: Watch, take_row: TakeRow) -> Result<Counts, Stopped> {
-        self.render_traced(request, self.tracing, watch, take_row)
-    }
-
-    /// Renders a request like [`Prepared::render_rows`], but without counting, which may be faster.
-    pub(crate) fn render_rows_fast(
-        &self,
-        request: &Request,
-        watch: Watch,
-        take_row: TakeRow,
-    ) -> Result<(), Stopped> {
-        self.render_traced(request, Tracing::Fast, watch, take_row).map(drop)
+        let camera = self.camera(request);
+        let scene = (&camera, &self.caster);
+        self.renderer.on_own_threads(|| render::render(scene, self.view(), request, watch, take_row))
     }
 
     /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers.
@@ -236,18 +213,6 @@ impl Prepared<'_> {
         let scene = (&camera, &self.caster);
         let render = || render::render_some_rows(scene, self.view(), request, samplers, rows, watch);
         self.renderer.on_own_threads(render)
-    }
-
-    fn render_traced(
-        &self,
-        request: &Request,
-        tracing: Tracing,
-        watch: Watch,
-        take_row: TakeRow,
-    ) -> Result<Counts, Stopped> {
-        let (camera, view) = (self.camera(request), self.view());
-        let scene = (&camera, &self.caster);
-        self.renderer.on_own_threads(|| render::render(scene, view, request, tracing, watch, take_row))
     }
 
     /// Returns the number of grid cells along each axis if they are drawn in place of the scene.

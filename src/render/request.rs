@@ -2,6 +2,7 @@
 
 use super::layer::Layer;
 use crate::camera::Camera;
+use crate::caster::choose::Structure;
 use crate::picture::Window;
 use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
@@ -71,6 +72,13 @@ pub struct Request {
     pub is_reduced: bool,
     /// The layers, in the order in which rows are handed out.
     pub layers: Vec<Layer>,
+    /// The structure that rays are cast into. [`Structure::Any`] is the one with the least total time, or a list if rays
+    /// are counted as in the course's program. The picture does not depend on it.
+    pub structure: Structure,
+    /// The way to trace. The picture does not depend on it.
+    pub tracing: Tracing,
+    /// True if the occupied cells of the grid are drawn in place of the scene.
+    pub draws_cells: bool,
 }
 
 impl Request {
@@ -88,6 +96,9 @@ impl Request {
             filter: Filter::PIXEL,
             is_reduced: false,
             layers: vec![Layer::Color],
+            structure: Structure::Any,
+            tracing: Tracing::Fast,
+            draws_cells: false,
         }
     }
 
@@ -142,6 +153,17 @@ impl Request {
         if self.has_colors() { self.filter.support() } else { 0 }
     }
 
+    /// Returns the columns whose samples contribute to the window.
+    pub(super) fn traced_columns(&self) -> Range<usize> {
+        let (shown, support) = (self.columns(), self.support());
+        shown.start.saturating_sub(support)..(shown.end + support).min(self.size[0])
+    }
+
+    /// Returns the number of colours in a row of pixels, over all layers.
+    pub(super) fn colors_per_row(&self) -> usize {
+        self.layers.iter().map(|layer| layer.colors_per_row(self.columns().len())).sum()
+    }
+
     /// Returns these rows and the rows around them whose samples contribute to them.
     pub(super) fn traced_rows(&self, rows: Range<usize>) -> Range<usize> {
         rows.start.saturating_sub(self.support())..(rows.end + self.support()).min(self.size[1])
@@ -156,11 +178,6 @@ impl Request {
     /// Returns true if a layer needs the surfaces at the pixels' centres.
     pub(super) fn has_normals(&self) -> bool {
         self.layers.iter().any(|layer| layer.has_normals())
-    }
-
-    /// Returns true if colours are traced along the rays through the pixels' centres.
-    pub(super) fn casts_centers(&self, view: View, tracing: Tracing) -> bool {
-        self.traces_colors(tracing) && self.sampler.is_center() && matches!(view, View::Scene)
     }
 
     /// Returns the approximate number of samples of a pixel.

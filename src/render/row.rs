@@ -2,13 +2,14 @@
 
 use super::layer::Layer;
 use super::plan::Plan;
-use super::request::{Request, Tracing, View};
+use super::request::{Request, View};
 use super::tracing::PictureTracer;
-use crate::caster::Caster;
 use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::render::grid_view::Face;
 use crate::sampling::c_rand::CRand;
+use crate::sampling::drand48::Jump;
+use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, SamplePlace, Wanted};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
@@ -17,32 +18,58 @@ use crate::stats::Counts;
 use crate::trace::{Memory, Observer};
 use crate::world::World;
 use glam::DVec2;
-use plot::plots;
+use layers::plots;
 use std::ops::Range;
 
-mod measure;
-mod planned;
-mod plot;
-mod traced;
+mod layers;
 
-pub use planned::Looked;
-pub use traced::{Colors, Row};
-
-/// The data that every row of a picture needs to be traced.
-#[derive(Clone, Copy)]
-pub struct RenderSetting<'a> {
-    pub caster: &'a Caster<'a>,
-    pub view: View<'a>,
-    pub request: &'a Request,
-    pub tracing: Tracing,
+/// The result of tracing a row of pixels.
+pub struct Row {
+    /// The index of the row, counted from the bottom.
+    pub j: usize,
+    /// The counts of the row's rays.
+    pub counts: Counts,
+    pub colors: Colors,
+    /// The colours of each layer of the request: one for each pixel, or for a layer of samples the rows of the
+    /// enlarged picture from the bottom. The list of a colour layer is empty, because its colours are in `colors`.
+    pub layers: Vec<Vec<Color>>,
 }
 
-impl RenderSetting<'_> {
-    /// Traces an empty row. Returns `None` if the render is cancelled meanwhile, possibly within a pixel that takes
+/// The contribution of a row's samples to the layer of colours.
+pub enum Colors {
+    /// Nothing, because the request has no such layer.
+    Unwanted,
+    /// The colours of the row itself, if every sample contributes to its own pixel only.
+    Finished(Vec<Color>),
+    /// Sums for this row and the rows around it.
+    Spread(Spread),
+}
+
+impl Colors {
+    /// Returns the colours of the row itself, or an empty list if they are not known.
+    pub fn finished(&self) -> &[Color] {
+        match self {
+            Self::Finished(colors) => colors,
+            Self::Unwanted | Self::Spread(_) => &[],
+        }
+    }
+}
+
+/// The results of rays that do not contribute to the picture.
+pub struct Looked {
+    pub colors: Vec<Color>,
+    /// The cost of all rays together.
+    pub counts: Counts,
+    /// The cost of each ray, if costs are a layer.
+    pub costs: Vec<Counts>,
+}
+
+impl PictureTracer<'_> {
+    /// Traces row `j`. Returns `None` if the render is cancelled meanwhile, possibly within a pixel that takes
     /// long. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
-    pub fn row(&self, empty: Row, tracer: &PictureTracer, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
-        let mut painter = Painter { plan, ..self.painter(empty, tracer, is_shown) };
-        let (columns, mut packet) = (self.columns(), SamplePacket::default());
+    pub fn row(&self, j: usize, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
+        let mut painter = Painter { plan, ..self.painter(j, is_shown) };
+        let (columns, mut packet) = (self.request.traced_columns(), SamplePacket::default());
         if self.request.has_costs() {
             for column in columns {
                 painter.paint_and_count(column, &mut packet);
@@ -61,43 +88,52 @@ impl RenderSetting<'_> {
         Some(painter.row)
     }
 
-    /// Returns the number of colours in a row of pixels, over all layers.
-    pub fn colors_per_row(&self) -> usize {
-        let width = self.request.columns().len();
-        self.request.layers.iter().map(|layer| layer.colors_per_row(width)).sum()
+    /// Casts rays through these columns of row `j`, at these offsets from their pixels' centres. Returns `None` if the
+    /// render is cancelled meanwhile.
+    pub fn look(&self, j: usize, mut places: impl Iterator<Item = (usize, DVec2)>) -> Option<Looked> {
+        let mut painter = self.painter(j, false);
+        let (mut packet, mut colors, mut costs) = (SamplePacket::default(), vec![], vec![]);
+        let has_costs = self.request.has_costs();
+        let at_once = if has_costs { 1 } else { SamplePacket::SIZE };
+        loop {
+            places.by_ref().take(at_once).for_each(|(column, offset)| packet.push(column, offset, false));
+            let count = packet.samples().len();
+            if count == 0 {
+                return Some(Looked { colors, counts: painter.row.counts, costs });
+            }
+            let before = painter.row.counts;
+            colors.extend_from_slice(&painter.colors_of(&mut packet)[..count]);
+            packet.clear();
+            if has_costs {
+                costs.push(painter.row.counts.since(before));
+            }
+            if painter.memory.is_cut() {
+                return None;
+            }
+        }
     }
 
-    /// Returns the columns whose samples contribute to the row.
-    pub fn columns(&self) -> Range<usize> {
-        let RenderSetting { request, .. } = *self;
-        let (shown, support) = (request.columns(), request.support());
-        shown.start.saturating_sub(support)..(shown.end + support).min(request.size[0])
-    }
-
-    /// Returns a painter of an empty row.
-    fn painter<'a>(&'a self, row: Row, tracer: &'a PictureTracer<'a>, is_shown: bool) -> Painter<'a> {
-        let RenderSetting { request, .. } = *self;
+    /// Returns a painter of row `j`.
+    fn painter(&self, j: usize, is_shown: bool) -> Painter<'_> {
+        let request = self.request;
         Painter {
-            setting: *self,
-            tracer,
-            memory: tracer.memory(),
+            tracer: self,
+            request,
+            memory: self.memory(),
             is_shown,
             shown: request.columns(),
             center_weight: request.filter.weight(DVec2::ZERO),
             sum: Sum::default(),
             plots: plots(request, is_shown),
-            c_rand: request.sampler.c_rand([self.columns().start, row.j], request.size[0]),
+            c_rand: request.sampler.c_rand([request.traced_columns().start, j], request.size[0]),
             plan: None,
-            row,
+            row: self.empty_row(j),
         }
     }
 
-    /// Returns an empty row `j`. Reuses the memory of `used` if possible.
-    pub fn empty_row(&self, j: usize, used: Option<Row>) -> Row {
-        let RenderSetting { request, .. } = *self;
-        if let Some(row) = used.and_then(|used| used.emptied(j)) {
-            return row;
-        }
+    /// Returns an empty row `j`.
+    fn empty_row(&self, j: usize) -> Row {
+        let request = self.request;
         let colors = match (request.has_colors(), request.filter.support()) {
             (false, _) => Colors::Unwanted,
             (true, 0) => Colors::Finished(Vec::with_capacity(request.columns().len())),
@@ -113,8 +149,8 @@ impl RenderSetting<'_> {
 
 /// Traces the pixels of one row.
 struct Painter<'a> {
-    setting: RenderSetting<'a>,
     tracer: &'a PictureTracer<'a>,
+    request: &'a Request,
     memory: Memory<'a>,
     is_shown: bool,
     /// The columns of the window.
@@ -135,17 +171,15 @@ struct Painter<'a> {
 impl Painter<'_> {
     /// Traces the pixels in these columns. There must not be more columns than a packet holds.
     fn paint(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let Request { sampler, .. } = *self.setting.request;
+        let Request { sampler, .. } = *self.request;
         for (k, zoom) in self.plots.clone() {
             self.plot_background(k, zoom, columns.clone());
         }
-        let colors = self.setting.request.traces_colors(self.setting.tracing);
-        if self.is_shown && self.setting.request.measures() || colors && sampler.is_center() {
+        let colors = self.request.traces_colors(self.request.tracing);
+        if self.is_shown && self.request.measures() || colors && sampler.is_center() {
             self.paint_centers(columns.clone(), packet);
         }
-        if colors && self.plan.is_some() {
-            self.take_planned(columns, packet);
-        } else if colors && !sampler.is_center() {
+        if colors && !sampler.is_center() {
             self.take_samples(columns, packet);
         }
     }
@@ -162,7 +196,7 @@ impl Painter<'_> {
         if let Some(plan) = &self.plan {
             cost = cost.merge(plan.cost(column));
         }
-        for (layer, colors) in self.setting.request.layers.iter().zip(&mut self.row.layers) {
+        for (layer, colors) in self.request.layers.iter().zip(&mut self.row.layers) {
             if let Layer::Cost(kind) = layer {
                 colors.push(Color::splat(kind.of(&cost) as f64));
             }
@@ -171,14 +205,11 @@ impl Painter<'_> {
 
     /// Measures the centres of pixels, and colours them if the samples are at the centres.
     fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let RenderSetting { view, request, .. } = self.setting;
-        let (measures, casts) =
-            (self.is_shown && request.measures(), request.casts_centers(view, self.setting.tracing));
-        let wanted = Wanted {
-            hits: measures || casts,
-            surfaces: request.has_normals() || casts,
-            colors: request.traces_colors(self.setting.tracing) && request.sampler.is_center(),
-        };
+        let measures = self.is_shown && self.request.measures();
+        let colors = self.request.sampler.is_center() && self.request.traces_colors(self.request.tracing);
+        let casts = colors && matches!(self.tracer.view, View::Scene);
+        let wanted =
+            Wanted { hits: measures || casts, surfaces: self.request.has_normals() || casts, colors };
         packet.push_centers(columns);
         let mut colors = [Color::ZERO; SamplePacket::SIZE];
         self.trace(wanted, packet, &mut colors);
@@ -193,20 +224,41 @@ impl Painter<'_> {
 
     /// Returns the index of a pixel in the order in which random numbers are drawn.
     fn index(&self, column: usize) -> u64 {
-        let [_, height] = self.setting.request.size;
+        let [_, height] = self.request.size;
         (column * height + self.row.j) as u64
     }
 
-    /// Traces the samples of the pixels in these columns, packet by packet.
+    /// Traces the samples of the pixels in these columns.
     fn take_samples(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let Request { sampler, size: [_, height], .. } = *self.setting.request;
-        if let Some(c_rand) = &mut self.c_rand {
-            columns.for_each(|column| packet.push(column, c_rand.next_offset(), true));
-            return self.color_samples(packet);
+        let Request { sampler, size: [_, height], .. } = *self.request;
+        let first = self.index(columns.start);
+        if let Some(plan) = self.plan {
+            let draws = MultiJittered::draws(plan.most);
+            let (mut rng, jump) = (sampler.rng().jumped(first * draws), Jump::of(height as u64 * draws));
+            self.take(columns, packet, |column| {
+                let offsets = MultiJittered::new(plan.strata(column), rng);
+                rng = rng.after(jump);
+                offsets
+            });
+        } else if let Some(mut c_rand) = self.c_rand.take() {
+            self.take(columns, packet, |_| std::iter::once(c_rand.next_offset()));
+            self.c_rand = Some(c_rand);
+        } else {
+            let mut pixels = sampler.pixels(first, height as u64);
+            self.take(columns, packet, |_| pixels.next_offsets());
         }
-        let mut pixels = sampler.pixels(self.index(columns.start), height as u64);
+    }
+
+    /// Traces the samples at these offsets from the centres of the pixels in these columns, packet by packet.
+    #[inline(always)]
+    fn take<Offsets: ExactSizeIterator<Item = DVec2>>(
+        &mut self,
+        columns: Range<usize>,
+        packet: &mut SamplePacket,
+        mut offsets_of: impl FnMut(usize) -> Offsets,
+    ) {
         for column in columns {
-            let mut offsets = pixels.next_offsets();
+            let mut offsets = offsets_of(column);
             while let Some(offset) = offsets.next() {
                 packet.push(column, offset, offsets.len() == 0);
                 if packet.is_full() {
@@ -235,21 +287,20 @@ impl Painter<'_> {
 
     /// Returns the results that coloured samples need. A view of cells casts no ray into the scene for them.
     fn wanted_of_samples(&self) -> Wanted {
-        let is_scene = matches!(self.setting.view, View::Scene);
+        let is_scene = matches!(self.tracer.view, View::Scene);
         Wanted { hits: is_scene, surfaces: is_scene, colors: true }
     }
 
     /// Traces the samples of a packet, and stores their colours if they are wanted.
     fn trace(&mut self, wanted: Wanted, packet: &mut SamplePacket, colors: &mut PacketColors) {
-        let of_tracer =
-            Wanted { colors: wanted.colors && matches!(self.setting.view, View::Scene), ..wanted };
+        let of_tracer = Wanted { colors: wanted.colors && matches!(self.tracer.view, View::Scene), ..wanted };
         let (memory, counts) = (&mut self.memory, &mut self.row.counts);
         self.tracer.trace(self.row.j, of_tracer, packet, colors, memory, counts);
-        let RenderSetting { view, request, .. } = self.setting;
+        let PictureTracer { view, request, .. } = *self.tracer;
         match view {
             View::Scene => {}
             View::Cells(occupancy) => {
-                let world = self.setting.caster.world;
+                let world = self.tracer.caster.world;
                 for (color, Sample { ray, .. }) in colors.iter_mut().zip(packet.samples()) {
                     let face = occupancy.first_face(ray);
                     *color = face.map_or(world.background, |face| cell_color(&face, ray, world));
@@ -286,7 +337,7 @@ impl Painter<'_> {
         match &mut self.row.colors {
             Colors::Unwanted => {}
             Colors::Finished(_) if CENTERS => sum.add(self.center_weight, color),
-            Colors::Finished(_) => sum.add(self.setting.request.filter.weight(offset), color),
+            Colors::Finished(_) => sum.add(self.request.filter.weight(offset), color),
             Colors::Spread(spread) => {
                 let part = self.plan.as_ref().map_or(1.0, |plan| plan.part(column));
                 spread.add(column, offset, color, part);

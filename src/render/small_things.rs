@@ -5,15 +5,15 @@
 //! pixel gets a point there. A probe through this point finds out if the thing is visible, and how much it differs
 //! from its surroundings.
 
-use crate::camera::{Camera, Eye, Projection};
+use crate::camera::{Camera, Projection};
 use crate::world::World;
-use glam::{DVec2, DVec3, Vec2};
+use glam::Vec2;
 use std::ops::Range;
 
 /// The small things of a picture.
 pub struct SmallThings<'a> {
     world: &'a World,
-    view: View,
+    projection: Projection,
     /// The projected vertices of the triangles, in pixels from the lower left corner; NaN if not ahead of the eye.
     vertices: Vec<Vec2>,
 }
@@ -49,9 +49,9 @@ const MOST_STEPS: f32 = 1e5;
 
 impl<'a> SmallThings<'a> {
     pub fn new(camera: &Camera, world: &'a World) -> Self {
-        let view = View::new(camera);
-        let vertices = world.vertices.iter().map(|&vertex| view.project(vertex)).collect();
-        Self { world, view, vertices }
+        let projection = camera.projection();
+        let vertices = world.vertices.iter().map(|&vertex| projection.place(vertex).as_vec2()).collect();
+        Self { world, projection, vertices }
     }
 
     /// Returns the specks in these pixels, row by row.
@@ -88,7 +88,8 @@ impl<'a> SmallThings<'a> {
             }
         }
         for shape in &self.world.shapes {
-            let corners = shape.form().bounds().corners().map(|corner| self.view.project(corner));
+            let corners =
+                shape.form().bounds().corners().map(|corner| self.projection.place(corner).as_vec2());
             let [min, max] =
                 corners.into_iter().fold([Vec2::INFINITY, Vec2::NEG_INFINITY], |[min, max], at| {
                     // Keep NaN.
@@ -145,37 +146,6 @@ impl Speck {
     /// Returns true if small things cover some of the pixel, but not most of it.
     pub fn is_alone(self) -> bool {
         self.part > 0.0 && self.part < FULL
-    }
-}
-
-/// The picture that things are projected onto.
-struct View {
-    eye: Eye,
-    is_perspective: bool,
-    axes: [DVec3; 2],
-}
-
-impl View {
-    fn new(camera: &Camera) -> Self {
-        let (eye, is_perspective) = match camera.projection() {
-            Projection::Perspective(eye) => (eye, true),
-            Projection::Orthographic(eye) => (eye, false),
-        };
-        let axes = [eye.right, eye.up].map(|axis| axis / axis.length_squared());
-        Self { eye, is_perspective, axes }
-    }
-
-    #[inline(always)]
-    fn project(&self, point: DVec3) -> Vec2 {
-        let from_eye = point - self.eye.center;
-        let across = DVec2::from(self.axes.map(|axis| from_eye.dot(axis)));
-        let depth = from_eye.dot(self.eye.direction);
-        let across = match self.is_perspective {
-            true if depth > 0.0 => across / depth,
-            true => DVec2::NAN,
-            false => across,
-        };
-        (across + self.eye.middle + 0.5).as_vec2()
     }
 }
 

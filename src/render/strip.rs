@@ -7,10 +7,10 @@
 use super::layer::Layer;
 use super::plan::Band;
 use super::request::Request;
-use super::row::{Colors, RenderSetting, Row};
+use super::row::{Colors, Row};
 use super::tally::{Tally, in_parallel};
 use super::tracing::PictureTracer;
-use super::{Stopped, TakeRow, delivery};
+use super::{Stopped, TakeRow};
 use crate::picture::Color;
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
@@ -22,6 +22,10 @@ const MEMORY: usize = 48 << 20;
 
 /// Upper bound on the memory of a strip's rows in progress, in bytes.
 const MEMORY_IN_FLIGHT: usize = 32 << 20;
+
+/// The number of rows per thread that are traced while the rows before them are handed out: few enough to take little
+/// memory, and enough that threads seldom wait for a slow row.
+const ROWS_PER_BATCH: usize = 32;
 
 /// Upper bound on the rows in progress, per thread, if samples contribute to other rows. It is small enough to need
 /// little memory, and large enough that threads seldom wait for each other.
@@ -37,7 +41,7 @@ const ROWS_PER_SUPPORT: usize = 64;
 
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a> {
-    setting: &'a RenderSetting<'a>,
+    request: &'a Request,
     pub rows: Range<usize>,
 }
 
@@ -50,20 +54,20 @@ struct Finished {
 
 impl<'a> Strip<'a> {
     /// Returns the strip of rows from `end` down to at most `first`: as many as the memory allows, and at least one.
-    pub fn below(setting: &'a RenderSetting<'a>, end: usize, first: usize) -> Self {
-        let Request { sampler, adaptive, .. } = setting.request;
-        let width = setting.request.columns().len();
-        let rows = MEMORY / (setting.colors_per_row() * size_of::<Color>()).max(1);
+    pub fn below(request: &'a Request, end: usize, first: usize) -> Self {
+        let Request { sampler, adaptive, .. } = request;
+        let width = request.columns().len();
+        let rows = MEMORY / (request.colors_per_row() * size_of::<Color>()).max(1);
         // If rows around the strip are traced and discarded, take more rows, so that the discarded ones are a small
         // part of the work.
-        let support = setting.request.support();
+        let support = request.support();
         // The number of adaptive samples is not known. It is seldom the maximum.
         let samples = adaptive.map_or(sampler.count(), |adaptive| adaptive.most / 4) as usize;
         let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
         // Rows are handed out together if they depend on each other, and adaptive samples are planned together.
         let rows = if support > 0 || adaptive.is_some() { rows.min(few) } else { rows };
         let rows = rows.max(8 * support).max(rayon::current_num_threads());
-        Self { setting, rows: end.saturating_sub(rows).max(first)..end }
+        Self { request, rows: end.saturating_sub(rows).max(first)..end }
     }
 
     /// Traces the strip and hands it out. Returns the counts.
@@ -74,61 +78,61 @@ impl<'a> Strip<'a> {
         tally: &Tally,
         take_row: TakeRow,
     ) -> Result<Counts, Stopped> {
-        let RenderSetting { request, .. } = *self.setting;
-        let tracer = picture.rows(self.traced());
+        let request = self.request;
+        let tracer = &picture.rows(self.traced());
         if request.support() > 0 {
-            let finished = self.finish(&tracer, bands, tally);
+            let finished = self.finish(tracer, bands, tally);
             return finished.ok_or(self.cancelled_above(self.rows.end))?.hand_out(request, take_row);
         }
-        self.hand_out_one_by_one(&tracer, bands, tally, take_row)
-    }
-
-    /// Traces the rows and hands them out as soon as they are finished.
-    fn hand_out_one_by_one(
-        &self,
-        tracer: &PictureTracer,
-        bands: &[Band],
-        tally: &Tally,
-        take_row: TakeRow,
-    ) -> Result<Counts, Stopped> {
-        let RenderSetting { request, .. } = *self.setting;
-        let trace = |from_top, used| {
-            let j = self.rows.end - 1 - from_top;
-            self.row(self.setting.empty_row(j, used), tracer, bands, tally)
+        // Hand out a batch of rows while the next one is traced.
+        let batch = ROWS_PER_BATCH * rayon::current_num_threads();
+        let (mut counts, mut end, mut traced) = (Counts::default(), self.rows.end, vec![]);
+        let mut hand_out_rows = |rows: &[Row]| {
+            let taken = rows.iter().try_for_each(|row| {
+                counts = counts.merge(row.counts);
+                hand_out(row.colors.finished(), &row.layers, request, take_row)
+            });
+            taken.inspect_err(|_| tally.cancel())
         };
-        let mut counts = Counts::default();
-        let hand_out_row = |row: &mut Row| {
-            counts = counts.merge(std::mem::take(&mut row.counts));
-            hand_out(row.colors.finished(), &row.layers, request, take_row)
-        };
-        match delivery::in_order(self.rows.len(), tally, trace, hand_out_row)? {
-            rows if rows < self.rows.len() => Err(self.cancelled_above(self.rows.end - rows)),
-            _ => Ok(counts),
+        while end > self.rows.start {
+            let rows = end.saturating_sub(batch).max(self.rows.start)..end;
+            let (taken, next) = rayon::join(
+                || hand_out_rows(&traced),
+                || in_parallel(rows.clone(), tally, |j| self.row(j, tracer, bands, tally)),
+            );
+            taken?;
+            traced = next.into_iter().rev().map_while(|row| row).collect();
+            if traced.len() < rows.len() {
+                hand_out_rows(&traced)?;
+                return Err(self.cancelled_above(end - traced.len()));
+            }
+            end = rows.start;
         }
+        hand_out_rows(&traced)?;
+        Ok(counts)
     }
 
     /// Returns the error of a render that is cancelled after the rows from `end` on have been handed out.
     fn cancelled_above(&self, end: usize) -> Stopped {
-        Stopped::Cancelled { rows: self.setting.request.rows().end - end }
+        Stopped::Cancelled { rows: self.request.rows().end - end }
     }
 
     /// Returns the rows to trace: the rows of the strip, and the rows around it whose samples contribute to it.
     pub fn traced(&self) -> Range<usize> {
-        self.setting.request.traced_rows(self.rows.clone())
+        self.request.traced_rows(self.rows.clone())
     }
 
     /// Traces the strip. Returns `None` if the watch cancels the render.
     fn finish(&self, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Finished> {
-        let Request { filter, size, .. } = *self.setting.request;
+        let Request { filter, size, .. } = *self.request;
         let traced = self.traced();
         let mut film = Film::starting_at(filter, size, traced.start);
         let mut finished =
             Finished { counts: Counts::default(), rows: vec![Default::default(); self.rows.len()] };
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            let trace = |j| self.row(self.setting.empty_row(j, None), tracer, bands, tally);
-            for row in in_parallel(rows, tally, trace) {
-                finished.take(row??, self, &mut film);
+            for row in in_parallel(rows, tally, |j| self.row(j, tracer, bands, tally)) {
+                finished.take(row?, self, &mut film);
             }
         }
         Some(finished)
@@ -143,33 +147,33 @@ impl<'a> Strip<'a> {
 
     /// Returns the memory of a row in progress, in bytes.
     fn bytes_in_flight(&self) -> usize {
-        self.bytes_of_sums() + 32 * self.setting.request.size[0]
+        self.bytes_of_sums() + 32 * self.request.size[0]
     }
 
     /// Returns the memory of the sums of all rows to which the samples of one row contribute, in bytes.
     fn bytes_of_sums(&self) -> usize {
-        let Request { filter, size, .. } = *self.setting.request;
-        if self.setting.request.support() == 0 { 0 } else { Spread::bytes(filter, size) }
+        let Request { filter, size, .. } = *self.request;
+        if self.request.support() == 0 { 0 } else { Spread::bytes(filter, size) }
     }
 
     /// Returns the memory of the rows that are in memory at the same time, in bytes.
     pub fn bytes(&self) -> u64 {
-        let finished = self.setting.colors_per_row() * size_of::<Color>();
-        let bytes = if self.setting.request.support() > 0 {
+        let finished = self.request.colors_per_row() * size_of::<Color>();
+        let bytes = if self.request.support() > 0 {
             let in_flight = self.rows_in_flight().min(self.traced().len());
             // The film also has sums.
             self.rows.len() * finished + in_flight * self.bytes_in_flight() + self.bytes_of_sums()
         } else {
-            delivery::most_at_once(self.rows.len()) * finished
+            self.rows.len().min(2 * ROWS_PER_BATCH * rayon::current_num_threads()) * finished
         };
         bytes as u64
     }
 
-    /// Traces a row. Returns `None` if the render is cancelled meanwhile.
-    fn row(&self, empty: Row, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Row> {
-        let is_shown = self.rows.contains(&empty.j);
-        let plan = bands.iter().find_map(|band| band.plan(empty.j));
-        let mut row = self.setting.row(empty, tracer, is_shown, plan)?;
+    /// Traces row `j`. Returns `None` if the render is cancelled meanwhile.
+    fn row(&self, j: usize, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Row> {
+        let is_shown = self.rows.contains(&j);
+        let plan = bands.iter().find_map(|band| band.plan(j));
+        let mut row = tracer.row(j, is_shown, plan)?;
         row.counts = row.counts.merge(plan.map_or(Counts::default(), |plan| plan.counts));
         if is_shown {
             tally.row_is_done(row.counts.rays());
@@ -180,7 +184,7 @@ impl<'a> Strip<'a> {
 
 impl Finished {
     fn take(&mut self, row: Row, strip: &Strip, film: &mut Film) {
-        let RenderSetting { request, .. } = *strip.setting;
+        let request = strip.request;
         let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
         if let Some(i) = index(row.j) {
             self.counts = self.counts.merge(row.counts);

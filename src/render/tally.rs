@@ -2,9 +2,9 @@
 
 use super::{Progress, Stopped, Watch};
 use crate::trace::MOST_WAITING;
+use rayon::iter::{ParallelBridge, ParallelIterator};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 /// Counts the rows that have been traced, and records whether the watch has cancelled the render.
 pub struct Tally<'a> {
@@ -28,6 +28,11 @@ impl<'a> Tally<'a> {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
+    /// Cancels the render.
+    pub fn cancel(&self) {
+        self.is_cancelled.store(true, Ordering::Relaxed);
+    }
+
     /// Notes that a row has been traced with this number of rays.
     pub fn row_is_done(&self, rays: u64) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
@@ -40,7 +45,7 @@ impl<'a> Tally<'a> {
     pub fn asks(&self, waiting: usize) -> bool {
         if waiting > MOST_WAITING {
             self.has_too_many_rays.store(true, Ordering::Relaxed);
-            self.is_cancelled.store(true, Ordering::Relaxed);
+            self.cancel();
         }
         if !self.is_cancelled() {
             self.tell(self.done.load(Ordering::Relaxed), self.rays.load(Ordering::Relaxed));
@@ -55,33 +60,21 @@ impl<'a> Tally<'a> {
 
     fn tell(&self, done: usize, rays: u64) {
         if (self.watch)(Progress { done, rows: self.rows, rays }).is_break() {
-            self.is_cancelled.store(true, Ordering::Relaxed);
+            self.cancel();
         }
     }
 }
 
-/// Calls `work` for each row, and returns the results in the order of the rows. Threads take the rows from the top. If
-/// the render is cancelled, the topmost rows have results, and the other results are `None`.
+/// Calls `work` for each row, and returns the results in the order of the rows. Threads take the rows from the top. So
+/// if the render is cancelled, the topmost rows have results.
 pub fn in_parallel<T: Send>(
     rows: Range<usize>,
     tally: &Tally,
-    work: impl Fn(usize) -> T + Sync,
+    work: impl Fn(usize) -> Option<T> + Sync,
 ) -> Vec<Option<T>> {
-    let nothing = rows.clone().map(|_| None).collect::<Vec<_>>();
-    let (taken, done) = (AtomicUsize::new(0), Mutex::new(nothing));
-    let take_rows = || {
-        let mut own = vec![];
-        while !tally.is_cancelled() {
-            let from_top = taken.fetch_add(1, Ordering::Relaxed);
-            let Some(index) = rows.len().checked_sub(from_top + 1) else { break };
-            own.push((index, work(rows.start + index)));
-        }
-        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-        own.into_iter().for_each(|(index, result)| done[index] = Some(result));
-    };
-    rayon::scope(|scope| {
-        (1..rayon::current_num_threads().min(rows.len())).for_each(|_| scope.spawn(|_| take_rows()));
-        take_rows();
-    });
-    done.into_inner().unwrap_or_else(PoisonError::into_inner)
+    let work = |j| if tally.is_cancelled() { None } else { Some((j, work(j)?)) };
+    let done: Vec<(usize, T)> = rows.clone().rev().par_bridge().filter_map(work).collect();
+    let mut results: Vec<Option<T>> = rows.clone().map(|_| None).collect();
+    done.into_iter().for_each(|(j, result)| results[j - rows.start] = Some(result));
+    results
 }

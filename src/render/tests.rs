@@ -6,6 +6,7 @@ mod layers;
 use super::*;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
+use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::parser::parse;
 use crate::world::World;
@@ -52,7 +53,8 @@ fn render_scene(
     let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    pool.install(|| render((&camera, &caster), View::Scene, request, tracing, watch, take_row))
+    let request = &Request { tracing, ..request.clone() };
+    pool.install(|| render((&camera, &caster), View::Scene, request, watch, take_row))
 }
 
 fn goes_on(_: Progress) -> ControlFlow<()> {
@@ -75,7 +77,7 @@ fn pictures(text: &str, request: &Request) -> Vec<FloatPicture> {
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
-    render_in_memory((&camera, &caster), View::Scene, request, Tracing::Fast).unwrap().0
+    render_in_memory((&camera, &caster), View::Scene, request).unwrap().0
 }
 
 /// Returns the part of a picture inside a window, where each pixel is a square of `zoom` by `zoom`.
@@ -149,7 +151,7 @@ fn a_window_without_pixels_is_refused() {
     for (layer, size) in [(Layer::Color, [0, 2]), (Layer::Samples { zoom: 7 }, [0, 14])] {
         let request = request(layer, Some(Window { x: 5, y: 1, width: 3, height: 2 }));
         let camera = Camera::new(&text.camera, request.size);
-        let result = render_in_memory((&camera, &caster), View::Scene, &request, Tracing::Fast);
+        let result = render_in_memory((&camera, &caster), View::Scene, &request);
         assert_eq!(result.err(), Some(BadSize { width: size[0], height: size[1] }));
     }
 }

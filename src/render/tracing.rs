@@ -13,21 +13,18 @@ use crate::stats::Counts;
 use crate::trace::NoHints;
 #[cfg(feature = "fast")]
 use crate::trace::Shadows;
-use crate::trace::{Effects, IsOver, Memory, RayCount, Tracer};
+use crate::trace::{IsOver, Memory, RayCount, Tracer};
 use fearless_simd::dispatch;
 use std::ops::Range;
 
 /// Traces the samples of a picture.
 #[derive(Clone)]
 pub struct PictureTracer<'a> {
-    camera: &'a Camera,
-    caster: Caster<'a>,
-    effects: Effects,
-    tracing: Tracing,
+    pub camera: &'a Camera,
+    pub caster: Caster<'a>,
+    pub view: View<'a>,
+    pub request: &'a Request,
     is_over: IsOver<'a>,
-    /// The number of samples and rows of the picture.
-    #[cfg(feature = "fast")]
-    picture: [usize; 2],
     #[cfg(feature = "fast")]
     hints: RasterHints,
     #[cfg(not(feature = "fast"))]
@@ -38,36 +35,26 @@ impl<'a> PictureTracer<'a> {
     pub fn new(
         camera: &'a Camera,
         caster: &'a Caster<'a>,
-        view: View,
-        request: &Request,
-        tracing: Tracing,
+        view: View<'a>,
+        request: &'a Request,
         is_over: IsOver<'a>,
     ) -> Self {
         #[cfg(feature = "fast")]
-        let hints = RasterHints::new(caster.world, demand(view, request, tracing));
+        let hints = RasterHints::new(caster.world, demand(view, request));
         #[cfg(not(feature = "fast"))]
-        let (hints, _) = (NoHints, view);
-        Self {
-            camera,
-            caster: caster.clone(),
-            effects: request.effects,
-            tracing,
-            is_over,
-            #[cfg(feature = "fast")]
-            picture: [request.camera_rays(), request.rows().len()],
-            hints,
-        }
+        let hints = NoHints;
+        Self { camera, caster: caster.clone(), view, request, is_over, hints }
     }
 
     /// Returns a tracer that is prepared for these rows, counted from the bottom.
     #[cfg(feature = "fast")]
     pub fn rows(&self, rows: Range<usize>) -> Self {
-        if self.tracing == Tracing::Counted {
+        if self.request.tracing == Tracing::Counted {
             return self.clone();
         }
         let hints = self.hints.in_rows(self.camera, &self.caster, rows.clone());
         // The other rows have about as many unsure pixels.
-        let [camera, all_rows] = self.picture;
+        let (camera, all_rows) = (self.request.camera_rays(), self.request.rows().len());
         let cast = hints.unsure(rows.clone()) * all_rows / rows.len().max(1);
         Self { caster: self.caster.for_rays(Rays { camera, cast }), hints, ..self.clone() }
     }
@@ -93,12 +80,12 @@ impl<'a> PictureTracer<'a> {
         memory: &mut Memory,
         counts: &mut Counts,
     ) {
-        let Self { camera, caster, effects, .. } = self;
+        let Self { camera, caster, request: Request { effects, tracing, .. }, .. } = self;
         if memory.is_cut() {
             return;
         }
         let level = caster.level;
-        match self.tracing {
+        match tracing {
             Tracing::Counted => {
                 let tracer = Tracer::new(caster, *effects);
                 dispatch!(level, simd => tracer.trace(simd, camera, j, wanted, packet, colors, memory, counts));
@@ -116,9 +103,9 @@ impl<'a> PictureTracer<'a> {
 
 /// Returns the rays that a request needs if it does not count.
 #[cfg(feature = "fast")]
-fn demand(view: View, request: &Request, tracing: Tracing) -> Demand {
+fn demand(view: View, request: &Request) -> Demand {
     let is_scene = matches!(view, View::Scene);
-    let colors = tracing == Tracing::Fast && request.traces_colors(tracing) && is_scene;
+    let colors = request.tracing == Tracing::Fast && request.traces_colors(Tracing::Fast) && is_scene;
     let footprint = if colors && !request.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
     let samples = request.window_size().iter().product::<usize>() * request.samples();
     let is_blocked_or_not = colors && request.effects.shadows == Shadows::Opaque;
@@ -164,7 +151,7 @@ mod tests {
         ] {
             let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
             let request = Request { sampler, effects, layers, ..Request::new([6, 5]) };
-            let demand = demand(view, &request, Tracing::Fast);
+            let demand = demand(view, &request);
             assert_eq!((demand.footprint, demand.shadow_rays), (footprint, colors), "{request:?}");
         }
     }
@@ -188,8 +175,8 @@ mod tests {
             let camera = Camera::new(&scene.camera, [40, 40]);
             let request = Request::new([40, 40]);
             let has_grid = |caster: Caster| {
-                let (tracing, is_over): (_, IsOver) = (Tracing::Fast, &|_| false);
-                let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, tracing, is_over);
+                let is_over: IsOver = &|_| false;
+                let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, is_over);
                 tracer.rows(0..40).caster.is_selective()
             };
             assert_eq!(has_grid(Caster::new(&world, None).unwrap().replaceable()), is_selective, "{far}");

@@ -11,7 +11,7 @@
 use crate::base::memory::NoMemory;
 use crate::picture::Color;
 use crate::render::renderer::Prepared;
-use crate::render::{Layer, Request, Stopped, Watch, Window};
+use crate::render::{Layer, Request, Stopped, Tracing, Watch, Window};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use rand::RngExt;
@@ -41,7 +41,7 @@ pub fn has_standard_error(request: &Request) -> bool {
 /// Returns the root mean square error of the colours due to sampling, in levels, over all channels of all pixels.
 /// `None` if the watch ended the work, or if the rays of a pixel split too often.
 pub fn standard_error(prepared: &Prepared, request: &Request, watch: Watch) -> Result<Option<f64>, NoMemory> {
-    let request = Request { layers: vec![Layer::Color], ..request.clone() };
+    let request = Request { layers: vec![Layer::Color], tracing: Tracing::Fast, ..request.clone() };
     match of_colors(prepared, &request, watch) {
         Ok(error) => Ok(Some(error)),
         Err(Stopped::Memory(refused)) => Err(refused),
@@ -138,7 +138,7 @@ fn colors(
             ControlFlow::Continue(())
         };
         let request = Request { sampler, ..request.clone() };
-        prepared.render_rows_fast(&request, watch, &mut take_row)?;
+        prepared.render_rows(&request, watch, &mut take_row)?;
         Ok::<Vec<Color>, Stopped>(colors)
     };
     let mut colors = match rows {

@@ -261,7 +261,7 @@ fn a_picture_without_size_is_an_error() {
     let caster = Caster::new(&world, None).expect("no grid");
     for size in [[0, 5], [5, 0], [0, 0], [u32::MAX as usize; 2]] {
         let camera = Camera::new(&ordinary_scene().camera, size);
-        let rendered = render_in_memory((&camera, &caster), View::Scene, &Request::new(size), Tracing::Fast);
+        let rendered = render_in_memory((&camera, &caster), View::Scene, &Request::new(size));
         assert!(rendered.is_err(), "{size:?}");
     }
 }

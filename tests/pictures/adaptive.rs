@@ -1,5 +1,6 @@
 //! Adaptive samples where they are hardest: small things, which four samples of a pixel may miss.
 
+use raytracer::caster::choose::Structure;
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Request, Tracing};
@@ -56,7 +57,8 @@ fn needles_and_highlights() -> Renderer {
 
 /// The colours of a request, and the camera rays of a pixel on average.
 fn rendered(renderer: &Renderer, request: &Request) -> (Vec<Color>, f64) {
-    let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
+    let request = &Request { structure: Structure::List, tracing: Tracing::Counted, ..request.clone() };
+    let prepared = renderer.prepare(request).expect("no grid");
     let mut colors = vec![];
     let mut take_row = |_: usize, row: &[Color]| {
         colors.extend_from_slice(row);
@@ -76,7 +78,7 @@ fn error(a: &[Color], b: &[Color]) -> f64 {
 
 fn jittered(size: usize, count: u32, seed: u32) -> Request {
     let sampler = Sampler::new(Pattern::Jittered, count, Drand48::seeded(seed));
-    Request { sampler, ..Request::new([size; 2]) }
+    Request { sampler, structure: Structure::List, ..Request::new([size; 2]) }
 }
 
 fn adaptive(size: usize, (most, error): (u32, f64), seed: u32) -> Request {
@@ -163,7 +165,7 @@ fn small_shadows_are_seen() {
         ("sieve below a lamp", lamp, &sieve, true),
     ] {
         let renderer = shaded(light, shading);
-        let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("a list");
+        let prepared = renderer.prepare(&jittered(40, 1, 1)).expect("a list");
         let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
         let colors = |request: Request| {
             let request = Request { effects, has_floats, ..request };

@@ -63,8 +63,8 @@ fn same_in_all_windows(prepared: &Prepared, request: &Request) {
 #[test]
 fn a_window_shows_the_pixels_of_the_whole_picture() {
     let renderer = glass();
-    let prepared =
-        renderer.prepare(Some(Resolution::Cells([5, 4, 3])), 1, Tracing::Fast).expect("a small grid");
+    let structure = Structure::Grid(Resolution::Cells([5, 4, 3]));
+    let prepared = renderer.prepare(&Request { structure, ..request() }).expect("a small grid");
     same_in_all_windows(&prepared, &request());
     let centers = Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request() };
     same_in_all_windows(&prepared, &centers);
@@ -73,16 +73,17 @@ fn a_window_shows_the_pixels_of_the_whole_picture() {
 
 #[test]
 fn neither_grid_nor_counting_nor_threads_change_a_number() {
-    let expected =
-        glass().prepare(None, 1, Tracing::Fast).expect("no grid").render(&request()).expect("small pictures");
+    let expected = glass().prepare(&request()).expect("no grid").render(&request()).expect("small pictures");
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         let renderer = glass().on_threads(Arc::new(pool));
-        for grid in [None, Some(Resolution::Auto), Some(Resolution::Cells([6, 6, 6]))] {
-            let fast = renderer.prepare(grid, 1000, Tracing::Fast).expect("a small grid");
-            let course = renderer.prepare(grid, 1000, Tracing::Counted).expect("a small grid");
-            assert!(fast.render(&request()).expect("small pictures") == expected);
-            assert!(course.render(&request()).expect("small pictures") == expected);
+        let grids = [Resolution::Auto, Resolution::Cells([6, 6, 6])].map(Structure::Grid);
+        for structure in [Structure::List, grids[0], grids[1]] {
+            for tracing in [Tracing::Fast, Tracing::Counted] {
+                let request = Request { structure, tracing, ..request() };
+                let prepared = renderer.prepare(&request).expect("a small grid");
+                assert!(prepared.render(&request).expect("small pictures") == expected);
+            }
         }
     }
 }
@@ -94,7 +95,7 @@ fn a_structure_is_chosen_where_none_is_asked_for() {
     let shadows =
         Request { effects: Effects { shadows: Shadows::Opaque, ..Effects::default() }, ..plain.clone() };
     let fast = |structure, request: &Request| {
-        renderer.prepare_for(structure, request, Tracing::Fast).expect("a small grid")
+        renderer.prepare(&Request { structure, ..request.clone() }).expect("a small grid")
     };
     // The rasterizer finds what the camera sees.
     assert_eq!(fast(Structure::Any, &plain).cells().is_none(), cfg!(feature = "fast"));
@@ -105,7 +106,8 @@ fn a_structure_is_chosen_where_none_is_asked_for() {
     assert!(
         any.render(&shadows).expect("a small picture") == list.render(&shadows).expect("a small picture")
     );
-    let course = renderer.prepare_for(Structure::Any, &shadows, Tracing::Counted).expect("no grid");
+    let counted = Request { tracing: Tracing::Counted, ..shadows };
+    let course = renderer.prepare(&counted).expect("no grid");
     assert_eq!(course.cells(), None);
 }
 
@@ -121,20 +123,18 @@ fn a_moved_camera_shows_what_a_scene_with_that_camera_shows() {
     loaded.scene.camera = camera;
     let other = Renderer::new(loaded, Meshes::Moved).expect("a scene");
     let [shown, expected] = [(&renderer, &moved), (&other, &request())].map(|(renderer, request)| {
-        renderer.prepare(None, 1, Tracing::Fast).expect("no grid").render(request).expect("small pictures")
+        renderer.prepare(request).expect("no grid").render(request).expect("small pictures")
     });
     assert!(shown == expected);
-    assert!(
-        renderer.prepare(None, 1, Tracing::Fast).expect("no grid").render(&request()).expect("small")
-            != expected
-    );
+    assert!(renderer.prepare(&request()).expect("no grid").render(&request()).expect("small") != expected);
 }
 
 #[test]
 fn progress_counts_every_row_once() {
     let renderer = glass();
-    let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
     let window = Some(Window { x: 3, y: 5, width: 7, height: 20 });
+    let request = Request { window, tracing: Tracing::Counted, ..request() };
+    let prepared = renderer.prepare(&request).expect("no grid");
     let told = Mutex::new(Vec::new());
     let watch = |progress: Progress| {
         told.lock().expect("no panic").push(progress);
@@ -145,8 +145,7 @@ fn progress_counts_every_row_once() {
         rows[layer] += 1;
         ControlFlow::Continue(())
     };
-    let counts: Counts =
-        prepared.render_rows(&Request { window, ..request() }, &watch, &mut take_row).expect("all rows");
+    let counts: Counts = prepared.render_rows(&request, &watch, &mut take_row).expect("all rows");
     let mut done: Vec<usize> = told.into_inner().expect("no panic").iter().map(|p| p.done).collect();
     done.sort_unstable();
     assert_eq!(done, (1..=20).collect::<Vec<_>>());
@@ -158,7 +157,7 @@ fn progress_counts_every_row_once() {
 #[test]
 fn the_watch_and_the_output_end_a_render() {
     let renderer = glass();
-    let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("no grid");
+    let prepared = renderer.prepare(&request()).expect("no grid");
     let ends = |progress: Progress| {
         if progress.done >= 10 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
@@ -180,14 +179,13 @@ fn the_watch_and_the_output_end_a_render() {
 fn the_cells_need_the_meshes_and_show_what_the_flag_shows() {
     let loaded = load::load(&scene("scene6_04_bunny_mesh_200.txt")).expect("a scene");
     let renderer = Renderer::new(loaded, Meshes::Kept).expect("a scene");
-    let cells = renderer.prepare_cells(Resolution::Cells([4, 5, 6]), 1, Tracing::Fast).expect("few cells");
+    let structure = Structure::Grid(Resolution::Cells([4, 5, 6]));
+    let request = Request { structure, draws_cells: true, ..Request::new(SIZE) };
+    let cells = renderer.prepare(&request).expect("few cells");
     assert_eq!(cells.cells(), Some([4, 5, 6]));
     let shown = cells.render(&Request::new(SIZE)).expect("a small picture");
-    let scene = renderer
-        .prepare(None, 1, Tracing::Fast)
-        .expect("no grid")
-        .render(&Request::new(SIZE))
-        .expect("small");
+    let scene =
+        renderer.prepare(&Request::new(SIZE)).expect("no grid").render(&Request::new(SIZE)).expect("small");
     assert!(shown != scene);
     let background = renderer.scene.background.color;
     assert!(shown[0].colors.iter().any(|&color| color != background));

@@ -1,8 +1,9 @@
 //! The standard error of pictures, against what they are off from converged ones.
 
+use raytracer::caster::choose::Structure;
 use raytracer::picture::Color;
+use raytracer::render::Request;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
-use raytracer::render::{Request, Tracing};
 use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
@@ -41,7 +42,9 @@ fn it_is_that_against_converged_pictures() {
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces, ..Effects::default() };
         for filter in [Filter::PIXEL, Filter::Tent { radius: 1.0 }] {
             let base = Request { effects, filter, ..Request::new([60, 44]) };
-            let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("no grid");
+            let prepared = renderer
+                .prepare(&Request { structure: Structure::List, ..Request::new([1; 2]) })
+                .expect("no grid");
             let references = [11, 12].map(|seed| {
                 let sampler = Sampler::new(Pattern::Jittered, 400, Drand48::seeded(seed));
                 colors(&prepared, &Request { sampler, ..base.clone() })
@@ -100,7 +103,9 @@ fn that_of_some_rows_is_that_of_all_where_few_differ() {
         [(&every_16th[..], 1.0, false), (&[[0.0, 128.3]], 1.0, false), (&every_16th, 40.0, true)]
     {
         let renderer = bars(ROWS, all, white);
-        let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("no grid");
+        let prepared = renderer
+            .prepare(&Request { structure: Structure::List, ..Request::new([1; 2]) })
+            .expect("no grid");
         let estimated = |seed| {
             let sampler = Sampler::new(Pattern::Random, 4, Drand48::seeded(seed));
             let request = Request { sampler, has_floats, ..Request::new([ROWS; 2]) };
@@ -126,7 +131,8 @@ fn that_of_some_rows_is_about_that_of_all() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_10_nested_transformations.txt");
     let renderer =
         Renderer::new(raytracer::scene::load::load(&path).expect("a scene"), Meshes::Moved).expect("a world");
-    let prepared = renderer.prepare(None, 1, Tracing::Fast).expect("no grid");
+    let prepared =
+        renderer.prepare(&Request { structure: Structure::List, ..Request::new([1; 2]) }).expect("no grid");
     let request = |count, seed| {
         let sampler = Sampler::new(Pattern::Jittered, count, Drand48::seeded(seed));
         Request { sampler, ..Request::new([300, 300]) }

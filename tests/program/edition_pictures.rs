@@ -8,7 +8,7 @@ use raytracer::caster::choose::Structure;
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
-use raytracer::render::{Layer, Request, Tracing};
+use raytracer::render::{Layer, Request};
 use raytracer::scene::load::load;
 use raytracer::scene::material::Material;
 use raytracer::scene::model::{FaceWeights, Highlight, MeshNormals, Screen};
@@ -83,8 +83,7 @@ fn mistakes_of_the_editions_are_found() {
         change(&mut wrong.scene);
         let render = |loaded| {
             let renderer = Renderer::new(loaded, Meshes::Kept).expect("a scene");
-            let prepared =
-                renderer.prepare_for(Structure::Any, &request, Tracing::Fast).expect("a structure");
+            let prepared = renderer.prepare(&request).expect("a structure");
             prepared.render(&request).expect("a picture").remove(0).to_picture()
         };
         let (wrong, right) = (render(wrong), render(load()));

@@ -2,9 +2,8 @@
 
 use crate::support::{Folder, only_line, says, scene};
 use raytracer::base::shell::Shell;
-use raytracer::caster::choose::Structure;
+use raytracer::render::Request;
 use raytracer::render::renderer::Renderer;
-use raytracer::render::{Request, Tracing};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -60,7 +59,7 @@ fn the_error_is_that_of_the_pictures() {
     let base = Request { effects: raytracer::trace::Effects { bounces: 2, ..base.effects }, ..base };
     let colors = |filter, pattern, count, rng| {
         let request = Request { sampler: Sampler::new(pattern, count, rng), filter, ..base.clone() };
-        let prepared = renderer.prepare_for(Structure::List, &request, Tracing::Fast).unwrap();
+        let prepared = renderer.prepare(&request).unwrap();
         let picture = prepared.render(&request).unwrap().remove(0);
         picture
             .colors

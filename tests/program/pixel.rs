@@ -2,7 +2,7 @@
 
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ, numbers};
 use crate::support::{Folder, Tga};
-use raytracer::caster::choose::Resolution;
+use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Request, Tracing};
@@ -90,8 +90,9 @@ fn explained(case: &Case) -> (Tga, String, Vec<PixelTree>) {
     let statistics = folder.run(&format!("{flags} -stats")).ok().stdout;
     let loaded = load::load(&folder.path().join("s.txt")).expect("a scene");
     let renderer = Renderer::new(loaded, Meshes::Kept).expect("a world");
-    let rays = SIZE[0] * SIZE[1] * case.request.sampler.count() as usize;
-    let prepared = renderer.prepare(case.grid, rays, Tracing::Counted).expect("a grid");
+    let structure = case.grid.map_or(Structure::List, Structure::Grid);
+    let request = Request { structure, tracing: Tracing::Counted, ..case.request.clone() };
+    let prepared = renderer.prepare(&request).expect("a grid");
     let explainer = Explainer::new(&prepared).expect("objects");
     let stop = far_off();
     let places = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
@@ -185,7 +186,8 @@ fn explained_hall<T>(bounces: u32, samples: u32, work: impl FnOnce(&Explainer, &
     let renderer = renderer.expect("a world");
     let sampler = Sampler::new(Pattern::Random, samples, Drand48::UNSEEDED);
     let request = Request { sampler, ..request(shadows(Shadows::Opaque, bounces)) };
-    let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
+    let (structure, tracing) = (Structure::List, Tracing::Counted);
+    let prepared = renderer.prepare(&Request { structure, tracing, ..request.clone() }).expect("no grid");
     work(&Explainer::new(&prepared).expect("objects"), &request)
 }
 
@@ -259,6 +261,6 @@ fn without_its_meshes_a_renderer_explains_nothing() {
     let folder = Folder::with_scene(MESH);
     folder.write("m.obj", OBJ);
     let renderer = Renderer::open(&folder.path().join("s.txt")).expect("a world");
-    let prepared = renderer.prepare(None, 1, Tracing::Counted).expect("no grid");
+    let prepared = renderer.prepare(&Request::new([1; 2])).expect("no grid");
     assert_eq!(Explainer::new(&prepared).expect_err("no meshes").message, "the meshes were not kept");
 }

@@ -109,7 +109,7 @@ fn render<'r>(
     watch: Watch<'r>,
 ) -> Result<Reference<'r>, Diagnostic> {
     let no_memory = || Diagnostic::error("there is no memory for the picture");
-    let request = Request { layers: vec![layer], ..options.request() };
+    let request = Request { layers: vec![layer], tracing: Tracing::Fast, ..options.request() };
     if shows_scene(options, renderer, layer) {
         let original = Original::watched(renderer, Structure::Any, &request, watch).ok_or_else(no_memory)?;
         let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
@@ -117,7 +117,7 @@ fn render<'r>(
             move |wrong: &[_], picture: &_, first: &[_]| original.explain_all(wrong, picture, first);
         return Ok(Reference { picture, explain: Box::new(explain) });
     }
-    let prepared = options.prepare(renderer, &request, Tracing::Fast)?;
+    let prepared = options.prepare(renderer, &request)?;
     let colors = prepared.render(&request)?.into_iter().next();
     let colors = colors.ok_or_else(|| Diagnostic::error("nothing is rendered"))?;
     let picture = colors.to_picture();

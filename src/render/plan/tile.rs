@@ -50,7 +50,7 @@ fn of_rows<T: Send>(
     work: impl Fn(usize) -> Option<T> + Sync,
 ) -> Option<Vec<T>> {
     let work = |j| if tally.asks(0) { None } else { work(j) };
-    in_parallel(rows.clone(), tally, work).into_iter().map(Option::flatten).collect()
+    in_parallel(rows.clone(), tally, work).into_iter().collect()
 }
 
 impl<'t, 'a> Tile<'t, 'a> {
@@ -65,7 +65,7 @@ impl<'t, 'a> Tile<'t, 'a> {
     ) -> Option<Self> {
         // The last corners belong to the last pixels.
         let of_corner = |k: usize, pixels: &Range<usize>| k.min(pixels.end - 1);
-        let (setting, rows) = (&planner.setting, band.rows.clone());
+        let rows = band.rows.clone();
         let all = rows.start..rows.end + 1;
         let looked = of_rows(&all, tally, |j| {
             let row = of_corner(j, &rows);
@@ -73,9 +73,9 @@ impl<'t, 'a> Tile<'t, 'a> {
                 let column = of_corner(corner, columns);
                 (column, DVec2::new((corner - column) as f64, (j - row) as f64) - 0.5)
             });
-            setting.look(tracer, row, places)
+            tracer.look(row, places)
         })?;
-        let most = Vec3A::splat(if setting.request.has_floats { f32::MAX } else { BRIGHTEST });
+        let most = Vec3A::splat(if planner.request.has_floats { f32::MAX } else { BRIGHTEST });
         let row = |(j, looked): (usize, Looked)| {
             let columns = (columns.start..=columns.end).map(|corner| of_corner(corner, columns));
             band.add_counts(of_corner(j, &rows), &looked, columns);
@@ -88,7 +88,7 @@ impl<'t, 'a> Tile<'t, 'a> {
     /// Returns the number of samples of each pixel, row by row, or `None` if the watch cancels the render.
     pub fn allot(mut self) -> Option<Vec<u16>> {
         let (settings, contents) = (self.planner.settings, self.contents()?);
-        let has_floats = self.planner.setting.request.has_floats;
+        let has_floats = self.planner.request.has_floats;
         let brightest = self.corners.iter().flat_map(|row| &row.colors).fold(1.0, most_of);
         let contrast = self.planner.reflected.max(if has_floats { brightest } else { 1.0 });
         let (width, mut probes) = (self.columns.len(), settings.probes(contents.len(), contrast));
@@ -141,10 +141,10 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Casts rays through the points of each row, and returns their pixels and colours.
     fn cast(&mut self, places: impl Fn(usize) -> Places + Sync) -> Option<Vec<(usize, Color)>> {
-        let (setting, tracer, rows) = (&self.planner.setting, self.tracer, self.band.rows.clone());
+        let (tracer, rows) = (self.tracer, self.band.rows.clone());
         let look = |j| {
             let places = places(j);
-            Some((setting.look(tracer, j, places.iter().copied())?, places))
+            Some((tracer.look(j, places.iter().copied())?, places))
         };
         let mut seen = vec![];
         for (j, (looked, places)) in rows.clone().zip(of_rows(&rows, self.tally, look)?) {
@@ -161,7 +161,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         let [x, y] = [pixel % self.columns.len(), pixel / self.columns.len()];
         let [below, above] = [y, y + 1].map(|y| &self.corners[y].colors[x..]);
         let corners = [below[0], below[1], above[0], above[1]];
-        Find { pixel, square: beyond(finite(color), corners, self.planner.setting.request.has_floats) }
+        Find { pixel, square: beyond(finite(color), corners, self.planner.request.has_floats) }
     }
 
     /// Estimates the contents of the pixels, by the corners and by rays to small things.
@@ -176,7 +176,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             let alone = columns.clone().zip(row).filter(|(_, speck)| speck.is_alone());
             alone.map(|(column, speck)| (column, speck.offset.as_dvec2())).collect()
         })?;
-        let has_floats = self.planner.setting.request.has_floats;
+        let has_floats = self.planner.request.has_floats;
         let most = if has_floats { f32::MAX } else { BRIGHTEST * BRIGHTEST };
         // The point in a small thing may have missed it, but rarely do the points in all pixels around it.
         let mut squares = vec![0.0f32; specks.len()];
@@ -197,7 +197,7 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Casts this number of probes in each pixel on average, and returns their finds.
     fn probe(&mut self, round: u64, count: f64) -> Option<Vec<Find>> {
-        let (columns, height) = (self.columns.clone(), self.planner.setting.request.size[1]);
+        let (columns, height) = (self.columns.clone(), self.planner.request.size[1]);
         let jump = Jump::of(height as u64 * DRAWS);
         let seen = self.cast(|j| {
             let mut next = PROBES.jumped((round << 40) + (columns.start * height + j) as u64 * DRAWS);
@@ -217,7 +217,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         let mut pixels: Vec<usize> = tested.iter().flatten().map(|tested| tested.pixel).collect();
         pixels.sort_unstable();
         pixels.dedup();
-        let request = self.planner.setting.request;
+        let request = self.planner.request;
         let (width, start, most) = (self.columns.len(), self.columns.start, self.planner.settings.most);
         let (first, height) = (self.band.rows.start, request.size[1]);
         let strata = |pixel: usize| MultiJittered::strata(samples[pixel].into(), most);

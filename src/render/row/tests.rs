@@ -1,5 +1,7 @@
 use super::*;
 use crate::camera::Camera;
+use crate::caster::Caster;
+use crate::render::Tracing;
 use crate::render::tracing::PictureTracer;
 use crate::scene::Scene;
 use crate::scene::parser::parse;
@@ -18,16 +20,11 @@ fn with_painter(check: impl FnOnce(&mut Painter)) {
     let scene: Scene = parse(TEXT).unwrap();
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
-    let request = Request { layers: vec![Layer::Samples { zoom: 4 }], ..Request::new([10, 8]) };
+    let (layers, tracing) = (vec![Layer::Samples { zoom: 4 }], Tracing::Counted);
+    let request = Request { layers, tracing, ..Request::new([10, 8]) };
     let camera = Camera::new(&scene.camera, request.size);
-    let (view, tracing) = (View::Scene, Tracing::Counted);
-    let setting = RenderSetting { caster: &caster, view, request: &request, tracing };
-    let picture = PictureTracer::new(&camera, &caster, view, &request, tracing, &|_| false);
-    check(&mut Painter {
-        shown: 2..10,
-        center_weight: 1.0,
-        ..setting.painter(setting.empty_row(5, None), &picture, true)
-    });
+    let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, &|_| false);
+    check(&mut Painter { shown: 2..10, center_weight: 1.0, ..tracer.painter(5, true) });
 }
 
 /// A sample whose position is rounded to the next pixel, or lies on the border, is plotted in its own pixel.

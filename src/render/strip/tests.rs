@@ -1,28 +1,17 @@
 //! The number of rows of a strip, and the memory that it takes.
 
 use super::*;
-use crate::caster::Caster;
-use crate::render::Tracing;
-use crate::render::View;
 use crate::sampling::filter::Filter;
-use crate::scene::parser::parse;
-use crate::world::World;
 
-/// Calls `check` with the setting of a request on one thread.
-fn with_setting<T: Send>(request: &Request, check: impl FnOnce(&RenderSetting) -> T + Send) -> T {
-    let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 } Group { numObjects 0 }";
-    let scene = parse(text).unwrap();
-    let world = World::new(&scene, &[]).unwrap();
-    let caster = Caster::new(&world, None).unwrap();
-    let setting = RenderSetting { caster: &caster, view: View::Scene, request, tracing: Tracing::Fast };
-    rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| check(&setting))
+fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(work)
 }
 
 #[test]
 fn a_strip_has_as_many_rows_as_the_memory_holds() {
     let rows = |layers: &[Layer], filter, end, first| {
         let request = Request { layers: layers.to_vec(), filter, ..Request::new([1 << 16, 1 << 12]) };
-        with_setting(&request, |setting| Strip::below(setting, end, first).rows)
+        on_one_thread(|| Strip::below(&request, end, first).rows)
     };
     let (one, wide) = (Filter::PIXEL, Filter::Box { radius: 7.5 });
     // Memory for 32 rows of 2^16 colours of 24 bytes.
@@ -42,7 +31,7 @@ fn a_strip_has_as_many_rows_as_the_memory_holds() {
 fn so_many_rows_are_in_flight_as_the_memory_holds_or_as_keep_the_threads_busy() {
     let rows = |filter, width| {
         let request = Request { filter, ..Request::new([width, 1 << 12]) };
-        with_setting(&request, |setting| Strip::below(setting, 1, 0).rows_in_flight())
+        on_one_thread(|| Strip::below(&request, 1, 0).rows_in_flight())
     };
     let widths = [1 << 10, 1 << 16, 1 << 30];
     assert_eq!(widths.map(|width| rows(Filter::PIXEL, width)), [32, 16, 1]);

@@ -15,8 +15,9 @@ fn both(text: &str, request: &Request) -> [Vec<FloatPicture>; 2] {
     let world = World::new(&scene, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
     let camera = Camera::new(&scene.camera, request.size);
-    [Tracing::Fast, Tracing::Counted]
-        .map(|tracing| render_in_memory((&camera, &caster), View::Scene, request, tracing).unwrap().0)
+    [Tracing::Fast, Tracing::Counted].map(|tracing| {
+        render_in_memory((&camera, &caster), View::Scene, &Request { tracing, ..request.clone() }).unwrap().0
+    })
 }
 
 #[test]

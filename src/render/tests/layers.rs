@@ -113,11 +113,10 @@ fn a_view_of_cells_tests_no_primitive() {
     let caster = Caster::new(&world, None).unwrap();
     let occupancy = grid_view::Occupancy::new(&text, &[], world.bounds, [4; 3]).unwrap();
     for (layers, tests) in [(vec![Layer::Color], false), (vec![Layer::Color, Layer::Normals], true)] {
-        let request = Request { layers, ..Request::new([9, 8]) };
+        let request = Request { layers, tracing: Tracing::Counted, ..Request::new([9, 8]) };
         let camera = Camera::new(&text.camera, request.size);
         let view = View::Cells(&occupancy);
-        let (pictures, counts) =
-            render_in_memory((&camera, &caster), view, &request, Tracing::Counted).unwrap();
+        let (pictures, counts) = render_in_memory((&camera, &caster), view, &request).unwrap();
         assert_eq!((counts.non_shadow_rays, counts.intersections > 0), (72, tests));
         assert!(pictures[0].colors.iter().any(|&color| color != world.background));
     }

@@ -46,7 +46,7 @@ const MAX_GROUNDS: usize = 3;
 pub struct Original<'a> {
     prepared: Prepared<'a>,
     watch: Watch<'a>,
-    structure: Structure,
+    /// The request. Its window is the part of the picture used to judge causes.
     request: Request,
     colors: FloatPicture,
 }
@@ -67,12 +67,13 @@ impl<'a> Original<'a> {
         watch: Watch<'a>,
     ) -> Option<Self> {
         let layer = request.layers.first().copied().unwrap_or(Layer::Color);
-        let request = Request { layers: vec![layer], window: None, ..request.clone() };
+        let (layers, tracing, draws_cells) = (vec![layer], Tracing::Fast, false);
+        let request = Request { layers, tracing, draws_cells, structure, window: None, ..request.clone() };
         // The tracer casts all rays, even those that the renderer can skip.
         let rays = request.camera_rays();
         let prepared = renderer.prepare_as(structure, Rays::cast(rays), Tracing::Fast).ok()?;
         let colors = rendered(&prepared, &request, watch)?;
-        Some(Self { prepared, watch, structure, request, colors })
+        Some(Self { prepared, watch, request, colors })
     }
 
     /// Returns true if the watch has cancelled the search.
@@ -104,7 +105,7 @@ impl<'a> Original<'a> {
         let request = Request { window: window.filter(|_| !moves), ..self.request.clone() };
         let changed = Changed::new(self.renderer(), &request, mistakes)?;
         let prepared = match &changed.renderer {
-            Some(renderer) => &renderer.prepare_for(self.structure, &changed.request, Tracing::Fast).ok()?,
+            Some(renderer) => &renderer.prepare(&changed.request).ok()?,
             None => &self.prepared,
         };
         let colors = match changed.switch {
@@ -307,6 +308,6 @@ fn rendered(prepared: &Prepared, request: &Request, watch: Watch) -> Option<Floa
         picture.colors.extend_from_slice(row);
         ControlFlow::Continue(())
     };
-    prepared.render_rows_fast(request, watch, &mut take_row).ok()?;
+    prepared.render_rows(request, watch, &mut take_row).ok()?;
     Some(picture)
 }

@@ -571,9 +571,8 @@ fn tint(color: Color, is_untinted: bool) -> Color {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::choose::Structure;
+    use crate::render::Request;
     use crate::render::renderer::{Meshes, Renderer};
-    use crate::render::{Request, Tracing};
     use crate::scene::load::load;
     use crate::trace::{Memory, Tracer};
     use glam::DVec2;
@@ -598,7 +597,7 @@ mod tests {
         for path in scenes {
             let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
             let request = Request::new([24, 18]);
-            let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast).unwrap();
+            let prepared = renderer.prepare(&request).unwrap();
             let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
             let camera = renderer.camera(&request);
             for effects in [Effects::default(), opaque, tinted] {

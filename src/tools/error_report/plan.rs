@@ -146,10 +146,10 @@ fn structures(world: &World, own: &Setting) -> Vec<Setting> {
     let list = (tests <= MOST_TESTS).then_some(Structure::List);
     let grids = [Resolution::Auto, Resolution::Cells([10; 3]), Resolution::Cells([40; 3])];
     let others = list.into_iter().chain(grids.map(Structure::Grid));
-    let request = || jittered(own, STRUCTURE_SAMPLES);
+    let request = |structure| Request { structure, ..jittered(own, STRUCTURE_SAMPLES) };
     others
-        .filter(|&structure| structure != own.structure)
-        .map(|structure| Setting { axis: Axis::Structure, structure, request: request(), ..own.clone() })
+        .filter(|&structure| structure != own.request.structure)
+        .map(|structure| Setting { axis: Axis::Structure, request: request(structure), ..own.clone() })
         .collect()
 }
 
@@ -168,7 +168,7 @@ mod tests {
         .unwrap();
         let request = Request { effects: Effects { bounces, ..Effects::default() }, ..Request::new([4, 4]) };
         let world = World::new(&scene, &[]).unwrap();
-        let own = Setting::new(request, Structure::Any, Edition::Y2004);
+        let own = Setting::new(request, Edition::Y2004);
         plan(&scene, &world, &own).concat()
     }
 

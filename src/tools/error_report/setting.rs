@@ -1,7 +1,7 @@
 //! A setting of the renderer, and its command-line flags.
 
 use crate::caster::choose::{Resolution, Structure};
-use crate::render::{Layer, Request};
+use crate::render::{Layer, Request, Tracing};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::sampler::Pattern;
 use crate::scene::edition::Edition;
@@ -65,21 +65,20 @@ impl Axis {
 pub struct Setting {
     /// The parameter that the setting varies.
     pub axis: Axis,
-    /// The picture, with its samples, its filter and its effects.
+    /// The picture, with its samples, its filter, its effects and its acceleration structure.
     pub request: Request,
     /// The largest number of octaves of noise. `None` for the scene's own.
     pub octaves: Option<u32>,
-    /// The acceleration structure.
-    pub structure: Structure,
     /// The edition of the course whose flags are used.
     pub edition: Edition,
 }
 
 impl Setting {
     /// Returns the setting for the colours of a request, with the flags of an edition.
-    pub fn new(request: Request, structure: Structure, edition: Edition) -> Self {
-        let request = Request { layers: vec![Layer::Color], ..request };
-        Self { axis: Axis::Samples, request, octaves: None, structure, edition }
+    pub fn new(request: Request, edition: Edition) -> Self {
+        let (layers, tracing) = (vec![Layer::Color], Tracing::Fast);
+        let request = Request { layers, tracing, draws_cells: false, ..request };
+        Self { axis: Axis::Samples, request, octaves: None, edition }
     }
 
     /// Returns the kind of sampling.
@@ -110,7 +109,7 @@ impl Setting {
             Axis::Octaves => {
                 format!("{samples} with at most {} octaves in the scene", self.octaves.unwrap_or_default())
             }
-            Axis::Structure => format!("{samples}{}", structure_flag(self.structure)),
+            Axis::Structure => format!("{samples}{}", structure_flag(self.request.structure)),
         }
     }
 
@@ -131,7 +130,7 @@ impl Setting {
         };
         let back = if shade_back { " -shade_back" } else { "" };
         let (samples, secondary) = (self.samples_flag(), self.secondary_flags());
-        let (filter, structure) = (self.request.filter.flag(), structure_flag(self.structure));
+        let (filter, structure) = (self.request.filter.flag(), structure_flag(self.request.structure));
         self.octaves.is_none().then(|| format!("{samples} {filter}{shadows}{back}{secondary}{structure}"))
     }
 
@@ -184,7 +183,7 @@ mod tests {
     fn setting(pattern: Pattern, effects: Effects, edition: Edition) -> Setting {
         let sampler = Sampler::new(pattern, 9, Drand48::UNSEEDED);
         let request = Request { sampler, effects, ..Request::new([4, 4]) };
-        Setting { axis: Axis::Secondary, ..Setting::new(request, Structure::Any, edition) }
+        Setting { axis: Axis::Secondary, ..Setting::new(request, edition) }
     }
 
     #[test]
@@ -192,7 +191,7 @@ mod tests {
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 3, min_weight: 0.25 };
         let mut found = setting(Pattern::Jittered, effects, Edition::Y2004);
         found.request.filter = Filter::Tent { radius: 1.5 };
-        found.structure = Structure::Grid(Resolution::Cells([3, 4, 5]));
+        found.request.structure = Structure::Grid(Resolution::Cells([3, 4, 5]));
         let flags =
             "-jittered_samples 9 -tent_filter 1.5 -shadows -shade_back -bounces 3 -weight 0.25 -grid 3 4 5";
         assert_eq!(found.flags().as_deref(), Some(flags));

@@ -5,11 +5,10 @@ use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
-use crate::caster::choose::Structure;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{BadSize, Color, FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
-use crate::render::{Progress, Request, Stopped, Tracing};
+use crate::render::{Progress, Request, Stopped};
 use crate::sampling::filter::Filter;
 use crate::tools::compare::Comparison;
 use rayon::ThreadPool;
@@ -113,7 +112,7 @@ impl Sweep<'_> {
         let mut halves = Vec::new();
         for sampler in reference::samplers(own.sampler.rng()) {
             let request = Request { sampler, ..own.clone() };
-            let prepared = self.prepared(self.renderer, self.own.structure, &request)?;
+            let prepared = self.prepared(self.renderer, &request)?;
             let work = self.reference_work() / 2.0;
             let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
             let Some((half, _)) = rendered else { return Ok(None) };
@@ -126,17 +125,12 @@ impl Sweep<'_> {
     /// Measures the effect of rounding on the request's samples.
     fn numerical(&self) -> Result<Option<Numerical>, Diagnostic> {
         let request = &self.own.request;
-        let prepared = self.prepared(self.renderer, self.own.structure, request)?;
+        let prepared = self.prepared(self.renderer, request)?;
         Ok(self.bench.many.install(|| numerical::measure(self.renderer, &prepared, request))?)
     }
 
-    fn prepared<'r>(
-        &self,
-        renderer: &'r Renderer,
-        structure: Structure,
-        request: &Request,
-    ) -> Result<Prepared<'r>, Diagnostic> {
-        Ok(self.bench.many.install(|| renderer.prepare_for(structure, request, Tracing::Fast))?)
+    fn prepared<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Diagnostic> {
+        Ok(self.bench.many.install(|| renderer.prepare(request))?)
     }
 
     /// Measures the settings. Returns those that were finished.
@@ -149,10 +143,10 @@ impl Sweep<'_> {
         for setting in settings {
             let Some(mut measured) = self.measure(setting, reference)? else { break };
             if setting.axis == Axis::Structure {
-                let is_asked_for = |other: &&Measurement| {
-                    let Setting { request, structure, octaves, .. } = &other.setting;
-                    *request == setting.request && *structure == self.own.structure && octaves.is_none()
-                };
+                let structure = self.own.request.structure;
+                let same = Request { structure, ..setting.request.clone() };
+                let is_asked_for =
+                    |other: &&Measurement| other.setting.request == same && other.setting.octaves.is_none();
                 let asked_for = measurements.iter().find(is_asked_for);
                 measured.changed =
                     asked_for.map(|other| pixels_that_differ(&other.picture, &measured.picture));
@@ -173,7 +167,7 @@ impl Sweep<'_> {
         // The changed scene has the same objects, so a world can be built for it.
         let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
         let renderer = other.as_ref().unwrap_or(self.renderer);
-        let prepared = self.prepared(renderer, setting.structure, &setting.request)?;
+        let prepared = self.prepared(renderer, &setting.request)?;
         let Some((picture, rays, times)) = self.repeat(setting, &prepared)? else { return Ok(None) };
         let bytes = picture.to_picture();
         let compared = self.bench.many.install(|| Comparison::new(&bytes, &reference.picture));

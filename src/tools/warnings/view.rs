@@ -28,7 +28,7 @@ pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> 
         true => ControlFlow::Continue(()),
         false => ControlFlow::Break(()),
     };
-    prepared.render_rows_fast(&centers, watch, &mut take_row).ok()?;
+    prepared.render_rows(&centers, watch, &mut take_row).ok()?;
     // With planes, or gaps between objects, there is nothing to advise.
     let bounds = renderer.bounds().filter(|_| world.planes.is_empty());
     warning(bounds.map_or(("", None), |bounds| reason(prepared, &centers, bounds)))

@@ -83,7 +83,7 @@ pub fn layers_and_nans(
     request: &Request,
     tracing: Tracing,
 ) -> (Vec<Vec<u8>>, u64) {
-    let rendered = render_in_memory((camera, caster), View::Scene, request, tracing);
+    let rendered = render_in_memory((camera, caster), View::Scene, &Request { tracing, ..request.clone() });
     let (pictures, _) = rendered.expect("small pictures");
     let bytes = pictures.iter().map(FloatPicture::to_bytes);
     bytes.fold((vec![], 0), |(mut all, nans), (bytes, more)| {

@@ -129,8 +129,6 @@ fn other_hits(renderer: &Renderer, request: &Request, exact: &dyn Hits, other: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::choose::Structure;
-    use crate::render::Tracing;
     use crate::render::renderer::Meshes;
     use crate::scene::load::load;
     use crate::trace::{Effects, Shadows};
@@ -145,7 +143,7 @@ mod tests {
     fn measured_by(renderer: &Renderer, bounces: u32) -> Numerical {
         let effects = Effects { shadows: Shadows::Opaque, bounces, ..Effects::default() };
         let request = Request { effects, ..Request::new([24, 18]) };
-        let prepared = renderer.prepare_for(Structure::Any, &request, Tracing::Fast).unwrap();
+        let prepared = renderer.prepare(&request).unwrap();
         measure(renderer, &prepared, &request).unwrap().unwrap()
     }
 

@@ -1,10 +1,13 @@
-//! Layers of samples: plots the samples of a row in its enlarged pixels.
+//! Layers beside the colours: depths, distances and normals at the centres of pixels, and plots of the samples in
+//! enlarged pixels.
 
 use super::Painter;
 use crate::picture::Color;
 use crate::render::layer::Layer;
 use crate::render::request::Request;
-use glam::DVec2;
+use crate::sampling::sample_packet::Sample;
+use crate::scene::model::MeasureColors;
+use glam::{DVec2, DVec3};
 use std::ops::Range;
 
 /// Returns the indices of the layers of samples, each with its zoom.
@@ -18,6 +21,34 @@ pub(super) fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
 }
 
 impl Painter<'_> {
+    /// Adds the measurements at the centres of adjacent pixels to the layers.
+    pub(super) fn measure(&mut self, centers: &[Sample]) {
+        let first = centers.first().map_or(0, |center| center.source.column);
+        let place = |column: usize| column.saturating_sub(first).min(centers.len());
+        let shown = &centers[place(self.shown.start)..place(self.shown.end)];
+        let world = self.tracer.caster.world;
+        let t = |center: &Sample| Some(world.hit(&center.ray, center.visible?).t);
+        let normal = |center: &Sample| center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
+        let MeasureColors { depths, normals } = world.measure_colors;
+        for (layer, colors) in self.request.layers.iter().zip(&mut self.row.layers) {
+            match *layer {
+                Layer::Depth { near, far } => {
+                    let grey = |t: f64| depths.grey(t, [near, far]);
+                    colors.extend(shown.iter().map(|center| Color::splat(t(center).map_or(0.0, grey))));
+                }
+                Layer::Distance => {
+                    colors
+                        .extend(shown.iter().map(|center| Color::splat(t(center).unwrap_or(f64::INFINITY))));
+                }
+                Layer::Normals => {
+                    colors.extend(shown.iter().map(|center| normals.color(normal(center))));
+                }
+                Layer::SignedNormals => colors.extend(shown.iter().map(normal)),
+                Layer::Color | Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => {}
+            }
+        }
+    }
+
     /// Draws the chequered background of these columns, on which their samples are plotted.
     pub(super) fn plot_background(&mut self, k: usize, zoom: usize, columns: Range<usize>) {
         let (width, j) = (self.shown.len() * zoom, self.row.j);

@@ -1,0 +1,37 @@
+//! The picture of a reconstruction filter.
+
+use super::{Color, Stopped};
+use crate::sampling::filter::Filter;
+use glam::DVec2;
+use std::ops::ControlFlow;
+
+/// Draws the weights of a filter around the middle pixel. Each pixel is enlarged `zoom` times.
+///
+/// As in the course's program, the middle is half the width along both axes, pixels beyond the filter's
+/// support are dark blue, and blue lines separate the pixels.
+pub fn render_filter(
+    filter: Filter,
+    [width, height]: [usize; 2],
+    zoom: usize,
+    take_row: &mut dyn FnMut(&[Color]) -> ControlFlow<()>,
+) -> Result<(), Stopped> {
+    let middle = width / 2;
+    let supported = middle.saturating_sub(filter.support())..=middle + filter.support();
+    // The offset from the middle pixel's centre, in pixels.
+    let offset = |k: usize| k as f64 / zoom as f64 - (middle as f64 + 0.5);
+    for y in (0..=height * zoom).rev() {
+        let color = |x: usize| {
+            if x.is_multiple_of(zoom) || y.is_multiple_of(zoom) {
+                Color::Z
+            } else if supported.contains(&(x / zoom)) && supported.contains(&(y / zoom)) {
+                Color::splat(filter.weight(DVec2::new(offset(x), offset(y))))
+            } else {
+                0.5 * Color::Z
+            }
+        };
+        if take_row(&(0..width * zoom + 1).map(color).collect::<Vec<_>>()).is_break() {
+            return Err(Stopped::Output);
+        }
+    }
+    Ok(())
+}
