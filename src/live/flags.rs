@@ -1,4 +1,4 @@
-//! The flags of a page: those of the command line that shape a picture, within limits.
+//! The flags of a page: the flags of the command line that shape a picture, within limits.
 
 use super::http::Answer;
 use super::limits::MAX_SIDE;

@@ -25,7 +25,7 @@ pub struct Scaled {
 }
 
 impl Scaled {
-    /// Zero, with an exponent below that of all other numbers.
+    /// Zero. Its exponent is below the exponents of all other numbers.
     pub const ZERO: Self = Self { significand: 0.0, exponent: i32::MIN / 2 };
 
     /// Returns the sign: -1, 0 or 1.

@@ -220,7 +220,7 @@ impl<'a> Original<'a> {
     }
 }
 
-/// What mistakes change before a picture is rendered.
+/// The changes that mistakes make before a picture is rendered.
 struct Changed {
     /// The renderer of another scene.
     renderer: Option<Renderer>,

@@ -107,7 +107,7 @@ impl Rest {
         rest
     }
 
-    /// Returns true if a tracer in single precision leaves that much wrong in a picture of so many pixels.
+    /// Returns true if a tracer in single precision leaves that much wrong in a picture of this many pixels.
     fn is_small(&self, pixels: f64, by_a_level: f64) -> bool {
         let elsewhere = self.visible - self.visible_at_edges;
         self.visible_at_edges as f64 <= AT_EDGES * pixels
@@ -271,7 +271,7 @@ impl<'p> Search<'p> {
         for count in [1, 2] {
             let Some(best) = self.best_of(count) else { continue };
             let rest = &best.rest;
-            // What rounding explains needs no mistake, unless the mistake gives the very picture.
+            // No mistake is needed if rounding explains the difference, unless the mistake gives the very picture.
             let is_better = !is_rounding || rest.differing == 0 || 10 * rest.size() <= whole.size();
             if is_better && rest.is_small(self.pixels(), BY_A_LEVEL_AND_MISTAKE) {
                 return Finding::Equal {

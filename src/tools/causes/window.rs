@@ -9,7 +9,7 @@ const MIN_SIDE: usize = 8;
 /// The largest number of windows in a picture.
 const MAX_WINDOWS: usize = 3;
 
-/// Chooses windows of at most so many pixels to search in, each with the indices of the pictures whose difference it
+/// Chooses windows of at most this many pixels to search in, each with the indices of the pictures whose difference it
 /// shows. A picture is assigned to a window with at least half as many of its differing pixels as any other window. A
 /// few pictures may have no window.
 pub fn telling_windows(

@@ -71,7 +71,7 @@ struct Text<'t> {
     tree: &'t PixelTree,
     lines: Vec<Line>,
     indent: usize,
-    /// What the next lines are about.
+    /// The subject of the next lines.
     about: Option<(usize, Option<usize>)>,
 }
 
