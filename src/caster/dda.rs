@@ -36,8 +36,7 @@ pub fn face_error_bound(lattice: &Lattice) -> f64 {
     lattice.cells().iter().map(of_axis).fold(0.0, f64::max)
 }
 
-/// The roundings of half a unit in addition to those of the steps: one for the first face, and one for all roundings in
-/// f64.
+/// The roundings of half a unit that come before the steps: one for the first face, and one for all roundings in f64.
 const SETUP_ROUNDINGS: f64 = 2.0;
 
 /// The fixed-point t of the next face crossing along each axis. On x86-64 the three share an SSE2 register, which every

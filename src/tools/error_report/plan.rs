@@ -36,8 +36,8 @@ const WEIGHTS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 /// The largest number of ray-primitive tests for which the list of all primitives is measured.
 const MOST_TESTS: u64 = 50_000_000_000;
 
-/// Returns the settings to measure, in a list for each filter. Each list is not empty, and the first one is that of
-/// `own`, the setting that defines the reference.
+/// Returns the settings to measure, in a list for each filter. No list is empty. The first list has the filter of `own`,
+/// the setting that defines the reference.
 pub fn plan(scene: &Scene, world: &World, own: &Setting) -> Vec<Vec<Setting>> {
     let with_filter = |filter| Request { filter, ..own.request.clone() };
     let mut first = samples(own.clone());
