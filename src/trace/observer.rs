@@ -95,8 +95,6 @@ pub enum Event<'e> {
     Pushed {
         kind: Secondary,
         ray: Ray,
-        /// The triangle that it starts on.
-        exclude: Option<u32>,
         /// The factor by which its colour contributes to the picture.
         filter: Color,
         weight: f64,

@@ -118,8 +118,8 @@ impl<H: Hints> Tracer<'_, H> {
         observer: &mut O,
     ) -> SecondaryRay {
         let ray = self.departing(surface, direction);
-        let (Path { filter, weight, .. }, exclude) = (path, surface.triangle);
-        observer.observe(|| Event::Pushed { kind, ray, exclude, filter, weight });
+        let Path { filter, weight, .. } = path;
+        observer.observe(|| Event::Pushed { kind, ray, filter, weight });
         SecondaryRay { ray, origin: self.origin(surface), path }
     }
 }
