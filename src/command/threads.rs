@@ -1,7 +1,9 @@
 //! Starts the threads of a run: the number that the user asks for, or one for each core.
 
-use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
+use raytracer::base::memory::{self, NoMemory};
 use raytracer::diagnostic::Diagnostic;
+use std::fmt::Display;
 use std::{io, thread};
 
 /// The stack of a thread, in bytes. Nothing recurses as deep as its input, so the depth of a scene's tree and the
@@ -9,9 +11,15 @@ use std::{io, thread};
 const STACK: usize = 2 << 20;
 
 /// Starts the threads for all parallel work; the calling thread is one of them. There are no more threads than rows or
-/// cores, whichever is larger.
+/// cores, whichever is larger. If there is no memory for threads that the user does not ask for, the calling thread works alone.
 pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), Diagnostic> {
-    let pool = ThreadPoolBuilder::new().num_threads(count(wanted, rows)).use_current_thread();
+    let mut count = count(wanted, rows);
+    match ask_for(count - 1) {
+        Err(error) if wanted.is_some() => return Err(refused(error)),
+        Err(_) => count = 1,
+        Ok(()) => {}
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(count).use_current_thread();
     let pool = pool.spawn_handler(spawn(wanted.is_some())).build().map_err(refused)?;
     // The threads run until the program ends.
     std::mem::forget(pool);
@@ -20,8 +28,16 @@ pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), Diagnostic> {
 
 /// Returns a pool of its own, without the calling thread.
 pub fn pool(wanted: Option<usize>, rows: usize) -> Result<ThreadPool, Diagnostic> {
-    let pool = ThreadPoolBuilder::new().num_threads(count(wanted, rows));
-    pool.spawn_handler(spawn(true)).build().map_err(refused)
+    let count = count(wanted, rows);
+    ask_for(count).map_err(refused)?;
+    ThreadPoolBuilder::new().num_threads(count).spawn_handler(spawn(true)).build().map_err(refused)
+}
+
+/// Returns an error if there is no memory for this number of threads. A thread that finds none for its own variables
+/// when it begins would end the whole program, so the system is asked before the first one begins.
+fn ask_for(threads: usize) -> Result<(), NoMemory> {
+    const OWN: usize = STACK / 8;
+    memory::ask((threads * (STACK + OWN)) as u64)
 }
 
 /// Returns the number of threads. Without one, the library would take it from the environment.
@@ -38,6 +54,6 @@ fn spawn(is_needed: bool) -> impl FnMut(ThreadBuilder) -> io::Result<()> {
     }
 }
 
-fn refused(error: ThreadPoolBuildError) -> Diagnostic {
+fn refused(error: impl Display) -> Diagnostic {
     Diagnostic::error(format!("`-threads`: the system does not start the threads: {error}"))
 }

@@ -64,10 +64,8 @@ impl Server {
         let Self { listener, shared, ended, .. } = self;
         let accept = move || {
             for stream in listener.incoming() {
-                let shared = shared.clone();
-                let thread = thread::Builder::new().name("connection".into());
                 // There may be no file descriptors or threads left; some will be free again.
-                if stream.and_then(|stream| thread.spawn(move || shared.serve(stream))).is_err() {
+                if stream.and_then(|stream| shared.serve(stream)).is_err() {
                     thread::sleep(Duration::from_millis(20));
                 }
             }
@@ -83,15 +81,26 @@ impl Shared {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Serves a connection until it is closed. One without room is closed at once.
-    fn serve(&self, stream: TcpStream) {
+    /// Serves a connection on a thread of its own until it is closed. One without room is closed at once.
+    fn serve(self: &Arc<Self>, stream: TcpStream) -> io::Result<()> {
         let own = Arc::new(Open { stream, rank: AtomicU8::new(HAS_NO_KEY) });
-        if self.add(own.clone()) {
-            // A browser that has vanished reads no answer.
-            let _ = self.answer_all(&own);
-            let _ = own.stream.shutdown(Shutdown::Both);
-            self.open().retain(|other| !Arc::ptr_eq(other, &own));
+        // Here, not on its thread: connections make room in the order in which they came.
+        if !self.add(own.clone()) {
+            return Ok(());
         }
+        let (shared, served) = (self.clone(), own.clone());
+        let serve = move || {
+            // A browser that has vanished reads no answer.
+            let _ = shared.answer_all(&served);
+            shared.close(&served);
+        };
+        let started = thread::Builder::new().name("connection".into()).spawn(serve);
+        started.map(drop).inspect_err(|_| self.close(&own))
+    }
+
+    fn close(&self, own: &Arc<Open>) {
+        let _ = own.stream.shutdown(Shutdown::Both);
+        self.open().retain(|other| !Arc::ptr_eq(other, own));
     }
 
     /// Takes a connection in. Where there are too many, the oldest that has not shown the key makes room, or else the
