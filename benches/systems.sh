@@ -4,7 +4,7 @@
 #
 # Usage: benches/systems.sh PROGRAM [ARM] [SYSROOT]
 #
-# PROGRAM is built with the feature `ablation`, which can leave AVX2 and SSE4.2 out; callgrind counts its instructions.
+# PROGRAM is built with the feature `ablation`, which can leave AVX2 out; callgrind counts its instructions.
 # ARM is the same program for AArch64, which qemu-aarch64 runs with the libraries in SYSROOT, /usr/aarch64-linux-gnu
 # unless told. It writes down each sequence of instructions when it first comes to it, and its address whenever it runs.
 set -euo pipefail
@@ -49,7 +49,7 @@ count_arm() {
 printf '%-12s %12s %12s %6s %12s %6s\n' command AVX2 SSE2 times ARM times
 commands | while read -r name flags; do
   read -ra words <<<"$flags -size 200 200 -threads 1 -output $folder/picture.tga"
-  counts=("$(count "${words[@]}")" "$(WITHOUT=avx2,sse4_2 count "${words[@]}")" "$(${arm:+count_arm "${words[@]}"})")
+  counts=("$(count "${words[@]}")" "$(WITHOUT=avx2 count "${words[@]}")" "$(${arm:+count_arm "${words[@]}"})")
   awk -v name="$name" -v a="${counts[0]}" -v b="${counts[1]}" -v c="${counts[2]}" 'BEGIN {
     printf "%-12s %12d %12d %6.2f", name, a, b, b / a
     if (c != "") printf " %12d %6.2f", c, c / a

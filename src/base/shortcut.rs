@@ -14,16 +14,13 @@ pub enum Shortcut {
     ShadowMaps,
     /// AVX2 instructions are used where the processor has them.
     Avx2,
-    /// SSE4.2 instructions are used where the processor has them, but not AVX2.
-    Sse4_2,
     /// A special reader reads meshes that have only positions and triangles.
     PlainMeshes,
 }
 
 impl Shortcut {
     /// All shortcuts.
-    pub const ALL: [Self; 5] =
-        [Self::FirstHits, Self::ShadowMaps, Self::Avx2, Self::Sse4_2, Self::PlainMeshes];
+    pub const ALL: [Self; 4] = [Self::FirstHits, Self::ShadowMaps, Self::Avx2, Self::PlainMeshes];
 
     /// Its name in the environment variable.
     pub fn name(self) -> &'static str {
@@ -31,7 +28,6 @@ impl Shortcut {
             Self::FirstHits => "first_hits",
             Self::ShadowMaps => "shadow_maps",
             Self::Avx2 => "avx2",
-            Self::Sse4_2 => "sse4_2",
             Self::PlainMeshes => "plain_meshes",
         }
     }

@@ -4,19 +4,15 @@
 use crate::base::shortcut::Shortcut;
 pub use fearless_simd::Level;
 #[cfg(target_arch = "x86_64")]
-use fearless_simd::Simd;
+use fearless_simd::Simd as _;
 
 /// Returns the levels that this machine can run, from the fastest to the one that the compilation target guarantees.
 pub fn available() -> Vec<Level> {
-    let mut levels = Vec::new();
+    #[cfg(not(target_arch = "x86_64"))]
+    let best = None;
     #[cfg(target_arch = "x86_64")]
-    {
-        let best = Level::new();
-        levels.extend(best.as_avx2().filter(|_| Shortcut::Avx2.is_taken()).map(|simd| simd.level()));
-        levels.extend(best.as_sse4_2().filter(|_| Shortcut::Sse4_2.is_taken()).map(|simd| simd.level()));
-    }
-    levels.push(Level::baseline());
-    levels
+    let best = Level::new().as_avx2().filter(|_| Shortcut::Avx2.is_taken()).map(|simd| simd.level());
+    best.into_iter().chain([Level::baseline()]).collect()
 }
 
 /// Prefetches all cache lines of a value that will be read soon. This affects only the time, and does nothing on

@@ -15,6 +15,7 @@ use raytracer::stats::Counts;
 use raytracer::tools::explain::{Explainer, PixelTree, Stop};
 use raytracer::trace::{Effects, Shadows};
 use std::collections::HashSet;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 const SIZE: [usize; 2] = [24, 17];
@@ -81,8 +82,19 @@ fn far_off() -> Stop {
     Stop::at(Instant::now() + Duration::from_secs(3600))
 }
 
-/// The whole picture by the program, its statistics, and the trees of its pixels, row by row from the top.
-fn explained(case: &Case) -> (Tga, String, Vec<PixelTree>) {
+/// What each case shows. Three tests read it, and the search for it takes seconds.
+static EXPLAINED: LazyLock<Vec<Explained>> = LazyLock::new(|| cases().into_iter().map(explained).collect());
+
+struct Explained {
+    case: Case,
+    /// The whole picture by the program, and its statistics.
+    picture: Tga,
+    statistics: String,
+    /// The pixels, row by row from the top.
+    trees: Vec<PixelTree>,
+}
+
+fn explained(case: Case) -> Explained {
     let folder = Folder::with_scene(case.text);
     folder.write("m.obj", OBJ);
     let flags = format!("-input s.txt -output o.tga -size {} {} {}", SIZE[0], SIZE[1], case.flags);
@@ -101,15 +113,14 @@ fn explained(case: &Case) -> (Tga, String, Vec<PixelTree>) {
     let rendered = prepared.render(&case.request).expect("a picture");
     let sums: Vec<Color> = trees.iter().map(|tree| tree.color).collect();
     assert!(rendered[0].colors == sums, "{}: the sums are not the rendered colours", case.flags);
-    (folder.tga("o.tga"), statistics, trees)
+    Explained { picture: folder.tga("o.tga"), statistics, trees, case }
 }
 
 #[test]
 fn the_sum_that_is_printed_is_cut_to_the_byte_of_every_pixel() {
-    for case in cases() {
-        let (picture, _, trees) = explained(&case);
+    for Explained { case, picture, trees, .. } in EXPLAINED.iter() {
         let mut colors = HashSet::new();
-        for tree in &trees {
+        for tree in trees {
             let [x, y] = tree.pixel;
             let text = tree.to_string();
             let cut: Vec<u8> = numbers(&text, "sum").iter().map(|channel| (255.0 * channel) as u8).collect();
@@ -123,8 +134,8 @@ fn the_sum_that_is_printed_is_cut_to_the_byte_of_every_pixel() {
 
 #[test]
 fn the_parts_of_every_ray_add_up_to_its_colour() {
-    for case in cases() {
-        for tree in explained(&case).2 {
+    for Explained { case, trees, .. } in EXPLAINED.iter() {
+        for tree in trees {
             for sample in &tree.samples {
                 let mut sum = Color::ZERO;
                 for node in &sample.rays {
@@ -144,12 +155,11 @@ fn the_parts_of_every_ray_add_up_to_its_colour() {
 
 #[test]
 fn the_work_of_all_pixels_is_that_of_the_statistics() {
-    for case in cases() {
+    for Explained { case, statistics, trees, .. } in EXPLAINED.iter() {
         // Where a filter reaches, or leaves samples out, pixels have other samples than their own.
         if case.request.filter != Filter::PIXEL {
             continue;
         }
-        let (_, statistics, trees) = explained(&case);
         let sum = trees.iter().fold(Counts::default(), |sum, tree| sum.merge(tree.counts()));
         for (label, count) in [
             ("num non-shadow rays", sum.non_shadow_rays),

@@ -189,7 +189,7 @@ fn no_ending_signal_at_any_moment_leaves_a_temporary_file() {
         start.elapsed()
     });
     let whole = times.min().unwrap_or_default();
-    let runs = 600;
+    let runs = 300;
     let mut ended = 0;
     for run in 0..runs {
         let mut child = folder.command(line).stderr(Stdio::null()).spawn().expect("the program starts");
