@@ -1,5 +1,6 @@
 //! Traverses a structure along a ray: the whole list, the cells of the grid in order, or the boxes of the tree from the
-//! nearest on. It ends when no nearer hit can follow. A [`Query`] and its goal handle the primitives.
+//! nearest on. It ends when no nearer hit can follow. A [`Query`] handles the
+//! primitives.
 
 use crate::caster::block::LANES;
 use crate::caster::bounds::Entry;
@@ -8,7 +9,7 @@ use crate::caster::contents::NO_BLOCKS;
 use crate::caster::dda::{CellTable, Dda, EMPTY};
 use crate::caster::division::MAX_LEVELS;
 use crate::caster::filter::FilterState;
-use crate::caster::query::{Goal, Query};
+use crate::caster::query::Query;
 use crate::caster::structure::{AccelerationStructure, Order};
 use crate::caster::tree::{Branch, LEAF, SMALL, Small, Tree};
 use crate::math::instructions::prefetch;
@@ -34,11 +35,11 @@ type Stack = ArrayVec<Waiting, MAX_WAITING>;
 impl AccelerationStructure {
     /// Searches the structure. `ray_entry` is how the ray enters it.
     #[inline(always)]
-    pub fn traverse<S: Simd, P: Probe, G: Goal>(
+    pub fn traverse<S: Simd, P: Probe, const ANY: bool>(
         &self,
         simd: S,
         ray_entry: &Entry<S>,
-        query: &mut Query<P, G>,
+        query: &mut Query<P, ANY>,
     ) {
         let interval = match ray_entry {
             Entry::TooFar => return self.test_all(query),
@@ -68,16 +69,16 @@ impl AccelerationStructure {
 
     /// Tests the cells along the ray until no nearer hit can follow.
     #[inline(always)]
-    fn test_cells<'t, S: Simd, P: Probe, G: Goal>(
+    fn test_cells<'t, S: Simd, P: Probe, const ANY: bool>(
         &self,
         simd: S,
         table: &'t CellTable,
         dda: Dda<'t>,
         mut filter_state: FilterState,
-        query: &mut Query<P, G>,
+        query: &mut Query<P, ANY>,
     ) {
         let mut cursor = table.start(dda);
-        let mut last_t = cursor.dda().fixed_t(query.nearest_t());
+        let mut last_t = cursor.dda().fixed_t(query.best.t_bound);
         loop {
             if !P::COUNTS {
                 cursor.skip();
@@ -91,17 +92,17 @@ impl AccelerationStructure {
                 }
                 let own = self.contents.blocks_of(entry);
                 if query.test_blocks(simd, &self.contents, own, &mut filter_state) {
-                    if G::ANY {
+                    if ANY {
                         return;
                     }
-                    last_t = cursor.dda().fixed_t(query.nearest_t());
+                    last_t = cursor.dda().fixed_t(query.best.t_bound);
                 }
             }
             if last_t <= cursor.dda().exit() {
                 // Another primitive in the same place may be in the next cell. This is rare, so another query looks for
                 // it.
-                if !G::ANY && cursor.dda().fixed_t(query.end()) > cursor.dda().exit() {
-                    query.goal.leave_undecided();
+                if !ANY && cursor.dda().fixed_t(query.end()) > cursor.dda().exit() {
+                    query.leave_undecided();
                 }
                 return;
             }
@@ -116,13 +117,13 @@ impl AccelerationStructure {
     /// inlined, so that the loop over the cells stays small.
     #[simd]
     #[inline(never)]
-    fn descend<S: Simd, P: Probe, G: Goal>(
+    fn descend<S: Simd, P: Probe, const ANY: bool>(
         &self,
         simd: S,
         tree: &Tree,
         branch: Branch,
         filter_state: &mut FilterState,
-        query: &mut Query<P, G>,
+        query: &mut Query<P, ANY>,
     ) -> bool {
         if (SMALL..LEAF).contains(&branch) {
             return self.test_small(simd, tree, &tree.small[(branch - SMALL) as usize], filter_state, query);
@@ -139,7 +140,7 @@ impl AccelerationStructure {
                 } else {
                     self.descend(simd, tree, child, filter_state, query)
                 };
-                if G::ANY && changed {
+                if ANY && changed {
                     return true;
                 }
                 has_changed |= changed;
@@ -148,13 +149,13 @@ impl AccelerationStructure {
                 query.probe.cell();
                 let node = &tree.nodes[child as usize];
                 let meeting = meet(simd, node, &box_ray, filter_state.ray.max_depth);
-                self.first_child::<G>(tree, &node.children, &meeting, &mut stack)
+                self.first_child::<ANY>(tree, &node.children, &meeting, &mut stack)
             };
             child = match next {
                 Some(next) => next,
                 None => loop {
                     let Some(Waiting { entry, child }) = stack.pop() else { return has_changed };
-                    if G::ANY || entry <= filter_state.ray.max_depth {
+                    if ANY || entry <= filter_state.ray.max_depth {
                         break child;
                     }
                 },
@@ -164,13 +165,13 @@ impl AccelerationStructure {
 
     /// Searches a branch with a frame of its own, and shortens the ray in the outer frame.
     #[inline(always)]
-    fn test_small<S: Simd, P: Probe, G: Goal>(
+    fn test_small<S: Simd, P: Probe, const ANY: bool>(
         &self,
         simd: S,
         tree: &Tree,
         Small { branch, region }: &Small,
         outer: &mut FilterState,
-        query: &mut Query<P, G>,
+        query: &mut Query<P, ANY>,
     ) -> bool {
         let last = query.end();
         let changed = match region.entry(simd, query.ray, last) {
@@ -186,7 +187,7 @@ impl AccelerationStructure {
                         let mut ids = self.contents.primitives_of(&self.contents.blocks[leaf as usize]);
                         ids.any(|id| {
                             changed |= query.test(id);
-                            G::ANY && changed
+                            ANY && changed
                         })
                     });
                     changed
@@ -200,13 +201,13 @@ impl AccelerationStructure {
     /// Tests every primitive exactly, without the filter and the DDA, unless the ray certainly misses their
     /// bounds.
     #[cold]
-    fn test_all<P: Probe, G: Goal>(&self, query: &mut Query<P, G>) {
+    fn test_all<P: Probe, const ANY: bool>(&self, query: &mut Query<P, ANY>) {
         let count = query.world.finite_count();
         if self.region.simd_bounds.is_surely_missed(query.ray) {
             return query.probe.intersections(count);
         }
         for id in 0..count as u32 {
-            if query.test(id) && G::ANY {
+            if query.test(id) && ANY {
                 return;
             }
         }
@@ -215,7 +216,7 @@ impl AccelerationStructure {
     /// Returns the child to visit next, which is the nearest one unless any hit will do. Pushes the other children that
     /// the ray meets onto the stack.
     #[inline(always)]
-    fn first_child<G: Goal>(
+    fn first_child<const ANY: bool>(
         &self,
         tree: &Tree,
         children: &[Branch; LANES],
@@ -229,11 +230,11 @@ impl AccelerationStructure {
         let waiting = stack.len();
         for mut other in met {
             self.prefetch_child(tree, other.child);
-            if !G::ANY && other.entry < first.entry {
+            if !ANY && other.entry < first.entry {
                 std::mem::swap(&mut first, &mut other);
             }
             stack.push(other);
-            if !G::ANY {
+            if !ANY {
                 sink_last(&mut stack[waiting..]);
             }
         }
