@@ -20,9 +20,8 @@ mod contents;
 mod box8;
 mod division;
 mod tree;
-mod structure;
 mod query;
-mod traverse;
+mod structure;
 #[doc(hidden)]
 pub use crate::math::instructions::Level;
 pub use lattice::GridTooLarge;
@@ -98,7 +97,7 @@ impl<'w> Caster<'w> {
 
     /// Returns the number of grid cells along each axis, or `None` without a grid.
     pub fn cells(&self) -> Option<[usize; 3]> {
-        Some(self.structure.as_ref()?.table()?.lattice().cells())
+        self.structure.as_ref()?.cells()
     }
 
     /// Returns how full the grid cells are, with this number of the fullest cells; `None` without a grid.
@@ -196,7 +195,8 @@ impl<'w> Caster<'w> {
     ) -> Visible {
         let ray = Ray::of_pairs([a, b, c, d]);
         let entry = self.entry(simd, &ray);
-        if !P::COUNTS && self.misses(&entry) {
+        // Most rays that hit nothing end here.
+        if !P::COUNTS && matches!(entry, Entry::Misses) && self.world.planes.is_empty() {
             return Visible { primitive: NONE, t_bound: ray.t_max };
         }
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
@@ -215,12 +215,6 @@ impl<'w> Caster<'w> {
             Some(structure) => structure.region.entry(simd, ray, ray.t_max),
             None => Entry::Misses,
         }
-    }
-
-    /// Returns true if a ray with this entry hits nothing. Most rays that hit nothing end here.
-    #[inline(always)]
-    fn misses<S: Simd>(&self, entry: &Entry<S>) -> bool {
-        matches!(entry, Entry::Misses) && self.world.planes.is_empty()
     }
 
     #[inline(always)]

@@ -179,7 +179,7 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
             self.left_out = NONE;
             return false;
         }
-        self.test(self.left_out)
+        self.test_exactly(self.left_out)
     }
 
     /// Tests a cell's blocks of triangles and its other primitives. Returns true if that changes the rest of the
@@ -195,7 +195,7 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
         let mut changed = false;
         for block in contents.with_triangles(blocks) {
             if P::COUNTS {
-                self.probe.intersections(block.index.triangles());
+                self.probe.intersections(block.triangles());
             }
             // Most triangles that the filter does not reject are either the origin of the ray or the best triangle so
             // far.
@@ -241,13 +241,13 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
         let certain = if P::COUNTS { 0 } else { verdict.certain };
         if ANY {
             if certain != 0 {
-                return self.offer(0.0, block.index.ids[certain.trailing_zeros() as usize]);
+                return self.offer(0.0, block.ids[certain.trailing_zeros() as usize]);
             }
             return self.test_any_lane(block, verdict.possible);
         }
         let mut changed = false;
         for lane in lanes(verdict.possible) {
-            let id = block.index.ids[lane];
+            let id = block.ids[lane];
             // Double precision, which loads the vertices, is needed only if the bounds on t do not decide.
             if certain >> lane & 1 != 0 {
                 let bounds = verdict.depths(lane, block).map(|depth| filter_state.t(depth));
@@ -263,7 +263,7 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
 
     #[inline(never)]
     fn test_any_lane(&mut self, block: &Block, possible: u32) -> bool {
-        lanes(possible).any(|lane| self.test_triangle(block.index.ids[lane]))
+        lanes(possible).any(|lane| self.test_triangle(block.ids[lane]))
     }
 
     /// Tests a triangle exactly, unless it was one of the last to be tested.
@@ -290,10 +290,18 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
         is_new
     }
 
-    /// Counts and tests a primitive. Returns true if that changes the rest of the search.
-    pub fn test(&mut self, id: u32) -> bool {
-        self.probe.intersections(1);
-        self.test_exactly(id)
+    /// Counts and tests primitives without the filter. Returns true if that changes the rest of the search.
+    #[inline(never)]
+    pub fn test_each(&mut self, ids: impl Iterator<Item = u32>) -> bool {
+        let mut changed = false;
+        for id in ids {
+            self.probe.intersections(1);
+            changed |= self.test_exactly(id);
+            if ANY && changed {
+                break;
+            }
+        }
+        changed
     }
 
     #[inline]
