@@ -74,8 +74,7 @@ impl Lattice {
         }
     }
 
-    /// Returns the number of cells along each axis without the border, at least one. It never changes, since a
-    /// traversal relies on it for memory safety.
+    /// Returns the number of cells along each axis without the border, at least one.
     pub fn cells(&self) -> [usize; 3] {
         self.cells
     }
@@ -86,7 +85,7 @@ impl Lattice {
     }
 
     /// Returns an error if the indices, including the border, do not fit into 32 bits.
-    pub fn fits(&self) -> Result<(), GridTooLarge> {
+    fn fits(&self) -> Result<(), GridTooLarge> {
         let sides = self.cells.map(|n| n as u128 + 2);
         if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
     }
