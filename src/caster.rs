@@ -20,9 +20,8 @@ mod contents;
 mod box8;
 mod division;
 mod tree;
-mod structure;
 mod query;
-mod traverse;
+mod structure;
 #[doc(hidden)]
 pub use crate::math::instructions::Level;
 pub use lattice::GridTooLarge;
@@ -32,7 +31,7 @@ pub use structure::{Fullness, StructureSize};
 use crate::caster::block::NONE;
 use crate::caster::bounds::Entry;
 use crate::caster::choose::{Layout, Rays};
-use crate::caster::query::{AllHits, AnyHit, Goal, Nearest, Query};
+use crate::caster::query::Query;
 use crate::caster::structure::{AccelerationStructure, Order};
 use crate::math::instructions;
 use crate::math::ray::{Hit, Ray, Visible};
@@ -98,7 +97,7 @@ impl<'w> Caster<'w> {
 
     /// Returns the number of grid cells along each axis, or `None` without a grid.
     pub fn cells(&self) -> Option<[usize; 3]> {
-        Some(self.structure.as_ref()?.table()?.lattice().cells())
+        self.structure.as_ref()?.cells()
     }
 
     /// Returns how full the grid cells are, with this number of the fullest cells; `None` without a grid.
@@ -120,20 +119,14 @@ impl<'w> Caster<'w> {
     /// Finds the primitive that the ray hits first; the decision is exact.
     #[inline(always)]
     pub fn nearest<P: Probe>(&self, ray: &Ray, origin: RayOrigin, probe: &mut P) -> Option<Visible> {
-        let best = dispatch!(self.level, simd => {
-            let [a, b, c, d] = ray.pairs();
-            self.nearest_at(simd, a, b, c, d, origin, probe)
-        });
+        let best = self.cast::<_, false>(ray, origin, probe);
         (best.primitive != NONE).then_some(best)
     }
 
     /// Returns true if the ray hits anything.
     #[inline(always)]
     pub fn any<P: Probe>(&self, ray: &Ray, origin: RayOrigin, probe: &mut P) -> bool {
-        dispatch!(self.level, simd => {
-            let [a, b, c, d] = ray.pairs();
-            self.any_at(simd, a, b, c, d, origin, probe)
-        })
+        self.cast::<_, true>(ray, origin, probe).primitive != NONE
     }
 
     /// Returns true if the ray hits this triangle.
@@ -159,12 +152,38 @@ impl<'w> Caster<'w> {
         planes.any(|(id, plane)| id != origin.primitive && plane.intersect(ray).is_some())
     }
 
-    /// Finds the nearest primitive, or [`NONE`]. It returns [`NONE`] instead of an `Option`, and takes the ray as pairs
-    /// of coordinates, because these fit into registers.
-    #[simd]
+    /// Finds the primitive that the ray hits first, or any that it hits, or [`NONE`], with the caster's instructions.
+    #[inline(always)]
+    fn cast<P: Probe, const ANY: bool>(&self, ray: &Ray, origin: RayOrigin, probe: &mut P) -> Visible {
+        let [a, b, c, d] = ray.pairs();
+        #[cfg(target_arch = "x86_64")]
+        if let Level::Avx2(simd) = self.level {
+            return self.cast_at::<_, P, ANY>(simd, a, b, c, d, origin, probe);
+        }
+        self.cast_with_few::<P, ANY>(a, b, c, d, origin, probe)
+    }
+
+    /// Casts a ray without AVX2. The closure of `dispatch` passes the ray through memory, which takes a tenth of the time
+    /// of a short ray.
     #[inline(never)]
+    fn cast_with_few<P: Probe, const ANY: bool>(
+        &self,
+        a: DVec2,
+        b: DVec2,
+        c: DVec2,
+        d: DVec2,
+        origin: RayOrigin,
+        probe: &mut P,
+    ) -> Visible {
+        dispatch!(self.level, simd => self.cast_at::<_, P, ANY>(simd, a, b, c, d, origin, probe))
+    }
+
+    /// Casts a ray as [`cast`](Self::cast) does. It returns [`NONE`] instead of an `Option`, and takes the ray as pairs of
+    /// coordinates, because these fit into registers.
+    #[simd]
+    #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    fn nearest_at<S: Simd, P: Probe>(
+    fn cast_at<S: Simd, P: Probe, const ANY: bool>(
         &self,
         simd: S,
         a: DVec2,
@@ -176,40 +195,16 @@ impl<'w> Caster<'w> {
     ) -> Visible {
         let ray = Ray::of_pairs([a, b, c, d]);
         let entry = self.entry(simd, &ray);
-        if !P::COUNTS && self.misses(&entry) {
+        // Most rays that hit nothing end here.
+        if !P::COUNTS && matches!(entry, Entry::Misses) && self.world.planes.is_empty() {
             return Visible { primitive: NONE, t_bound: ray.t_max };
         }
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
-        let mut query = Query::new(self.world, &stored, probe, Nearest::new(&ray));
+        let mut query = Query::<P, ANY>::new(self.world, &stored, probe);
         self.search(simd, &ray, origin, &entry, &mut query);
-        let Nearest { best, is_undecided, .. } = query.goal;
-        if is_undecided { self.foremost(simd, &stored, origin, best) } else { best }
-    }
-
-    /// Returns true if the ray hits anything.
-    #[simd]
-    #[inline(never)]
-    #[allow(clippy::too_many_arguments)]
-    fn any_at<S: Simd, P: Probe>(
-        &self,
-        simd: S,
-        a: DVec2,
-        b: DVec2,
-        c: DVec2,
-        d: DVec2,
-        origin: RayOrigin,
-        probe: &mut P,
-    ) -> bool {
-        let ray = Ray::of_pairs([a, b, c, d]);
-        let entry = self.entry(simd, &ray);
-        if !P::COUNTS && self.misses(&entry) {
-            return false;
-        }
-        let stored = ray;
-        let mut query = Query::new(self.world, &stored, probe, AnyHit::default());
-        self.search(simd, &ray, origin, &entry, &mut query);
-        query.goal.is_found
+        let (best, is_undecided) = (query.best, query.is_undecided);
+        if !ANY && is_undecided { self.foremost(simd, &stored, origin, best) } else { best }
     }
 
     /// Returns how the ray enters the structure.
@@ -222,22 +217,16 @@ impl<'w> Caster<'w> {
         }
     }
 
-    /// Returns true if a ray with this entry hits nothing. Most rays that hit nothing end here.
     #[inline(always)]
-    fn misses<S: Simd>(&self, entry: &Entry<S>) -> bool {
-        matches!(entry, Entry::Misses) && self.world.planes.is_empty()
-    }
-
-    #[inline(always)]
-    fn search<S: Simd, P: Probe, G: Goal>(
+    fn search<S: Simd, P: Probe, const ANY: bool>(
         &self,
         simd: S,
         ray: &Ray,
         origin: RayOrigin,
         entry: &Entry<S>,
-        query: &mut Query<P, G>,
+        query: &mut Query<P, ANY>,
     ) {
-        if query.start(ray, origin) && G::ANY {
+        if query.start(ray, origin) && ANY {
             return;
         }
         if let Some(structure) = self.structure.as_deref() {
@@ -253,10 +242,10 @@ impl<'w> Caster<'w> {
         let t = self.world.hit(ray, nearest).t;
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
-        let mut probe = Quiet;
-        let mut query = Query::new(self.world, &ray_to_there, &mut probe, AllHits::default());
+        let (mut probe, mut hits) = (Quiet, vec![]);
+        let mut query = Query::<_, false>::for_all(self.world, &ray_to_there, &mut probe, &mut hits);
         self.search(simd, &ray_to_there, origin, &self.entry(simd, &ray_to_there), &mut query);
-        let foremost = self.world.foremost(ray, query.goal.0);
+        let foremost = self.world.foremost(ray, hits);
         foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })
     }
 }

@@ -27,49 +27,34 @@ pub struct Block {
     pub normal: [[f32; LANES]; 3],
     /// The error bounds of the filter for these triangles.
     pub error_bounds: FilterErrorBounds,
-    /// The triangles that the block holds.
-    pub index: BlockIndex,
+    /// The ids of the triangles in the world; [`NONE`] in an empty lane.
+    pub ids: [u32; LANES],
+    /// In the last block of a cell: the start and the end of the cell's range in the list of primitives that are not
+    /// triangles.
+    pub non_triangles: [u32; 2],
+    /// In the first block of a cell: the number of the cell's blocks.
+    pub count: u32,
     /// Fills the last cache line.
     _padding: [u32; 3],
 }
 
-/// The contents of a block, without the coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct BlockIndex {
-    /// The ids of the triangles in the world; [`NONE`] in an empty lane.
-    pub ids: [u32; LANES],
-    /// In the last block of a cell: the start and the end of the cell's range in
-    /// `CellContents::non_triangles`.
-    pub non_triangles: [u32; 2],
-    /// In the first block of a cell: the number of the cell's blocks.
-    pub count: u32,
-}
-
-impl BlockIndex {
-    /// The index of a block without triangles.
-    pub const EMPTY: Self = Self::new([NONE; LANES]);
-
-    /// Returns the index of a block of these triangles.
-    pub const fn new(ids: [u32; LANES]) -> Self {
-        Self { ids, non_triangles: [0; 2], count: 0 }
+impl Block {
+    /// Returns a block of these triangles, which end at the first [`NONE`], without their coordinates.
+    pub fn new(ids: [u32; LANES]) -> Self {
+        Self { ids, ..Self::zeroed() }
     }
 
     /// Returns the number of triangles.
     pub fn triangles(&self) -> usize {
         self.ids.iter().filter(|&&id| id != NONE).count()
     }
-}
 
-impl Block {
-    /// Fills a zeroed block with the triangles of an index, whose ids end at the first [`NONE`]. If `all_in_frame` is
-    /// true, all triangles of the world must lie in the frame's box, and they are not tested for that.
-    pub fn fill(&mut self, world: &World, frame: &Frame, all_in_frame: bool, index: &BlockIndex) {
-        self.index = *index;
+    /// Fills a new block with the coordinates of its triangles. If `all_in_frame` is true, all triangles of the world
+    /// must lie in the frame's box, and they are not tested for that.
+    pub fn fill(&mut self, world: &World, frame: &Frame, all_in_frame: bool) {
         self.corner = [[f32::NAN; LANES]; 3];
         let mut block_max_abs_coord = 1.0;
-        let used = index.ids.iter().take_while(|&&id| id != NONE);
-        for (lane, &id) in used.enumerate() {
+        for (lane, id) in self.ids.into_iter().take_while(|&id| id != NONE).enumerate() {
             let corners = world.corners(id as usize);
             let max_abs_coord = if all_in_frame { 1.0 } else { frame.max_abs_coord(corners) };
             if max_abs_coord <= MAX_CORNER_COORD {

@@ -44,12 +44,6 @@ impl Box8 {
     pub const EMPTY: Self =
         Self { faces: [[[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]]; 3], children: [0; LANES] };
 
-    /// Returns the children in the boxes.
-    pub fn branches(&self) -> impl Iterator<Item = u32> {
-        let is_used = |lane: &usize| self.faces[0][0][*lane] < f32::INFINITY;
-        (0..LANES).filter(is_used).map(|lane| self.children[lane])
-    }
-
     /// Stores a padded box and its child in a lane.
     pub fn set(&mut self, lane: usize, corners: [impl Into<[f32; 3]>; 2], child: u32) {
         let [min, max] = corners.map(Into::into);

@@ -2,16 +2,14 @@
 //! of the few primitives that are not triangles. One 32-bit entry encodes the position and the number of a cell's
 //! blocks.
 //!
-//! [`Ids::push`] first lays out the ids only, cell by cell. When all blocks are known, [`Ids::fill`] fills them on all
-//! threads.
+//! [`Contents::push`] first lays out the ids only, cell by cell. When all blocks are known, [`Contents::fill`] fills
+//! them on all threads.
 
 use crate::base::memory;
-use crate::caster::block::{Block, BlockIndex, Frame, LANES, NONE};
-use crate::caster::dda::EMPTY;
+use crate::caster::block::{Block, Frame, LANES, NONE};
 use crate::caster::insertion::Reference;
 use crate::caster::lattice::{GridTooLarge, Lattice};
 use crate::world::World;
-use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
 /// The number of low bits of an entry that hold the number of the cell's blocks, so that the traversal need not load
@@ -20,8 +18,11 @@ const COUNT_BITS: u32 = 4;
 /// The largest number of blocks that fits into an entry. It means this number or more, and the first block
 /// then holds the exact number.
 const MAX_COUNT: u32 = (1 << COUNT_BITS) - 1;
-/// The bit that the entry of a [`BORDER`](crate::caster::dda::BORDER) has and the entry of a cell with blocks never
-/// has.
+/// The entry of an empty cell.
+pub const EMPTY: u32 = 0;
+/// The entry of every border cell, at which the traversal ends.
+const BORDER: u32 = u32::MAX;
+/// The bit that [`BORDER`] has and the entry of a cell with blocks never has.
 pub const NO_BLOCKS: u32 = 1 << 31;
 
 /// The contents of all cells or leaves.
@@ -39,7 +40,7 @@ impl Contents {
     pub fn blocks_of(&self, entry: u32) -> &[Block] {
         let first = (entry >> COUNT_BITS) as usize;
         let count = entry & MAX_COUNT;
-        let count = if count < MAX_COUNT { count } else { self.blocks[first].index.count };
+        let count = if count < MAX_COUNT { count } else { self.blocks[first].count };
         &self.blocks[first..first + count as usize]
     }
 
@@ -49,7 +50,7 @@ impl Contents {
     pub fn with_triangles<'b>(&self, blocks: &'b [Block]) -> &'b [Block] {
         match blocks {
             // Most worlds do not need to read the block for this.
-            [only] if self.has_non_triangles() && only.index.ids[0] == NONE => &[],
+            [only] if self.has_non_triangles() && only.ids[0] == NONE => &[],
             _ => blocks,
         }
     }
@@ -64,43 +65,28 @@ impl Contents {
     #[inline(always)]
     pub fn non_triangles_in(&self, blocks: &[Block]) -> &[u32] {
         blocks.last().map_or(&[], |last| {
-            let [start, end] = last.index.non_triangles;
+            let [start, end] = last.non_triangles;
             &self.non_triangles[start as usize..end as usize]
         })
     }
 
-    /// Returns the ids of the primitives of a leaf: the triangles, and then the others.
-    pub fn primitives_of<'a>(&'a self, block: &'a Block) -> impl Iterator<Item = u32> + 'a {
-        let triangles = block.index.ids.into_iter().take_while(|&id| id != NONE);
-        triangles.chain(self.non_triangles_in(std::slice::from_ref(block)).iter().copied())
+    /// Returns the ids of the primitives of whole cells or leaves: the triangles, and then the others.
+    pub fn primitives_of<'a>(&'a self, blocks: &'a [Block]) -> impl Iterator<Item = u32> + 'a {
+        let triangles = blocks.iter().flat_map(|block| block.ids).filter(|&id| id != NONE);
+        let others = blocks.iter().flat_map(|block| self.non_triangles_in(std::slice::from_ref(block)));
+        triangles.chain(others.copied())
     }
 
-    /// Returns the number of primitives in these blocks. A primitive counts once for each cell that lists it.
-    pub fn references(blocks: &[Block]) -> usize {
-        let non_triangles = |[start, end]: [u32; 2]| (end - start) as usize;
-        blocks.iter().map(|block| block.index.triangles() + non_triangles(block.index.non_triangles)).sum()
-    }
-}
-
-/// The ids of the contents while these are being laid out.
-pub struct Ids<'w> {
-    world: &'w World,
-    indices: Vec<BlockIndex>,
-    non_triangles: Vec<u32>,
-}
-
-impl<'w> Ids<'w> {
-    /// Starts without cells and reserves memory for this number of blocks.
-    pub fn new(world: &'w World, blocks: usize) -> Result<Self, GridTooLarge> {
-        let bytes = blocks * (size_of::<BlockIndex>() + size_of::<Block>());
-        memory::ask(bytes as u64).map_err(|_| GridTooLarge)?;
-        Ok(Self { world, indices: Vec::with_capacity(blocks), non_triangles: vec![] })
+    /// Returns no contents, and reserves memory for this number of blocks.
+    pub fn with_capacity(blocks: usize) -> Result<Self, GridTooLarge> {
+        memory::ask((blocks * size_of::<Block>()) as u64).map_err(|_| GridTooLarge)?;
+        Ok(Self { blocks: Vec::with_capacity(blocks), non_triangles: vec![] })
     }
 
-    /// Lays out the cells of a lattice by a counting sort, and returns the entries by index of the lattice. The entry
-    /// of a cell without primitives is [`EMPTY`].
+    /// Lays out the cells of a lattice by a counting sort, and returns the entries by index of the lattice, including
+    /// the border.
     pub fn of_cells(
-        world: &'w World,
+        world: &World,
         lattice: &Lattice,
         references: Vec<Vec<Reference>>,
     ) -> Result<(Self, Vec<u32>), GridTooLarge> {
@@ -113,7 +99,7 @@ impl<'w> Ids<'w> {
         if blocks > (NO_BLOCKS >> COUNT_BITS) as usize {
             return Err(GridTooLarge);
         }
-        let mut cells = Self::new(world, blocks)?;
+        let mut cells = Self::with_capacity(blocks)?;
         let mut total = 0;
         for entry in &mut entries {
             total += std::mem::replace(entry, total);
@@ -127,46 +113,47 @@ impl<'w> Ids<'w> {
         let mut start = 0;
         for entry in &mut entries {
             let end = *entry as usize;
-            *entry = if start == end { EMPTY } else { cells.push(&ids[start..end]) };
+            *entry = if start == end { EMPTY } else { cells.push(world, &ids[start..end]) };
             start = end;
         }
+        let mut end = 0;
+        for run in lattice.x_runs() {
+            entries[end..run.start].fill(BORDER);
+            end = run.end;
+        }
+        entries[end..].fill(BORDER);
         Ok((cells, entries))
     }
 
     /// Appends the blocks of a cell or a leaf with these primitives, which must be in ascending order, and returns its
     /// entry.
-    pub fn push(&mut self, ids: &[u32]) -> u32 {
-        let (triangles, others) = ids.split_at(ids.partition_point(|&id| self.world.is_triangle(id)));
-        let (first, start) = (self.indices.len(), self.non_triangles.len() as u32);
+    pub fn push(&mut self, world: &World, ids: &[u32]) -> u32 {
+        let (triangles, others) = ids.split_at(ids.partition_point(|&id| world.is_triangle(id)));
+        let (first, start) = (self.blocks.len(), self.non_triangles.len() as u32);
         self.non_triangles.extend_from_slice(others);
         // A cell without triangles also needs a block, which holds the range of its other primitives.
         for block in 0..triangles.len().div_ceil(LANES).max(1) {
             let own = &triangles[block * LANES..triangles.len().min((block + 1) * LANES)];
-            let mut index = BlockIndex::EMPTY;
-            index.ids[..own.len()].copy_from_slice(own);
-            self.indices.push(index);
+            let mut ids = [NONE; LANES];
+            ids[..own.len()].copy_from_slice(own);
+            self.blocks.push(Block::new(ids));
         }
-        let count = (self.indices.len() - first) as u32;
-        self.indices[first].count = count;
-        if let Some(last) = self.indices.last_mut() {
+        let count = (self.blocks.len() - first) as u32;
+        self.blocks[first].count = count;
+        if let Some(last) = self.blocks.last_mut() {
             last.non_triangles = [start, self.non_triangles.len() as u32];
         }
         (first as u32) << COUNT_BITS | count.min(MAX_COUNT)
     }
 
     /// Fills the blocks. Each frame comes with the index of the first block that uses its coordinates.
-    pub fn fill(self, frames: &[(usize, Frame)]) -> Contents {
-        let Self { world, indices, non_triangles } = self;
-        let mut blocks: Vec<Block> = zeroed_vec(indices.len());
-        let ends = frames.iter().skip(1).map(|(start, _)| *start).chain([indices.len()]);
-        for ((start, frame), end) in frames.iter().zip(ends) {
+    pub fn fill(&mut self, world: &World, frames: &[(usize, Frame)]) {
+        let ends = frames.iter().skip(1).map(|(start, _)| *start).chain([self.blocks.len()]);
+        for ((start, frame), end) in frames.iter().zip(ends.collect::<Vec<_>>()) {
             let all_in_frame = frame.holds(&world.bounds);
-            let zeroed = blocks[*start..end].par_iter_mut();
-            zeroed
-                .zip(&indices[*start..end])
-                .for_each(|(block, index)| block.fill(world, frame, all_in_frame, index));
+            let blocks = self.blocks[*start..end].par_iter_mut();
+            blocks.for_each(|block| block.fill(world, frame, all_in_frame));
         }
-        Contents { blocks, non_triangles }
     }
 }
 

@@ -14,7 +14,7 @@
 //! visits at t, and a query that visits all cells up to the t of its best hit cannot miss a nearer one.
 
 use crate::caster::bounds::{RayInterval, intersect_aabb};
-use crate::caster::lattice::{GridTooLarge, Lattice};
+use crate::caster::lattice::Lattice;
 use crate::math::extremes::max;
 use crate::math::instructions::Level;
 use crate::math::ray::Ray;
@@ -232,102 +232,6 @@ impl<'l> Dda<'l> {
 fn index([x, y, z, _]: [i32; 4], [_, sy, sz]: &[u32; 3]) -> usize {
     let [x, y, z] = [x, y, z].map(|i| i as u32 + 1);
     x.wrapping_add(y.wrapping_mul(*sy)).wrapping_add(z.wrapping_mul(*sz)) as usize
-}
-
-/// The entry of an empty cell.
-pub const EMPTY: u32 = 0;
-/// The entry of every border cell. A cursor steps on from any other entry, but never from this one.
-pub const BORDER: u32 = u32::MAX;
-
-/// The entries of the cells of a lattice and of its border.
-///
-/// There is one entry for each index of the lattice. The entry is [`BORDER`] for every index that is not a cell's.
-/// Neither the lattice nor the entries ever change, and the memory safety of cursors relies on that.
-#[derive(Debug)]
-pub struct CellTable {
-    lattice: Lattice,
-    entries: Box<[u32]>,
-}
-
-impl CellTable {
-    /// Builds a table with these entries, by index of the lattice. Entries of the border are overwritten, and missing
-    /// entries are border cells. Returns an error if the lattice does not fit into 32-bit indices.
-    pub fn new(lattice: Lattice, mut entries: Vec<u32>) -> Result<Self, GridTooLarge> {
-        lattice.fits()?;
-        entries.resize(lattice.index_count(), BORDER);
-        let mut end = 0;
-        for run in lattice.x_runs() {
-            entries[end..run.start].fill(BORDER);
-            end = run.end;
-        }
-        entries[end..].fill(BORDER);
-        Ok(Self { lattice, entries: entries.into_boxed_slice() })
-    }
-
-    /// Returns the entry at an index of the lattice.
-    pub fn entry(&self, index: usize) -> u32 {
-        self.entries[index]
-    }
-
-    /// Returns the lattice of the cells.
-    pub fn lattice(&self) -> &Lattice {
-        &self.lattice
-    }
-
-    /// Returns a cursor at the first cell of a DDA, or at the border if the DDA's index is not in this table.
-    #[inline(always)]
-    pub fn start<'t>(&'t self, dda: Dda<'t>) -> CellCursor<'t> {
-        let entry = self.entries.get(dda.index()).copied().unwrap_or(BORDER);
-        CellCursor { entries: &self.entries, dda, entry }
-    }
-}
-
-/// The position of a ray in a [`CellTable`], and the DDA that advances it. Unless the current entry is
-/// [`BORDER`], the DDA is at a cell of the table's lattice.
-#[derive(Clone, Copy, Debug)]
-pub struct CellCursor<'t> {
-    entries: &'t [u32],
-    dda: Dda<'t>,
-    entry: u32,
-}
-
-impl CellCursor<'_> {
-    /// Returns the entry of the current cell.
-    #[inline(always)]
-    pub fn entry(&self) -> u32 {
-        self.entry
-    }
-
-    /// Returns the DDA, which is at the current cell.
-    #[inline(always)]
-    pub fn dda(&self) -> &Dda<'_> {
-        &self.dda
-    }
-
-    /// Advances to the first cell that is not empty, which may be the current one.
-    #[inline(always)]
-    pub fn skip(&mut self) {
-        while self.entry == EMPTY {
-            self.step();
-        }
-    }
-
-    /// Advances to the next cell and returns the set of axes that did not step, as [`Dda::step`] does. At the border
-    /// this does nothing, and no axis steps.
-    #[inline(always)]
-    pub fn step(&mut self) -> usize {
-        const NO_AXIS_STEPS: usize = 7;
-        // The test costs nothing if the caller has already compared the entry.
-        if self.entry == BORDER {
-            return NO_AXIS_STEPS;
-        }
-        let unstepped = self.dda.step();
-        // SAFETY: every index that is not a cell's has the entry `BORDER`, so the DDA was at a cell of the
-        // lattice. A step of at most one cell along each axis leads from a cell to another cell or to the
-        // border around them, and `entries` has an entry for each of these indices.
-        self.entry = unsafe { *self.entries.get_unchecked(self.dda.index()) };
-        unstepped
-    }
 }
 
 #[cfg(test)]

@@ -71,7 +71,7 @@ pub struct FilterState {
 impl FilterState {
     /// Returns the state for a ray on its interval in the bounds, up to t = `last`.
     #[inline(always)]
-    pub fn on_interval<S: Simd>(interval: &RayInterval<S>, frame: &Frame, last: f64) -> Self {
+    pub fn new<S: Simd>(interval: &RayInterval<S>, frame: &Frame, last: f64) -> Self {
         let RayInterval { entry, ray_lanes, .. } = interval;
         let (entry, RayLanes { origin, direction, inv_direction }) = (*entry, *ray_lanes);
         let largest = Number::abs(direction).max3();
@@ -80,15 +80,9 @@ impl FilterState {
         let scale = direction.broadcast(frame.scale);
         let center = f64x4::simd_from(direction.proof(), frame.center);
         let origin = (origin - center + direction.broadcast(entry) * direction) * scale;
-        let ray = [origin.to_f32(), (direction * direction.broadcast(inv_largest)).to_f32()];
-        Self::new(ray, entry, largest * frame.scale, inv_largest * frame.unit, last)
-    }
-
-    /// Returns the state for a ray with this origin and direction in the filter's coordinates, up to t = `last`. The
-    /// other parameters are as in [`FilterState`].
-    #[inline(always)]
-    pub fn new([origin, direction]: [[f32; 4]; 2], entry: f64, per_t: f64, unit: f64, last: f64) -> Self {
-        let ray = FilterRay { origin, direction, max_depth: 0.0 };
+        let direction = (direction * direction.broadcast(inv_largest)).to_f32();
+        let ray = FilterRay { origin: origin.to_f32(), direction, max_depth: 0.0 };
+        let (per_t, unit) = (largest * frame.scale, inv_largest * frame.unit);
         let mut filter_state = Self { ray, entry, per_t, unit };
         filter_state.shorten(last);
         filter_state
@@ -165,7 +159,7 @@ pub(crate) fn test<S: Simd>(simd: S, block: &Block, ray: &FilterRay, left_out: [
     if possible == 0 {
         return Verdict::NONE;
     }
-    let ids = u32x8::simd_from(simd, block.index.ids);
+    let ids = u32x8::simd_from(simd, block.ids);
     let left_out = (ids.simd_eq(left_out[0]) | ids.simd_eq(left_out[1])).to_bitmask() as u32;
     let possible = possible & !left_out;
     if possible == 0 {
@@ -201,7 +195,7 @@ fn cross<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::block::{BlockIndex, NONE};
+    use crate::caster::block::NONE;
     use crate::math::aabb::Aabb;
     use crate::math::instructions;
     use crate::scene::mesh::Mesh;
@@ -224,8 +218,8 @@ mod tests {
         };
         let world = World::new(&parse(text).unwrap(), &[mesh]).unwrap();
         let frame = Frame::new(&Aabb { min: DVec3::splat(-0.9), max: DVec3::splat(0.9) });
-        let mut block: Block = bytemuck::Zeroable::zeroed();
-        block.fill(&world, &frame, false, &BlockIndex::new(std::array::from_fn(|i| i as u32)));
+        let mut block = Block::new(std::array::from_fn(|i| i as u32));
+        block.fill(&world, &frame, false);
         block
     }
 
@@ -293,7 +287,8 @@ mod tests {
 
     #[test]
     fn the_depth_of_a_filter_ray_ends_where_the_ray_does() {
-        let mut state = FilterState::new([[0.0; 4]; 2], 2.0, 4.0, 0.25, 2.4375);
+        let mut state = FilterState { ray: RAY, entry: 2.0, per_t: 4.0, unit: 0.25 };
+        state.shorten(2.4375);
         assert_eq!(state.ray.max_depth, 1.75);
         state.shorten(2.5);
         assert_eq!((state.ray.max_depth, state.t(2.0)), (2.0, 2.5));

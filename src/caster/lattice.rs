@@ -74,8 +74,7 @@ impl Lattice {
         }
     }
 
-    /// Returns the number of cells along each axis without the border, at least one. It never changes, since a
-    /// traversal relies on it for memory safety.
+    /// Returns the number of cells along each axis without the border, at least one.
     pub fn cells(&self) -> [usize; 3] {
         self.cells
     }
@@ -86,7 +85,7 @@ impl Lattice {
     }
 
     /// Returns an error if the indices, including the border, do not fit into 32 bits.
-    pub fn fits(&self) -> Result<(), GridTooLarge> {
+    fn fits(&self) -> Result<(), GridTooLarge> {
         let sides = self.cells.map(|n| n as u128 + 2);
         if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
     }
@@ -123,13 +122,6 @@ impl Lattice {
         DVec3::from_array([index % sy, index % sz / sy, index / sz].map(|i| i as f64 - 1.0))
     }
 
-    /// Returns the box of the cell with this index, padded by this number of cells on each side.
-    pub fn box_of(&self, index: usize, padding: f64) -> Aabb {
-        let cell = self.cell_of(index);
-        let point = |cells: DVec3| self.bounds.min + cells * self.cell_size;
-        Aabb { min: point(cell - padding), max: point(cell + (1.0 + padding)) }
-    }
-
     /// Converts a point to units of cells, relative to the lower corner of the lattice.
     pub fn to_cells(&self, point: DVec3) -> DVec3 {
         let [x, y, z, _] = self.cells_per_unit;
@@ -164,14 +156,6 @@ mod tests {
         // 255 * 257 * 65537 = 2^32 - 1.
         assert_eq!(lattice([253, 255, 65535]).fits(), Err(GridTooLarge));
         assert_eq!(lattice([253, 255, 65534]).fits(), Ok(()));
-    }
-
-    #[test]
-    fn the_box_of_a_cell_is_padded_in_units_of_cells() {
-        let lattice = lattice([4, 2, 6]);
-        let bounds = lattice.box_of(lattice.index([3, 0, 2]), 0.25);
-        assert_eq!(bounds.min, DVec3::new(1.6875, 1.75, 3.875));
-        assert_eq!(bounds.max, DVec3::new(2.0625, 3.25, 4.625));
     }
 
     #[test]

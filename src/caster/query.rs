@@ -1,4 +1,4 @@
-//! The query for one ray, and its goals: the nearest hit, any hit, or all hits.
+//! The search along one ray: for the nearest hit, any hit, or all hits.
 //!
 //! The filter tests eight triangles at a time. The triangles that it cannot decide are tested exactly, one by one.
 
@@ -34,12 +34,21 @@ impl RayOrigin {
     }
 }
 
-/// The search along one ray.
-pub struct Query<'a, P, G> {
+/// The search along one ray, for any hit or for the nearest one.
+pub struct Query<'a, P, const ANY: bool> {
     pub world: &'a World,
     pub ray: &'a Ray,
     pub probe: &'a mut P,
-    pub goal: G,
+    /// The nearest primitive so far, or any hit; [`NONE`], bounded by the ray's end, until one is found.
+    pub best: Visible,
+    /// A lower bound on the t of `best`. It equals the upper bound if t is known.
+    t_lower_bound: f64,
+    /// True if another primitive was hit so close to the best primitive at that time that both may lie in the same
+    /// place. Then it is still undecided which of them the ray sees.
+    pub is_undecided: bool,
+    /// If given, collects all hits up to the ray's end, each with its t, and none of them becomes the best. Some hits
+    /// may occur more than once.
+    all_hits: Option<&'a mut Vec<(f64, u32)>>,
     /// Computed when the first triangle needs it.
     shear: Option<Shear<'a>>,
     /// The primitive that is not tested, or [`NONE`].
@@ -53,56 +62,93 @@ pub struct Query<'a, P, G> {
 /// The number of primitives in [`Query::tested`].
 const MAX_TESTED: usize = 4;
 
-/// The goal of a query: the nearest hit, any hit, or all hits.
-pub trait Goal {
-    /// True if the first hit is enough.
-    const ANY: bool = false;
-
-    /// Returns the nearest primitive found so far, or [`NONE`].
-    fn best(&self) -> u32 {
-        NONE
+impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
+    #[inline(always)]
+    pub fn new(world: &'a World, ray: &'a Ray, probe: &'a mut P) -> Self {
+        Self {
+            world,
+            ray,
+            probe,
+            best: Visible { primitive: NONE, t_bound: ray.t_max },
+            t_lower_bound: ray.t_max,
+            is_undecided: false,
+            all_hits: None,
+            shear: None,
+            left_out: NONE,
+            tested: [NONE; MAX_TESTED],
+            next: 0,
+        }
     }
 
-    /// Returns two values: an upper bound on the t of the nearest hit so far, or the ray's end if there is none; and
-    /// the t up to which to look for primitives.
-    fn ends(&self, _: &World, ray: &Ray) -> [f64; 2] {
-        [ray.t_max; 2]
+    /// Returns a query that collects all hits.
+    pub fn for_all(world: &'a World, ray: &'a Ray, probe: &'a mut P, hits: &'a mut Vec<(f64, u32)>) -> Self {
+        // With this bound, every hit is close to the best one.
+        Self { all_hits: Some(hits), t_lower_bound: f64::NEG_INFINITY, ..Self::new(world, ray, probe) }
     }
 
-    /// Takes a hit at `t`. Returns true if that changes the rest of the search.
-    fn offer(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool;
-
-    /// Takes a hit by a lower and an upper bound on its t, if these decide that it is the nearest so far. Returns true
-    /// if they do.
-    fn offer_between(&mut self, _: &World, _bounds: [f64; 2], _primitive: u32) -> bool {
-        false
+    /// Returns the t up to which to look for primitives. Behind the best one, others may lie in the same place.
+    #[inline(always)]
+    pub fn end(&self) -> f64 {
+        let t = self.best.t_bound;
+        if ANY { t } else { t + self.world.coincidence_reach(t) }
     }
 
     /// Records that some primitives that may lie in the same place as the best one were not tested.
-    fn leave_undecided(&mut self) {}
-}
-
-impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
     #[inline(always)]
-    pub fn new(world: &'a World, ray: &'a Ray, probe: &'a mut P, goal: G) -> Self {
-        Self { world, ray, probe, goal, shear: None, left_out: NONE, tested: [NONE; MAX_TESTED], next: 0 }
+    pub fn leave_undecided(&mut self) {
+        self.is_undecided |= self.best.primitive != NONE;
     }
 
-    /// Returns an upper bound on the t of the nearest hit so far.
-    #[inline(always)]
-    pub fn nearest_t(&self) -> f64 {
-        self.goal.ends(self.world, self.ray)[0]
-    }
-
-    /// Returns the t up to which to look for primitives.
-    #[inline(always)]
-    pub fn end(&self) -> f64 {
-        self.goal.ends(self.world, self.ray)[1]
-    }
-
+    /// Takes a hit at `t`. Returns true if that changes the rest of the search.
     #[inline(always)]
     fn offer(&mut self, t: f64, primitive: u32) -> bool {
-        self.goal.offer(self.world, self.ray, t, primitive)
+        if ANY {
+            self.best.primitive = primitive;
+            return true;
+        }
+        if t > self.end() {
+            return false;
+        }
+        let better =
+            t + self.world.coincidence_reach(t) < self.t_lower_bound || self.precedes_close(t, primitive);
+        if better {
+            self.best = Visible { primitive, t_bound: t };
+            self.t_lower_bound = t;
+        }
+        better
+    }
+
+    /// Takes a hit by a lower and an upper bound on its t, if these decide that it is the nearest so far. Returns true
+    /// if they do.
+    #[inline(always)]
+    fn offer_between(&mut self, [lower, upper]: [f64; 2], primitive: u32) -> bool {
+        let reach = self.world.coincidence_reach(lower.abs().max(upper.abs()));
+        let better = upper + reach < self.t_lower_bound;
+        if better {
+            self.best = Visible { primitive, t_bound: upper };
+            self.t_lower_bound = lower;
+        }
+        better
+    }
+
+    /// Returns true if a primitive that may lie in the same place as the best one precedes it.
+    #[cold]
+    fn precedes_close(&mut self, t: f64, primitive: u32) -> bool {
+        if let Some(hits) = &mut self.all_hits {
+            hits.push((t, primitive));
+            return false;
+        }
+        self.leave_undecided();
+        t < self.t_lower_bound || (t <= self.best.t_bound && self.precedes_best(t, primitive))
+    }
+
+    /// Returns true if a primitive precedes the best one, for a t within the bounds on the t of the best one.
+    fn precedes_best(&mut self, t: f64, primitive: u32) -> bool {
+        if self.t_lower_bound < self.best.t_bound {
+            self.best.t_bound = self.world.hit(self.ray, self.best).t;
+            self.t_lower_bound = self.best.t_bound;
+        }
+        self.world.precedes((t, primitive), (self.best.t_bound, self.best.primitive))
     }
 
     /// Tests the primitives outside the structure: the planes, and the sphere or ellipsoid on which the ray starts.
@@ -133,7 +179,7 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
             self.left_out = NONE;
             return false;
         }
-        self.test(self.left_out)
+        self.test_exactly(self.left_out)
     }
 
     /// Tests a cell's blocks of triangles and its other primitives. Returns true if that changes the rest of the
@@ -149,14 +195,14 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         let mut changed = false;
         for block in contents.with_triangles(blocks) {
             if P::COUNTS {
-                self.probe.intersections(block.index.triangles());
+                self.probe.intersections(block.triangles());
             }
             // Most triangles that the filter does not reject are either the origin of the ray or the best triangle so
             // far.
-            let left_out = [self.left_out, self.goal.best()];
+            let left_out = [self.left_out, self.best.primitive];
             let verdict = filter::test(simd, block, &filter_state.ray, left_out);
             if verdict.possible != 0 && self.decide(block, &verdict, filter_state) {
-                if G::ANY {
+                if ANY {
                     return true;
                 }
                 changed = true;
@@ -193,17 +239,19 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
     fn decide(&mut self, block: &Block, verdict: &Verdict, filter_state: &FilterState) -> bool {
         // A counting query tests every triangle, because the number of steps depends on t.
         let certain = if P::COUNTS { 0 } else { verdict.certain };
-        if G::ANY {
-            // Which primitive is hit does not matter.
-            return certain != 0 && self.offer(0.0, NONE) || self.test_any_lane(block, verdict.possible);
+        if ANY {
+            if certain != 0 {
+                return self.offer(0.0, block.ids[certain.trailing_zeros() as usize]);
+            }
+            return self.test_any_lane(block, verdict.possible);
         }
         let mut changed = false;
         for lane in lanes(verdict.possible) {
-            let id = block.index.ids[lane];
+            let id = block.ids[lane];
             // Double precision, which loads the vertices, is needed only if the bounds on t do not decide.
             if certain >> lane & 1 != 0 {
                 let bounds = verdict.depths(lane, block).map(|depth| filter_state.t(depth));
-                if self.goal.offer_between(self.world, bounds, id) {
+                if self.offer_between(bounds, id) {
                     changed = true;
                     continue;
                 }
@@ -215,7 +263,7 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
 
     #[inline(never)]
     fn test_any_lane(&mut self, block: &Block, possible: u32) -> bool {
-        lanes(possible).any(|lane| self.test_triangle(block.index.ids[lane]))
+        lanes(possible).any(|lane| self.test_triangle(block.ids[lane]))
     }
 
     /// Tests a triangle exactly, unless it was one of the last to be tested.
@@ -242,10 +290,18 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
         is_new
     }
 
-    /// Counts and tests a primitive. Returns true if that changes the rest of the search.
-    pub fn test(&mut self, id: u32) -> bool {
-        self.probe.intersections(1);
-        self.test_exactly(id)
+    /// Counts and tests primitives without the filter. Returns true if that changes the rest of the search.
+    #[inline(never)]
+    pub fn test_each(&mut self, ids: impl Iterator<Item = u32>) -> bool {
+        let mut changed = false;
+        for id in ids {
+            self.probe.intersections(1);
+            changed |= self.test_exactly(id);
+            if ANY && changed {
+                break;
+            }
+        }
+        changed
     }
 
     #[inline]
@@ -270,113 +326,6 @@ impl<'a, P: Probe, G: Goal> Query<'a, P, G> {
     }
 }
 
-/// The goal of finding any hit.
-#[derive(Default)]
-pub struct AnyHit {
-    pub is_found: bool,
-}
-
-impl Goal for AnyHit {
-    const ANY: bool = true;
-
-    #[inline(always)]
-    fn offer(&mut self, _: &World, _: &Ray, _t: f64, _primitive: u32) -> bool {
-        self.is_found = true;
-        true
-    }
-}
-
-/// The goal of collecting all hits up to the ray's end, each with its t. Some hits may occur more than once.
-#[derive(Default)]
-pub struct AllHits(pub Vec<(f64, u32)>);
-
-impl Goal for AllHits {
-    fn offer(&mut self, _: &World, _: &Ray, t: f64, primitive: u32) -> bool {
-        self.0.push((t, primitive));
-        false
-    }
-}
-
-/// The goal of finding the nearest hit.
-pub struct Nearest {
-    /// [`NONE`], bounded by the ray's end, until a primitive is found.
-    pub best: Visible,
-    /// A lower bound on the t of `best`. It equals the upper bound if t is known.
-    t_lower_bound: f64,
-    /// True if another primitive was hit so close to the best primitive at that time that both may lie in the same
-    /// place. Then it is still undecided which of them the ray sees.
-    pub is_undecided: bool,
-}
-
-impl Nearest {
-    #[inline(always)]
-    pub fn new(ray: &Ray) -> Self {
-        let best = Visible { primitive: NONE, t_bound: ray.t_max };
-        Self { best, t_lower_bound: ray.t_max, is_undecided: false }
-    }
-
-    /// Returns true if a primitive that may lie in the same place as the best one precedes it.
-    #[cold]
-    fn precedes_close(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool {
-        self.is_undecided |= self.best.primitive != NONE;
-        t < self.t_lower_bound || (t <= self.best.t_bound && self.precedes_best(world, ray, t, primitive))
-    }
-
-    /// Returns true if a primitive precedes the best one, for a t within the bounds on the t of the best one.
-    fn precedes_best(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool {
-        if self.t_lower_bound < self.best.t_bound {
-            self.best.t_bound = world.hit(ray, self.best).t;
-            self.t_lower_bound = self.best.t_bound;
-        }
-        world.precedes((t, primitive), (self.best.t_bound, self.best.primitive))
-    }
-}
-
-impl Goal for Nearest {
-    #[inline(always)]
-    fn best(&self) -> u32 {
-        self.best.primitive
-    }
-
-    /// Extends the search behind the best primitive, where others may lie in the same place.
-    #[inline(always)]
-    fn ends(&self, world: &World, _: &Ray) -> [f64; 2] {
-        let t = self.best.t_bound;
-        [t, t + world.coincidence_reach(t)]
-    }
-
-    #[inline(always)]
-    fn offer(&mut self, world: &World, ray: &Ray, t: f64, primitive: u32) -> bool {
-        if t > self.ends(world, ray)[1] {
-            return false;
-        }
-        let better = t + world.coincidence_reach(t) < self.t_lower_bound
-            || self.precedes_close(world, ray, t, primitive);
-        if better {
-            self.best = Visible { primitive, t_bound: t };
-            self.t_lower_bound = t;
-        }
-        better
-    }
-
-    #[inline(always)]
-    fn offer_between(&mut self, world: &World, bounds: [f64; 2], primitive: u32) -> bool {
-        let [lower, upper] = bounds;
-        let reach = world.coincidence_reach(lower.abs().max(upper.abs()));
-        let better = upper + reach < self.t_lower_bound;
-        if better {
-            self.best = Visible { primitive, t_bound: upper };
-            self.t_lower_bound = lower;
-        }
-        better
-    }
-
-    #[inline(always)]
-    fn leave_undecided(&mut self) {
-        self.is_undecided |= self.best.primitive != NONE;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -393,18 +342,18 @@ mod tests {
              Triangle { vertex0 -1 -1 5 vertex1 1 -1 5 vertex2 0 1 5 } }";
         let world = World::new(&parse(text).unwrap(), &[]).unwrap();
         let ray = Ray::new(DVec3::ZERO, DVec3::Z);
-        let goal = |primitive, [t_lower_bound, t_bound]: [f64; 2]| {
-            let best = Visible { primitive, t_bound };
-            Nearest { best, t_lower_bound, is_undecided: false }
-        };
         for (t, is_kept) in [(3.4, true), (3.9, true), (4.0, false), (4.1, false), (4.6, false)] {
             let mut probe = Quiet;
-            let mut query = Query::new(&world, &ray, &mut probe, goal(0, [3.5, 4.5]));
+            let mut query = Query::<_, false>::new(&world, &ray, &mut probe);
+            query.best = Visible { primitive: 0, t_bound: 4.5 };
+            query.t_lower_bound = 3.5;
             assert_eq!(query.offer(t, 1), is_kept, "{t}");
-            assert_eq!(query.goal.best.primitive, u32::from(is_kept), "{t}");
+            assert_eq!(query.best.primitive, u32::from(is_kept), "{t}");
         }
         let mut probe = Quiet;
-        let mut query = Query::new(&world, &ray, &mut probe, goal(1, [5.0; 2]));
+        let mut query = Query::<_, false>::new(&world, &ray, &mut probe);
+        query.best = Visible { primitive: 1, t_bound: 5.0 };
+        query.t_lower_bound = 5.0;
         let [behind, same, again] = [(5.5, 0), (5.0, 0), (5.0, 1)].map(|(t, id)| query.offer(t, id));
         assert_eq!([behind, same, again], [false, true, false]);
     }

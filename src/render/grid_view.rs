@@ -90,9 +90,9 @@ impl Occupancy {
     }
 
     fn insert_box(&mut self, bounds: Aabb) {
-        for run in insertion::runs_of_box(&self.lattice, &bounds, TOUCH) {
-            self.counts[run].iter_mut().for_each(|count| *count += 1);
-        }
+        let mut touched = vec![];
+        insertion::of_box(&self.lattice, &bounds, TOUCH, &mut touched);
+        touched.iter().for_each(|&index| self.counts[index as usize] += 1);
     }
 
     /// Returns the face of the first occupied cell along the ray.

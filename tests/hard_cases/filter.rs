@@ -10,7 +10,7 @@ use crate::support::scenes::world_of_mesh;
 use crate::support::textbook::{Edges, lower, lower_triangle, woop};
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
-use raytracer::caster::block::{Block, BlockIndex, FilterErrorBounds, Frame, LANES, NONE};
+use raytracer::caster::block::{Block, FilterErrorBounds, Frame, LANES, NONE};
 use raytracer::caster::bounds::widened;
 use raytracer::caster::filter::{self, FilterRay, MAX_DEPTH, Verdict};
 use raytracer::math::aabb::Aabb;
@@ -126,9 +126,8 @@ fn the_filter_is_never_wrong() {
         let rng = &mut Rng::at(SEED, index);
         let frame = frame(rng);
         let world = triangles(rng, &frame);
-        let mut block: Block = bytemuck::Zeroable::zeroed();
-        let all_within = frame.holds(&world.bounds);
-        block.fill(&world, &frame, all_within, &BlockIndex::new(std::array::from_fn(|lane| lane as u32)));
+        let mut block = Block::new(std::array::from_fn(|lane| lane as u32));
+        block.fill(&world, &frame, frame.holds(&world.bounds));
         let mut without_bounds = block;
         without_bounds.error_bounds = FilterErrorBounds { edge: 0.0, depth: 0.0 };
         let mut counts = [0; 4];
@@ -190,10 +189,9 @@ impl Blocks {
         let frame = Frame::new(&bounds);
         let count = world.triangles.len() as u32;
         let block = |first: u32| {
-            let mut block: Block = bytemuck::Zeroable::zeroed();
             let number = |lane: usize| Some(first + lane as u32).filter(|&number| number < count);
-            let ids = std::array::from_fn(|lane| number(lane).unwrap_or(NONE));
-            block.fill(world, &frame, true, &BlockIndex::new(ids));
+            let mut block = Block::new(std::array::from_fn(|lane| number(lane).unwrap_or(NONE)));
+            block.fill(world, &frame, true);
             block
         };
         Self { bounds, frame, blocks: (0..count).step_by(LANES).map(block).collect() }

@@ -8,7 +8,7 @@ use crate::support::rng::Rng;
 use crate::support::scenes::world_of_mesh;
 use glam::DVec3;
 use rayon::prelude::*;
-use raytracer::caster::block::{Block, BlockIndex, FilterErrorBounds, Frame, LANES, NONE};
+use raytracer::caster::block::{Block, FilterErrorBounds, Frame, LANES, NONE};
 use raytracer::caster::filter::{FilterRay, MAX_DEPTH, Verdict};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
@@ -144,10 +144,10 @@ impl Trial {
 
     /// The question for the triangle with this id in a world.
     fn question(&self, world: &World, id: u32, bound: Bound) -> Question {
-        let mut block: Block = bytemuck::Zeroable::zeroed();
         let mut ids = [NONE; LANES];
         ids[0] = id;
-        block.fill(world, &FRAME, true, &BlockIndex::new(ids));
+        let mut block = Block::new(ids);
+        block.fill(world, &FRAME, true);
         let ray = self.ray();
         let is_alone = bound != Bound::V || self.w() > f64::from(-block.error_bounds.edge);
         if bound == Bound::V {

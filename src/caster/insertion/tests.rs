@@ -124,9 +124,6 @@ fn the_cells_of_a_box_are_counted() {
         of_box(&l, &Aabb { min: low, max: high }, 1e-6, &mut all);
         let counted = count_of_box(&l, &Aabb { min: low, max: high }, 1e-6);
         assert_eq!((all.len(), counted), (tested, tested as u64), "{high}");
-        let bounds = Aabb { min: low, max: high };
-        let in_runs = runs_of_box(&l, &bounds, 1e-6).flatten();
-        assert!(in_runs.eq(all.iter().map(|&index| index as usize)), "{high}");
         if tested < 6 {
             assert_eq!(triangle, all, "{high}");
         }
@@ -248,7 +245,9 @@ fn the_corners_of_cells_are_off_by_at_most_two_roundings_of_single_precision() {
         let lattice = Lattice::new(bounds, counts);
         let (scale, padding) = (Frame::new(&bounds).scale, padding(&lattice));
         let cell = counts.map(|count| rng.below(count as u64));
-        let padded = lattice.box_of(lattice.index(cell), padding);
+        let corner = |cells: DVec3| lattice.bounds.min + cells * lattice.cell_size;
+        let low = DVec3::from_array(cell.map(|i| i as f64));
+        let padded = Aabb { min: corner(low - padding), max: corner(low + (1.0 + padding)) };
         for axis in 0..3 {
             let (first, count) = (bounds.min[axis], Dd::from(counts[axis] as f64));
             let whole = Dd::difference(bounds.max[axis], first);

@@ -1,5 +1,8 @@
 use super::*;
+use crate::caster::block::NONE;
 use crate::caster::box8::PADDING;
+use crate::caster::division::Bounds;
+use crate::math::aabb::Aabb;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use glam::DVec3;
@@ -17,13 +20,17 @@ fn world(count: u32, triangle: impl Fn(u32) -> (DVec3, f64)) -> World {
     World::new(&parse(text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
 }
 
-/// A tree with its leaves.
-type Grown = (Tree, Leaves);
+/// A tree with the contents of its leaves.
+type Grown = (Tree, Contents);
+
+fn grown(world: &World) -> Grown {
+    Tree::new(world, (0..world.triangles.len() as u32).collect(), frame()).unwrap()
+}
 
 /// Appends the ids in the leaves of a branch, and returns the number of levels of nodes.
 fn ids_under(grown: &Grown, branch: Branch, ids: &mut Vec<u32>) -> usize {
     if branch >= LEAF {
-        let leaf = grown.1.ids[(branch - LEAF) as usize];
+        let leaf = grown.1.blocks[(branch - LEAF) as usize].ids;
         assert!(leaf.is_sorted());
         ids.extend(leaf.into_iter().filter(|&id| id != NONE));
         return 0;
@@ -32,7 +39,8 @@ fn ids_under(grown: &Grown, branch: Branch, ids: &mut Vec<u32>) -> usize {
         return ids_under(grown, grown.0.small[(branch - SMALL) as usize].branch, ids);
     }
     let node = &grown.0.nodes[branch as usize];
-    let levels = node.branches().map(|branch| {
+    // The root is no other node's child.
+    let levels = node.children.into_iter().filter(|&child| child != 0).map(|branch| {
         let mut below = vec![];
         let levels = ids_under(grown, branch, &mut below);
         assert!(!below.is_empty());
@@ -49,12 +57,12 @@ fn frame() -> Frame {
 /// Checks that every primitive is in one leaf, and returns the number of levels and of primitives per leaf.
 fn shape(world: &World) -> (usize, f64) {
     let all: Vec<u32> = (0..world.triangles.len() as u32).collect();
-    let grown = Tree::new(world, &frame()).unwrap();
+    let grown = grown(world);
     let mut ids = vec![];
     let levels = ids_under(&grown, grown.0.root, &mut ids);
     ids.sort_unstable();
     assert_eq!(ids, all);
-    (levels, all.len() as f64 / grown.1.ids.len() as f64)
+    (levels, all.len() as f64 / grown.1.blocks.len() as f64)
 }
 
 fn scattered(i: u32) -> (DVec3, f64) {
@@ -88,7 +96,7 @@ fn a_branch_of_small_primitives_has_a_frame_of_its_own() {
         0 => (0.6 + 1e-5 * scattered(i).0, 1e-7),
         _ => scattered(i),
     });
-    let grown = Tree::new(&two_sizes, &frame()).unwrap();
+    let grown = grown(&two_sizes);
     let mut ids = vec![];
     for small in &grown.0.small {
         assert!(small.region.frame.scale > 1000.0);
@@ -96,14 +104,14 @@ fn a_branch_of_small_primitives_has_a_frame_of_its_own() {
     }
     assert!(ids.iter().filter(|&id| id % 2 == 0).count() > 950, "{}", ids.len());
     assert!(ids.iter().filter(|&id| id % 2 == 1).count() < 10);
-    for (i, leaf) in grown.1.ids.iter().enumerate() {
-        let (_, frame_of_leaf) = grown.1.frames.iter().rfind(|(start, _)| *start <= i).unwrap();
-        let around = grown.0.small.iter().find(|small| small.region.frame == *frame_of_leaf);
-        assert_eq!(around.is_some(), ids.contains(&leaf[0]), "{i}");
-        assert!(around.is_some() || *frame_of_leaf == frame());
+    for (i, block) in grown.1.blocks.iter().enumerate() {
+        let is_around = grown.0.small.iter().any(|small| small.blocks.contains(&i));
+        assert_eq!(is_around, ids.contains(&block.ids[0]), "{i}");
+        // The coordinates are at most 1 in the frame.
+        let largest = block.corner.as_flattened().iter().fold(0.0f32, |largest, x| largest.max(x.abs()));
+        assert!(largest <= 1.0, "{largest}");
     }
-    let even = Tree::new(&world(2000, scattered), &frame()).unwrap();
-    assert!(even.0.small.is_empty() && even.1.frames.len() == 1);
+    assert!(self::grown(&world(2000, scattered)).0.small.is_empty());
 }
 
 #[test]

@@ -171,7 +171,6 @@ mod tests {
                 nothing: 0.0,
                 same_place: ErrorBound::NONE,
             },
-            rows: 0..8,
         };
         let inv_depth_plane = InvDepthPlane::of_plane(&viewport, &Plane { normal: DVec3::Z, offset: -4.0 });
         assert_eq!(inv_depth_plane.error_bound.0, [PLANE_ROUNDINGS * U * 3.0 / 2.0, 0.0, 0.0]);

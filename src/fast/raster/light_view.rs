@@ -93,18 +93,6 @@ impl LightView {
         (1e-100..1e100).contains(&largest).then_some(largest)
     }
 
-    /// Returns the pixels of the picture.
-    pub fn screen(&self) -> Screen {
-        // If several primitives are in one place, it does not matter which one blocks the light.
-        Screen {
-            middle: DVec2::splat(self.middle),
-            width: self.size,
-            reach: REACH,
-            nothing: 0.0,
-            same_place: ErrorBound::NONE,
-        }
-    }
-
     /// Projects a point into the picture.
     #[inline(always)]
     pub fn project(&self, point: DVec3) -> Projected {
@@ -135,6 +123,17 @@ impl LightView {
 }
 
 impl View for LightView {
+    fn screen(&self) -> Screen {
+        // If several primitives are in one place, it does not matter which one blocks the light.
+        Screen {
+            middle: DVec2::splat(self.middle),
+            width: self.size,
+            reach: REACH,
+            nothing: 0.0,
+            same_place: ErrorBound::NONE,
+        }
+    }
+
     fn vertex(&self, point: DVec3) -> ScreenVertex {
         self.project(point).on(DVec2::splat(self.middle))
     }

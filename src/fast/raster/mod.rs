@@ -32,6 +32,7 @@ use crate::caster::bounds::widened;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Visible};
 use crate::trace::FirstHit;
+use crate::world::plane::Plane;
 use crate::world::{Primitive, World};
 use bins::Bins;
 use edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
@@ -106,15 +107,16 @@ impl VisibilityBuffer {
         if !Self::suits(camera, world, size) || count > max_triangles {
             return None;
         }
-        let same_place = world.coincidence_reach_by_t();
+        memory::ask(bytes_to_draw(world, rows.len() * (width + tile::LANES))).ok()?;
+        let (same_place, most_tests) = (world.coincidence_reach_by_t(), PIXELS_PER_RAY * pixels);
         let visible_ids = match camera.projection() {
             Projection::Perspective(eye) => {
-                let viewport = Viewport::new(eye, world.bounds, size, rows.clone(), footprint, same_place)?;
-                drawn_from_eye(&viewport, world)?
+                let view = Viewport::new(eye, world.bounds, size, footprint, same_place)?;
+                drawn(&view, &rows, world, most_tests)?
             }
             Projection::Orthographic(eye) => {
                 let view = ParallelView::new(eye, &world.bounds, width, footprint, same_place)?;
-                drawn_in_parallel(&view, world, &rows)?
+                drawn(&view, &rows, world, most_tests)?
             }
         };
         Some(Self { stride: width + tile::LANES, first_row: rows.start, visible_ids })
@@ -159,32 +161,16 @@ impl VisibilityBuffer {
     }
 }
 
-/// Returns the ids that the pixels show to rays from an eye, or `None` as in [`VisibilityBuffer::new`].
-fn drawn_from_eye(viewport: &Viewport, world: &World) -> Option<Vec<u32>> {
-    let planes = world.planes.iter().map(|plane| InvDepthPlane::of_plane(viewport, plane)).collect();
-    drawn_by_camera(viewport, viewport.screen, &viewport.rows, world, planes)
-}
-
-/// Returns the ids that the pixels show to parallel rays, or `None` as in [`VisibilityBuffer::new`].
-fn drawn_in_parallel(view: &ParallelView, world: &World, rows: &Range<usize>) -> Option<Vec<u32>> {
-    let planes = world.planes.iter().map(|plane| view.plane(plane)).collect();
-    drawn_by_camera(view, view.screen, rows, world, planes)
-}
-
-/// Returns the ids that the pixels show to a camera, or `None` as in [`VisibilityBuffer::new`].
-fn drawn_by_camera(
-    view: &impl View,
-    screen: Screen,
-    rows: &Range<usize>,
-    world: &World,
-    planes: Vec<InvDepthPlane>,
-) -> Option<Vec<u32>> {
-    memory::ask(bytes_to_draw(world, rows.len() * screen.stride())).ok()?;
-    drawn(view, screen, rows, world, &planes, PIXELS_PER_RAY * screen.width * rows.len())
-}
-
 /// A projection of the world to a screen.
 trait View: Sync {
+    /// Returns the pixels.
+    fn screen(&self) -> Screen;
+
+    /// Returns the inverse depth of a plane as a function of the pixel, or `None` if planes are not drawn.
+    fn plane(&self, _plane: &Plane) -> Option<InvDepthPlane> {
+        None
+    }
+
     /// Projects a point.
     fn vertex(&self, point: DVec3) -> ScreenVertex;
 
@@ -207,17 +193,11 @@ fn bytes_to_draw(world: &World, pixels: usize) -> u64 {
     bytes as u64
 }
 
-/// Draws the primitives of a world into these rows of a screen, with planes of these depths. Returns the ids that the
-/// pixels show, or `None` if that takes more than `most_tests` pixel tests. The pixels in the boxes of spheres and
-/// ellipsoids are unsure, unless something is certainly nearer.
-fn drawn(
-    view: &impl View,
-    screen: Screen,
-    rows: &Range<usize>,
-    world: &World,
-    planes: &[InvDepthPlane],
-    most_tests: usize,
-) -> Option<Vec<u32>> {
+/// Draws the primitives of a world into these rows of a screen. Returns the ids that the pixels show, or `None` if that
+/// takes more than `most_tests` pixel tests. The pixels in the boxes of spheres and ellipsoids are unsure, unless
+/// something is certainly nearer.
+fn drawn(view: &impl View, rows: &Range<usize>, world: &World, most_tests: usize) -> Option<Vec<u32>> {
+    let screen = view.screen();
     let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.vertex(vertex)).collect();
     let bins = Bins::new(rows, world.triangles.len(), |id| {
         let on_screen = world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
@@ -235,9 +215,12 @@ fn drawn(
     if bins.pixels().saturating_add(marked) > most_tests {
         return None;
     }
+    let planes: Vec<_> = world.planes.iter().map(|plane| view.plane(plane)).collect();
     let edge_functions = |id: u32| view.edge_functions(world.corners(id as usize));
     Some(bins.draw(screen, edge_functions, |tile| {
-        planes.iter().zip(world.first_plane()..).for_each(|(plane, id)| tile.fill(plane, id));
+        for (plane, id) in planes.iter().flatten().zip(world.first_plane()..) {
+            tile.fill(plane, id);
+        }
         for TriangleBounds { columns, rows, max_inv_depth, .. } in &boxes {
             tile.mark_unsure(columns.range(), rows.range(), *max_inv_depth);
         }

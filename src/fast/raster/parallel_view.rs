@@ -39,7 +39,7 @@ pub struct ParallelView {
     extent: f64,
     /// Upper bound on the error of the coordinates of a point and of a ray in the picture, in pixels.
     screen_error: f64,
-    pub screen: Screen,
+    screen: Screen,
 }
 
 impl ParallelView {
@@ -84,9 +84,15 @@ impl ParallelView {
             nearness: 2.0 - (point - self.middle).dot(self.eye.direction) / self.radius,
         }
     }
+}
 
-    /// Returns the nearness of a plane, as a function of the pixel. It has no limits.
-    pub fn plane(&self, plane: &Plane) -> InvDepthPlane {
+impl View for ParallelView {
+    fn screen(&self) -> Screen {
+        self.screen
+    }
+
+    /// Returns the nearness of a plane, which has no limits.
+    fn plane(&self, plane: &Plane) -> Option<InvDepthPlane> {
         let Eye { center, direction, right, up, .. } = self.eye;
         // The ray's test computes the same rate from the same numbers, so both share its error.
         let rate = plane.normal.dot(direction);
@@ -103,11 +109,9 @@ impl ParallelView {
             ROUNDINGS * U,
             0.0,
         ]);
-        InvDepthPlane { inv_depth: nearness, error_bound }
+        Some(InvDepthPlane { inv_depth: nearness, error_bound })
     }
-}
 
-impl View for ParallelView {
     fn vertex(&self, point: DVec3) -> ScreenVertex {
         self.project(point).on(self.screen.middle)
     }
@@ -169,7 +173,7 @@ mod tests {
         let t = (number(plane.offset) - dot(&normal, &origin)) / rate;
         let from_middle = moved(&moved(&origin, &t, &d), &number(-1.0), &exact(view.middle));
         let nearness = number(2.0) - dot(&from_middle, &d) / number(view.radius);
-        let computed = view.plane(plane);
+        let computed = view.plane(plane).unwrap();
         let value = computed.inv_depth.at(x, y);
         let error = (number(value) - nearness).to_f64().unwrap().abs();
         [error, computed.error_bound.at(value.abs())]

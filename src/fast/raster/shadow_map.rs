@@ -74,7 +74,7 @@ impl ShadowMap {
         let of_boxes = world.boxes().flat_map(|bounds| widened(bounds).corners());
         let bounds = Aabb::around(of_boxes.chain(world.vertices.iter().copied()));
         let view = LightView::new(light, &bounds, SIZE)?;
-        let nearest_ids = drawn(&view, view.screen(), &(0..SIZE), world, &[], most_pixels)?;
+        let nearest_ids = drawn(&view, &(0..SIZE), world, most_pixels)?;
         Some(Self { view, nearest_ids })
     }
 

@@ -243,7 +243,6 @@ mod tests {
                 nothing: 0.0,
                 same_place: ErrorBound::NONE,
             },
-            rows: 0..8,
         }
     }
 

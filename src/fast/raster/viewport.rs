@@ -1,12 +1,12 @@
 //! The view from an eye: projects the points of the world in front of a perspective camera.
 
-use super::edge_functions::{EDGE_ROUNDINGS, EdgeFunctions, ErrorBound};
+use super::edge_functions::{EDGE_ROUNDINGS, EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::{self, ScreenVertex};
 use super::{Affine, Footprint, Screen, View};
 use crate::camera::{Eye, TURN_ROUNDINGS};
 use crate::math::aabb::Aabb;
+use crate::world::plane::Plane;
 use glam::{DVec2, DVec3};
-use std::ops::Range;
 
 /// The factor of the `max_direction_length` of a turned eye. All error bounds are at least proportional to this
 /// length. For an edge function, the factor adds exactly the further roundings of a direction. It adds more than these
@@ -14,7 +14,7 @@ use std::ops::Range;
 /// and for the depths of planes, which have 19 roundings.
 const TURNED: f64 = 1.0 + TURN_ROUNDINGS / EDGE_ROUNDINGS;
 
-/// The projection onto the rows that are drawn.
+/// The projection onto the picture.
 ///
 /// The direction of a pixel's ray is d + x h + y v, where x and y are in pixels from the eye's `middle`.
 pub struct Viewport {
@@ -28,7 +28,6 @@ pub struct Viewport {
     /// Upper bound on |d| + |x h| + |y v|, times [`TURNED`] if the eye is turned.
     pub max_direction_length: f64,
     pub screen: Screen,
-    pub rows: Range<usize>,
 }
 
 impl Viewport {
@@ -39,7 +38,6 @@ impl Viewport {
         eye: Eye,
         bounds: Aabb,
         size: [usize; 2],
-        rows: Range<usize>,
         footprint: Footprint,
         [margin, per_t]: [f64; 2],
     ) -> Option<Self> {
@@ -63,7 +61,7 @@ impl Viewport {
         // no shorter than 1.
         let same_place = ErrorBound([0.0, per_t, margin * scale]);
         let screen = Screen { middle: eye.middle, width, reach: footprint.reach(), nothing: 0.0, same_place };
-        is_usual.then_some(Self { eye, scale, axes, far, max_direction_length, screen, rows })
+        is_usual.then_some(Self { eye, scale, axes, far, max_direction_length, screen })
     }
 
     /// Returns a point relative to the eye, scaled.
@@ -79,6 +77,14 @@ impl Viewport {
 }
 
 impl View for Viewport {
+    fn screen(&self) -> Screen {
+        self.screen
+    }
+
+    fn plane(&self, plane: &Plane) -> Option<InvDepthPlane> {
+        Some(InvDepthPlane::of_plane(self, plane))
+    }
+
     fn vertex(&self, point: DVec3) -> ScreenVertex {
         ScreenVertex::of(point, self)
     }

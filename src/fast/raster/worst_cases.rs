@@ -52,7 +52,7 @@ fn view_on(
     let camera = scene::Camera::Perspective { center, direction, up, angle };
     let camera = Camera::with_screen(&camera, size, spread);
     let Projection::Perspective(eye) = camera.projection() else { return None };
-    let viewport = Viewport::new(eye, Aabb::around(corners), size, 0..size[1], Footprint::Center, [0.0; 2])?;
+    let viewport = Viewport::new(eye, Aabb::around(corners), size, Footprint::Center, [0.0; 2])?;
     Some((camera, viewport))
 }
 
