@@ -12,7 +12,8 @@ use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::scene::{Object, Scene, mesh::Mesh};
-use crate::world::{Placement, placements};
+use crate::shading::light::incident;
+use crate::world::{Placement, World, placements};
 use glam::DVec3;
 
 /// The distance, in cells, up to which a box next to a cell counts as touching it.
@@ -30,13 +31,23 @@ const BORDER: u32 = u32::MAX;
 
 /// The face through which a ray enters an occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
+struct Face {
     /// The t where the ray crosses the face.
-    pub t: f64,
+    t: f64,
     /// The outward unit normal of the face.
-    pub normal: DVec3,
+    normal: DVec3,
     /// The colour for the number of primitives in the cell.
-    pub color: Color,
+    color: Color,
+}
+
+impl Face {
+    fn lit(&self, ray: &Ray, world: &World) -> Color {
+        let lights = world.lights.iter().map(|light| {
+            let light = incident(light, ray.at(self.t));
+            light.color * self.normal.dot(light.direction).max(0.0)
+        });
+        self.color * (world.ambient + lights.sum::<Color>())
+    }
 }
 
 impl Occupancy {
@@ -95,8 +106,14 @@ impl Occupancy {
         }
     }
 
+    /// Returns the colour that a camera ray sees: the face of the first occupied cell in the ambient and diffuse light of
+    /// the world, without shadows, or else the background.
+    pub fn color(&self, ray: &Ray, world: &World) -> Color {
+        self.first_face(ray).map_or(world.background, |face| face.lit(ray, world))
+    }
+
     /// Returns the face of the first occupied cell along the ray.
-    pub fn first_face(&self, ray: &Ray) -> Option<Face> {
+    fn first_face(&self, ray: &Ray) -> Option<Face> {
         let (mut dda, [entry, _]) = Dda::of_ray(&self.lattice, ray)?;
         let mut index = dda.index();
         if self.counts[index] > 0 {
@@ -299,6 +316,22 @@ mod tests {
         // This also holds if the ray leaves the grid through an edge.
         let outward = ray([-1.0, 0.0, 0.5], [1.0, 1.0, 0.0]);
         assert_eq!(t(occupied(&[[3, 3, 0]]), &outward), Some((4.0, -DVec3::X)));
+    }
+
+    #[test]
+    fn a_face_is_lit_by_every_light_before_it() {
+        let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
+             Background { color 0 0 0 ambientLight 0.25 0 0 }
+             Lights { numLights 3 DirectionalLight { direction 0 -3 -4 color 0.5 1 0 }
+             DirectionalLight { direction 0 0 1 color 9 9 9 }
+             PointLight { position 0 0 3 color 0 0 2 attenuation 0 1 0 } }
+             Group { numObjects 0 }";
+        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+        let face = Face { t: 4.0, normal: DVec3::Z, color: Color::new(1.0, 0.5, 0.25) };
+        // Ambient light, then 4/5 of the first light, nothing of the second, and half of the third.
+        let expected = face.color * Color::new(0.25 + 0.8 * 0.5, 0.8, 1.0);
+        let found = face.lit(&Ray::new(DVec3::Z * 5.0, DVec3::NEG_Z), &world);
+        assert!((found - expected).abs().max_element() < 1e-15);
     }
 
     #[test]

@@ -8,13 +8,12 @@ use crate::math::aabb::Aabb;
 use crate::math::instructions;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::render::grid_view::Occupancy;
-use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
+use crate::render::{self, Rendered, Request, Stopped, TakeRow, Tracing, View, Watch};
 use crate::sampling::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::load::{self, LoadedScene, Source};
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Shows;
-use crate::stats::Counts;
 use crate::world::World;
 use glam::DVec2;
 use rayon::ThreadPool;
@@ -96,25 +95,18 @@ impl Renderer {
     /// the grid that is drawn in place of the scene. For the latter the renderer must have kept the scene's meshes. The
     /// result renders other requests, too.
     pub fn prepare(&self, request: &Request) -> Result<Prepared<'_>, GridTooLarge> {
-        let Request { structure, tracing, draws_cells, .. } = *request;
-        if draws_cells && let Structure::Grid(_) = structure {
-            return self.prepare_cells(structure, Rays::cast(request.camera_rays()), tracing);
-        }
         let cast = request.cast_rays(&self.camera(request), &self.world);
-        self.prepare_as(structure, Rays { camera: request.camera_rays(), cast }, tracing)
+        self.prepare_for(request, Rays { camera: request.camera_rays(), cast })
     }
 
-    /// Builds a structure like [`Renderer::prepare`], but for about this number of rays.
-    pub fn prepare_as(
-        &self,
-        structure: Structure,
-        rays: Rays,
-        tracing: Tracing,
-    ) -> Result<Prepared<'_>, GridTooLarge> {
+    /// Prepares the scene like [`Renderer::prepare`], but for about this number of rays.
+    pub fn prepare_for(&self, request: &Request, rays: Rays) -> Result<Prepared<'_>, GridTooLarge> {
+        let Request { structure, tracing, .. } = *request;
+        let draws_cells = request.draws_cells && matches!(structure, Structure::Grid(_));
         self.on_own_threads(|| {
             let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
             let build = |layout| Caster::with(&self.world, layout, instructions::available()[0]);
-            let caster = match build(layout) {
+            let caster = match build(if draws_cells { Layout::List } else { layout }) {
                 Ok(caster) if structure == Structure::Any && tracing == Tracing::Fast => {
                     Ok(caster.replaceable())
                 }
@@ -122,7 +114,10 @@ impl Renderer {
                 Err(_) if structure == Structure::Any => build(Layout::List),
                 caster => caster,
             }?;
-            Ok(Prepared { renderer: self, caster, occupancy: None, cells: layout.cells(), tracing })
+            let cells = layout.cells();
+            let count = |cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells);
+            let occupancy = cells.filter(|_| draws_cells).map(count).transpose()?;
+            Ok(Prepared { renderer: self, caster, occupancy, cells, tracing })
         })
     }
 
@@ -130,21 +125,6 @@ impl Renderer {
     pub(crate) fn camera(&self, request: &Request) -> Camera {
         let camera = request.camera.as_ref().unwrap_or(&self.scene.camera);
         Camera::with_screen(camera, request.size, self.scene.screen)
-    }
-
-    fn prepare_cells(
-        &self,
-        structure: Structure,
-        rays: Rays,
-        tracing: Tracing,
-    ) -> Result<Prepared<'_>, GridTooLarge> {
-        self.on_own_threads(|| {
-            let cells = structure.layout(&self.world, rays, tracing == Tracing::Counted).cells();
-            let caster = Caster::with(&self.world, Layout::List, instructions::available()[0])?;
-            let occupancy =
-                cells.map(|cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells));
-            Ok(Prepared { renderer: self, caster, occupancy: occupancy.transpose()?, cells, tracing })
-        })
     }
 
     /// Runs `work` on the renderer's threads.
@@ -194,7 +174,12 @@ impl Prepared<'_> {
 
     /// Renders a request row by row, and returns the counts. Rows are handed out from the top as soon as they are
     /// finished.
-    pub fn render_rows(&self, request: &Request, watch: Watch, take_row: TakeRow) -> Result<Counts, Stopped> {
+    pub fn render_rows(
+        &self,
+        request: &Request,
+        watch: Watch,
+        take_row: TakeRow,
+    ) -> Result<Rendered, Stopped> {
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
         self.renderer.on_own_threads(|| render::render(scene, self.view(), request, watch, take_row))
@@ -237,24 +222,13 @@ impl Prepared<'_> {
 
     /// Returns the samples of the pixel in this column and row from the bottom left: their offsets from its centre,
     /// and the parts of the pixel that they represent, up to a factor. Returns an empty list if the watch cancels.
-    pub(crate) fn samples(
-        &self,
-        request: &Request,
-        [column, row]: [usize; 2],
-        watch: Watch,
-    ) -> Vec<(DVec2, f64)> {
-        if request.adaptive.is_none() {
-            if let Some(mut c_rand) = request.sampler.c_rand([column, row], request.size[0]) {
-                return vec![(c_rand.next_offset(), 1.0)];
-            }
-            let index = (column * request.size[1] + row) as u64;
-            return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
-        }
+    pub(crate) fn samples(&self, request: &Request, pixel: [usize; 2], watch: Watch) -> Vec<(DVec2, f64)> {
         let camera = self.camera(request);
         let scene = (&camera, &self.caster);
-        let offsets = render::adaptive_offsets(scene, self.view(), request, [column, row], watch);
-        // If only a pixel's own samples count, all of them have the same weight.
-        let part = if request.filter.support() == 0 { 1.0 } else { 1.0 / offsets.len() as f64 };
+        let offsets = render::offsets(scene, self.view(), request, pixel, watch);
+        // Adaptive samples of pixels that contribute to each other represent parts of their pixels.
+        let is_alone = request.adaptive.is_none() || request.filter.support() == 0;
+        let part = if is_alone { 1.0 } else { 1.0 / offsets.len() as f64 };
         offsets.into_iter().map(|offset| (offset, part)).collect()
     }
 

@@ -8,7 +8,7 @@ use crate::caster::RayOrigin;
 use crate::math::instructions::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::math::simd::LANES;
-use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
+use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
 use crate::scene::MaterialId;
 use crate::world::triangle4::{Hits4, Triangles4};
 use crate::world::{SurfacePoint, World};
@@ -17,8 +17,7 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 impl<H: Hints> Tracer<'_, H> {
-    /// Traces the samples of a packet in row `j`, and stores their colours if they are wanted. Does not count the
-    /// camera rays.
+    /// Traces the samples of a packet in row `j` up to a stage. Does not count the camera rays.
     #[simd]
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
@@ -27,14 +26,13 @@ impl<H: Hints> Tracer<'_, H> {
         simd: S,
         camera: &Camera,
         j: usize,
-        wanted: Wanted,
+        stage: Stage,
         packet: &mut SamplePacket,
-        colors: &mut PacketColors,
         memory: &mut Memory,
         observer: &mut O,
     ) {
         aim::<S>(simd, packet, camera, j);
-        if wanted.hits {
+        if stage >= Stage::Hits {
             for sample in packet.samples_mut() {
                 let Sample { ray, source, .. } = &sample;
                 sample.visible = match self.hints.first_hit(self.caster.world, ray, [source.column, j]) {
@@ -44,7 +42,7 @@ impl<H: Hints> Tracer<'_, H> {
                 };
             }
         }
-        if wanted.surfaces {
+        if stage >= Stage::Surfaces {
             let world = self.world();
             find_surfaces::<S>(simd, world, packet);
             if world.has_smooth_normals() {
@@ -53,8 +51,8 @@ impl<H: Hints> Tracer<'_, H> {
                 }
             }
         }
-        if wanted.colors {
-            for (color, Sample { ray, surface, .. }) in colors.iter_mut().zip(packet.samples()) {
+        if stage == Stage::Colors {
+            for (Sample { ray, surface, .. }, color) in packet.colors_mut() {
                 self.set_color(simd, color, ray, surface.as_ref(), memory, observer);
             }
         }

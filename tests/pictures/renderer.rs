@@ -9,7 +9,6 @@ use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Camera;
 use raytracer::scene::load;
-use raytracer::stats::Counts;
 use raytracer::trace::{Effects, Shadows};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -145,7 +144,7 @@ fn progress_counts_every_row_once() {
         rows[layer] += 1;
         ControlFlow::Continue(())
     };
-    let counts: Counts = prepared.render_rows(&request, &watch, &mut take_row).expect("all rows");
+    let counts = prepared.render_rows(&request, &watch, &mut take_row).expect("all rows").counts;
     let mut done: Vec<usize> = told.into_inner().expect("no panic").iter().map(|p| p.done).collect();
     done.sort_unstable();
     assert_eq!(done, (1..=20).collect::<Vec<_>>());

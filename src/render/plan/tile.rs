@@ -3,7 +3,7 @@
 use super::{Band, Planner};
 use crate::picture::Color;
 use crate::render::row::Looked;
-use crate::render::tally::{Tally, in_parallel};
+use crate::render::tally::Tally;
 use crate::render::tracing::PictureTracer;
 use crate::sampling::adaptive::{BRIGHTEST, Contents, Line, beyond, finite};
 use crate::sampling::allotment::{Find, Known, Tested, gain, own_and_random_error};
@@ -19,7 +19,6 @@ pub struct Tile<'t, 'a> {
     tracer: &'t PictureTracer<'t>,
     columns: Range<usize>,
     band: &'t mut Band,
-    tally: &'t Tally<'t>,
     corners: Vec<Corners>,
 }
 
@@ -50,7 +49,7 @@ fn of_rows<T: Send>(
     work: impl Fn(usize) -> Option<T> + Sync,
 ) -> Option<Vec<T>> {
     let work = |j| if tally.asks(0) { None } else { work(j) };
-    in_parallel(rows.clone(), tally, work).into_iter().collect()
+    tally.in_parallel(rows.clone(), work).into_iter().collect()
 }
 
 impl<'t, 'a> Tile<'t, 'a> {
@@ -61,13 +60,12 @@ impl<'t, 'a> Tile<'t, 'a> {
         tracer: &'t PictureTracer<'t>,
         columns: &Range<usize>,
         band: &'t mut Band,
-        tally: &'t Tally<'t>,
     ) -> Option<Self> {
         // The last corners belong to the last pixels.
         let of_corner = |k: usize, pixels: &Range<usize>| k.min(pixels.end - 1);
         let rows = band.rows.clone();
         let all = rows.start..rows.end + 1;
-        let looked = of_rows(&all, tally, |j| {
+        let looked = of_rows(&all, tracer.tally, |j| {
             let row = of_corner(j, &rows);
             let places = (columns.start..=columns.end).map(|corner| {
                 let column = of_corner(corner, columns);
@@ -82,7 +80,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             Corners::new(looked.colors.into_iter().map(|color| finite(color).min(most)).collect())
         };
         let corners = all.zip(looked).map(row).collect();
-        Some(Self { planner, tracer, columns: columns.clone(), band, tally, corners })
+        Some(Self { planner, tracer, columns: columns.clone(), band, corners })
     }
 
     /// Returns the number of samples of each pixel, row by row, or `None` if the watch cancels the render.
@@ -147,7 +145,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             Some((tracer.look(j, places.iter().copied())?, places))
         };
         let mut seen = vec![];
-        for (j, (looked, places)) in rows.clone().zip(of_rows(&rows, self.tally, look)?) {
+        for (j, (looked, places)) in rows.clone().zip(of_rows(&rows, tracer.tally, look)?) {
             self.band.add_counts(j, &looked, places.iter().map(|place| place.0));
             let first = (j - rows.start) * self.columns.len();
             let pixels = places.iter().map(|place| first + place.0 - self.columns.start);
@@ -167,7 +165,8 @@ impl<'t, 'a> Tile<'t, 'a> {
     /// Estimates the contents of the pixels, by the corners and by rays to small things.
     fn contents(&mut self) -> Option<Vec<Contents>> {
         let (rows, width) = (self.band.rows.clone(), self.columns.len());
-        let by_corners = of_rows(&(0..rows.len()), self.tally, |row| Some(contents(&self.corners, row)))?;
+        let by_corners =
+            of_rows(&(0..rows.len()), self.tracer.tally, |row| Some(contents(&self.corners, row)))?;
         let mut contents = by_corners.concat();
         let (specks, columns) =
             (self.planner.small_things.specks(&self.columns, &rows), self.columns.clone());
