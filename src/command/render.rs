@@ -218,7 +218,7 @@ fn explanation(
     if (0..2).any(|axis| pixel[axis] >= request.size[axis]) {
         return Ok(None);
     }
-    let prepared = match prepared.tracing() {
+    let prepared = match options.tracing() {
         Tracing::Counted => prepared,
         Tracing::Fast => options.prepare(renderer, &request)?,
     };

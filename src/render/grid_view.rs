@@ -82,9 +82,7 @@ impl Occupancy {
                 touched.iter().for_each(|&index| self.counts[index as usize] += 1);
             }
             Object::Triangle { vertices, .. } => self.insert_box(Aabb::around(vertices.map(map))),
-            Object::Box { min, max, .. } => {
-                self.insert_box(Aabb::around(Aabb { min, max }.corners().map(map)));
-            }
+            Object::Box { min, max, .. } => self.insert_box(placement.course_box(Aabb { min, max })),
             Object::Grid { ref surface, .. } => self.insert_mesh(surface, map),
             Object::Mesh { mesh, .. } => self.insert_mesh(&meshes[mesh], map),
             _ => {
@@ -117,7 +115,7 @@ impl Occupancy {
         let (mut dda, [entry, _]) = Dda::of_ray(&self.lattice, ray)?;
         let mut index = dda.index();
         if self.counts[index] > 0 {
-            return Some(self.face(index, entry, self.face_at(entry, ray), ray));
+            return Some(self.face(index, entry, self.entry_axis(entry, ray), ray));
         }
         loop {
             let unchanged_axes = dda.step();
@@ -128,26 +126,28 @@ impl Occupancy {
                     0 => {}
                     BORDER => return None,
                     _ => {
-                        let entry = self.entry_across(axis, index, ray);
-                        return Some(self.face(index, entry, Some(axis), ray));
+                        let t = self.entry_across(axis, index, ray);
+                        return Some(self.face(index, t, axis, ray));
                     }
                 }
             }
         }
     }
 
-    /// Returns the face through which the ray enters an occupied cell at `t`. `axis` is the axis of the face's normal,
-    /// or `None` if the ray starts in the cell.
-    fn face(&self, index: usize, t: f64, axis: Option<usize>, ray: &Ray) -> Face {
-        Face { t, normal: face_normal(axis, ray), color: count_color(self.counts[index]) }
+    /// Returns the face with this axis as its normal through which the ray enters an occupied cell at `t`.
+    fn face(&self, index: usize, t: f64, axis: usize, ray: &Ray) -> Face {
+        let normal = DVec3::AXES[axis] * -ray.direction[axis].signum();
+        Face { t, normal, color: count_color(self.counts[index]) }
     }
 
-    /// Returns the axis of the face through which the ray enters the grid, or `None` if the ray starts inside.
-    fn face_at(&self, entry: f64, ray: &Ray) -> Option<usize> {
-        let at = ray.at(entry);
-        let Aabb { min, max } = self.lattice.bounds;
-        let distances = (at - min).abs().min((at - max).abs());
-        (entry > ray.t_min).then(|| distances.min_position())
+    /// Returns the axis of the face through which the ray enters the grid at `entry`. A ray that starts inside gets the
+    /// face through which it would have entered along its longest axis.
+    fn entry_axis(&self, entry: f64, ray: &Ray) -> usize {
+        if entry <= ray.t_min {
+            return ray.direction.abs().max_position();
+        }
+        let (at, Aabb { min, max }) = (ray.at(entry), self.lattice.bounds);
+        (at - min).abs().min((at - max).abs()).min_position()
     }
 
     /// Returns the t where the ray enters a cell through the face with this axis as its normal.
@@ -156,13 +156,6 @@ impl Occupancy {
         let face = self.lattice.bounds.min[axis] + cell * self.lattice.cell_size[axis];
         (face - ray.origin[axis]) / ray.direction[axis]
     }
-}
-
-/// Returns the normal of the face with this axis through which the ray enters. A ray that starts inside an occupied
-/// cell gets the face through which it would have entered along its longest axis.
-fn face_normal(axis: Option<usize>, ray: &Ray) -> DVec3 {
-    let axis = axis.unwrap_or_else(|| ray.direction.abs().max_position());
-    DVec3::AXES[axis] * -ray.direction[axis].signum()
 }
 
 /// The course's colour scale, from white through blue, green and yellow to red: the colours of cells with one

@@ -79,13 +79,11 @@ impl fmt::Display for Stopped {
             Self::Cancelled { rows } => write!(f, "stopped after {rows} rows"),
             Self::Output => write!(f, "the rows are not taken any more"),
             Self::Memory(refused) => refused.fmt(f),
-            Self::Rays => {
-                write!(
-                    f,
-                    "the rays of one pixel split without end: more than {MOST_WAITING} wait to be traced; "
-                )?;
-                write!(f, "use fewer `-bounces` or a larger `-weight`")
-            }
+            Self::Rays => write!(
+                f,
+                "the rays of one pixel split without end: more than {MOST_WAITING} wait to be traced; \
+                 use fewer `-bounces` or a larger `-weight`"
+            ),
         }
     }
 }

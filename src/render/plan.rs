@@ -25,15 +25,9 @@ mod tile;
 /// The number of samples of each pixel of a row.
 #[derive(Clone, Copy)]
 pub struct Plan<'a> {
-    /// The largest number of samples of a pixel.
-    pub most: u32,
-    /// The column of the first pixel.
-    start: usize,
-    samples: &'a [u16],
-    /// The cost of planning each pixel, if costs are a layer.
-    costs: &'a [u64],
-    /// The cost of planning the row.
-    pub counts: Counts,
+    band: &'a Band,
+    /// The index of the row in the band.
+    row: usize,
 }
 
 /// The number of samples of each pixel of a row of tiles.
@@ -74,41 +68,48 @@ fn tiles(pixels: &Range<usize>, count: usize) -> impl Iterator<Item = Range<usiz
 }
 
 impl Band {
-    /// Returns the plan of row `j`, if the row is in the band.
-    fn plan(&self, j: usize) -> Option<Plan<'_>> {
-        let row = j.checked_sub(self.rows.start).filter(|&row| row < self.rows.len())?;
-        let width = self.columns.len();
-        let costs = if self.costs.is_empty() { &[] } else { &self.costs[row * width..][..width] };
-        let samples = &self.samples[row * width..][..width];
-        Some(Plan { most: self.most, start: self.columns.start, samples, costs, counts: self.counts[row] })
+    /// Returns the index of a pixel in the lists, given by its column and the index of its row.
+    fn index(&self, column: usize, row: usize) -> usize {
+        row * self.columns.len() + column - self.columns.start
     }
 
     /// Adds the cost of rays in row `j` and these columns.
     fn add_counts(&mut self, j: usize, looked: &Looked, columns: impl Iterator<Item = usize>) {
-        let (row, width) = (j - self.rows.start, self.columns.len());
+        let row = j - self.rows.start;
         self.counts[row] = self.counts[row].merge(looked.counts);
         for (column, cost) in columns.zip(&looked.costs) {
-            self.costs[row * width + column - self.columns.start] += cost;
+            let index = self.index(column, row);
+            self.costs[index] += cost;
         }
     }
 }
 
 impl Plan<'_> {
+    /// Returns the largest number of samples of a pixel.
+    pub fn most(self) -> u32 {
+        self.band.most
+    }
+
     /// Returns the part of its pixel that a sample in this column represents.
-    pub fn part(&self, column: usize) -> f64 {
+    pub fn part(self, column: usize) -> f64 {
         let [columns, rows] = self.strata(column);
         1.0 / f64::from(columns * rows)
     }
 
     /// Returns the columns and rows of a pixel's strata.
-    pub fn strata(&self, column: usize) -> [u32; 2] {
-        let samples = column.checked_sub(self.start).and_then(|k| self.samples.get(k)).copied().unwrap_or(1);
-        MultiJittered::strata(u32::from(samples), self.most)
+    pub fn strata(self, column: usize) -> [u32; 2] {
+        let samples = self.band.samples[self.band.index(column, self.row)];
+        MultiJittered::strata(u32::from(samples), self.band.most)
     }
 
-    /// Returns the cost of planning a pixel.
-    pub fn cost(&self, column: usize) -> u64 {
-        column.checked_sub(self.start).and_then(|k| self.costs.get(k)).copied().unwrap_or_default()
+    /// Returns the cost of planning a pixel, if costs are a layer.
+    pub fn cost(self, column: usize) -> Option<u64> {
+        self.band.costs.get(self.band.index(column, self.row)).copied()
+    }
+
+    /// Returns the counts of planning the row.
+    pub fn counts(self) -> Counts {
+        self.band.counts[self.row]
     }
 }
 
@@ -140,7 +141,8 @@ impl<'a> Planner<'a> {
 
     /// Returns the plan of row `j`, if the row is planned.
     pub fn plan(&self, j: usize) -> Option<Plan<'_>> {
-        self.bands.iter().find_map(|band| band.plan(j))
+        let band = self.bands.iter().find(|band| band.rows.contains(&j))?;
+        Some(Plan { band, row: j - band.rows.start })
     }
 
     fn band(&self, rows: Range<usize>) -> Option<Band> {
@@ -150,17 +152,14 @@ impl<'a> Planner<'a> {
         let pixels = columns.len() * rows.len();
         let costs = if self.request.cost().is_some() { vec![0; pixels] } else { vec![] };
         let counts = vec![Counts::default(); rows.len()];
-        let samples = Vec::with_capacity(pixels);
-        let mut band = Band { most: self.settings.most, columns, rows, samples, costs, counts };
-        let planned = tiles.into_iter().map(|columns| {
+        let mut band =
+            Band { most: self.settings.most, columns, rows, samples: vec![0; pixels], costs, counts };
+        for columns in tiles {
             let samples = Tile::new(self, &tracer, &columns, &mut band)?.allot()?;
-            Some((columns.len(), samples))
-        });
-        let planned = planned.collect::<Option<Vec<_>>>()?;
-        for row in 0..band.rows.len() {
-            planned.iter().for_each(|(width, samples)| {
-                band.samples.extend_from_slice(&samples[row * width..][..*width]);
-            });
+            for (row, samples) in samples.chunks(columns.len()).enumerate() {
+                let first = band.index(columns.start, row);
+                band.samples[first..][..columns.len()].copy_from_slice(samples);
+            }
         }
         Some(band)
     }

@@ -8,7 +8,7 @@ use crate::picture::Color;
 use crate::sampling::c_rand::CRand;
 use crate::sampling::drand48::Jump;
 use crate::sampling::multi_jittered::MultiJittered;
-use crate::sampling::sample_packet::{Sample, SamplePacket, SamplePlace, Stage};
+use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
 use crate::stats::Counts;
@@ -69,7 +69,7 @@ impl<'a> RowSampler<'a> {
         // The index of the first pixel in the order in which random numbers are drawn.
         let first = (columns.start * height + self.j) as u64;
         if let Some(plan) = self.plan {
-            let draws = MultiJittered::draws(plan.most);
+            let draws = MultiJittered::draws(plan.most());
             let (mut rng, jump) = (sampler.rng().jumped(first * draws), Jump::of(height as u64 * draws));
             each(columns, take, |column| {
                 let offsets = MultiJittered::new(plan.strata(column), rng);
@@ -134,15 +134,19 @@ impl PictureTracer<'_> {
         let mut sampler = RowSampler::new(request, columns.start, j, plan);
         let mut packet = SamplePacket::default();
         let cost = request.cost();
-        for first in columns.clone().step_by(if cost.is_some() { 1 } else { SamplePacket::SIZE }) {
+        let at_once = if cost.is_some() { 1 } else { SamplePacket::SIZE };
+        for first in columns.clone().step_by(at_once) {
             let before = std::mem::take(&mut painter.row.counts);
-            painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut sampler, &mut packet);
+            painter.paint(first..columns.end.min(first + at_once), &mut sampler, &mut packet);
             if painter.memory.is_cut() {
                 return None;
             }
             let counts = painter.row.counts;
             if let Some(cost) = cost.filter(|_| is_shown && painter.shown.contains(&first)) {
-                painter.row.costs.push(cost.of(&counts) + plan.map_or(0, |plan| plan.cost(first)));
+                painter
+                    .row
+                    .costs
+                    .push(cost.of(&counts) + plan.and_then(|plan| plan.cost(first)).unwrap_or(0));
             }
             painter.row.counts = before.merge(counts);
         }
@@ -242,9 +246,7 @@ impl Painter<'_> {
     #[inline(always)]
     fn add_samples<const CENTERS: bool>(&mut self, packet: &SamplePacket) {
         let mut sum = self.sum;
-        for (Sample { source: SamplePlace { column, offset, is_last }, .. }, color) in
-            packet.samples().iter().zip(packet.colors())
-        {
+        for (Sample { column, offset, is_last, .. }, color) in packet.samples().iter().zip(packet.colors()) {
             self.add_sample::<CENTERS>(*column, *offset, *color, &mut sum);
             if CENTERS || *is_last {
                 self.finish(&sum);
@@ -259,8 +261,8 @@ impl Painter<'_> {
     fn add_sample<const CENTERS: bool>(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
         self.row.counts.non_shadow_ray();
         match &mut self.row.spread {
-            None if CENTERS => sum.add(self.center_weight, color),
-            None => sum.add(self.tracer.request.filter.weight(offset), color),
+            None if CENTERS => sum.add(self.center_weight, color, 1.0),
+            None => sum.add(self.tracer.request.filter.weight(offset), color, 1.0),
             Some(spread) => {
                 let part = self.plan.as_ref().map_or(1.0, |plan| plan.part(column));
                 spread.add(column, offset, color, part);

@@ -5,7 +5,7 @@
 //! So the strip's pixels are the same as in the whole picture.
 
 use super::layer::Layer;
-use super::plan::Planner;
+use super::plan::{Plan, Planner};
 use super::request::Request;
 use super::row::Row;
 use super::tracing::PictureTracer;
@@ -120,7 +120,7 @@ impl<'a> Strip<'a> {
     fn filter(&self, tracer: &PictureTracer, planner: Option<&Planner>) -> Option<Vec<Row>> {
         let Request { filter, size, .. } = *self.request;
         let (traced, columns) = (self.traced(), self.request.columns());
-        let mut film = Film::starting_at(filter, size, traced.start);
+        let mut film = Film::new(filter, size, traced.start);
         let mut finished: Vec<Row> = Vec::with_capacity(self.rows.len());
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
@@ -178,7 +178,7 @@ impl<'a> Strip<'a> {
         let is_shown = self.rows.contains(&j);
         let plan = planner.and_then(|planner| planner.plan(j));
         let mut row = tracer.row(j, is_shown, plan)?;
-        row.counts = row.counts.merge(plan.map_or(Counts::default(), |plan| plan.counts));
+        row.counts = row.counts.merge(plan.map_or(Counts::default(), Plan::counts));
         if is_shown {
             tracer.tally.row_is_done(row.counts.rays());
         }

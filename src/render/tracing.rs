@@ -97,16 +97,17 @@ impl<'a> PictureTracer<'a> {
         match view {
             View::Scene => {}
             View::Cells(cells) => {
-                packet
-                    .colors_mut()
-                    .for_each(|(sample, color)| *color = cells.color(&sample.ray, caster.world));
+                for (sample, color) in packet.colors_mut() {
+                    *color = cells.color(&sample.ray, caster.world);
+                }
             }
             View::Places => {
-                let color_at = |column| place_color([column, j], *size);
-                packet.colors_mut().for_each(|(sample, color)| *color = color_at(sample.source.column));
+                for (sample, color) in packet.colors_mut() {
+                    *color = place_color([sample.column, j], *size);
+                }
             }
         }
-        memory.spend(packet.samples().len());
+        memory.spend(packet.samples().len() as u32);
     }
 }
 
@@ -132,7 +133,8 @@ fn demand(view: View, request: &Request) -> Demand {
     }
 }
 
-#[cfg(all(test, feature = "fast"))]
+#[cfg(feature = "fast")]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::render::grid_view::Occupancy;

@@ -5,17 +5,6 @@ use crate::picture::Color;
 use crate::world::SurfacePoint;
 use glam::{DVec2, DVec3};
 
-/// The position of a sample in a row of pixels.
-#[derive(Clone, Copy, Debug)]
-pub struct SamplePlace {
-    /// The column of its pixel.
-    pub column: usize,
-    /// The offset from the pixel's centre, in pixels.
-    pub offset: DVec2,
-    /// True for the last sample of its pixel.
-    pub is_last: bool,
-}
-
 /// A sample in a row of pixels, and the hit of its ray. The ray is in one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -26,8 +15,12 @@ pub struct Sample {
     pub surface: Option<SurfacePoint>,
     /// The first hit of the ray, once cast.
     pub visible: Option<Visible>,
-    /// The position of the sample.
-    pub source: SamplePlace,
+    /// The column of its pixel.
+    pub column: usize,
+    /// The offset from the pixel's centre, in pixels.
+    pub offset: DVec2,
+    /// True for the last sample of its pixel.
+    pub is_last: bool,
 }
 
 /// An unused slot.
@@ -35,7 +28,9 @@ const UNPLACED: Sample = Sample {
     ray: Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
     surface: None,
     visible: None,
-    source: SamplePlace { column: 0, offset: DVec2::ZERO, is_last: false },
+    column: 0,
+    offset: DVec2::ZERO,
+    is_last: false,
 };
 
 /// The stages that samples pass through, in their order.
@@ -112,7 +107,7 @@ impl SamplePacket {
     #[inline(always)]
     pub fn push(&mut self, column: usize, offset: DVec2, is_last: bool) {
         if let Some(place) = self.places.get_mut(self.count) {
-            place.source = SamplePlace { column, offset, is_last };
+            (place.column, place.offset, place.is_last) = (column, offset, is_last);
             (place.visible, place.surface) = (None, None);
             self.count += 1;
         }

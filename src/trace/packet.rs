@@ -34,8 +34,8 @@ impl<H: Hints> Tracer<'_, H> {
         aim::<S>(simd, packet, camera, j);
         if stage >= Stage::Hits {
             for sample in packet.samples_mut() {
-                let Sample { ray, source, .. } = &sample;
-                sample.visible = match self.hints.first_hit(self.caster.world, ray, [source.column, j]) {
+                let Sample { ray, column, .. } = &sample;
+                sample.visible = match self.hints.first_hit(self.caster.world, ray, [*column, j]) {
                     FirstHit::Nothing => None,
                     FirstHit::Primitive(visible) => Some(visible),
                     FirstHit::Unknown => self.nearest(ray, RayOrigin::FREE, observer),
@@ -66,8 +66,8 @@ fn aim<S: Simd>(simd: S, packet: &mut SamplePacket, camera: &Camera, j: usize) {
     // Places without a sample may get any ray.
     let (groups, _) = packet.places_mut().as_chunks_mut::<LANES>();
     for [a, b, c, d] in &mut groups[..count.div_ceil(LANES)] {
-        let columns = [a.source.column, b.source.column, c.source.column, d.source.column];
-        let offsets = [a.source.offset, b.source.offset, c.source.offset, d.source.offset];
+        let columns = [a.column, b.column, c.column, d.column];
+        let offsets = [a.offset, b.offset, c.offset, d.offset];
         [a.ray, b.ray, c.ray, d.ray] = camera.rays::<S>(simd, columns, j, offsets);
     }
 }
@@ -204,7 +204,7 @@ mod tests {
                     _ => Some(100.0),
                 };
                 let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));
-                sample.visible = visible.filter(|_| column_is_open(sample.source.column));
+                sample.visible = visible.filter(|_| column_is_open(sample.column));
             }
             find_surfaces::<S>(simd, &world, &mut packet);
             for Sample { ray, visible, surface, .. } in packet.samples() {

@@ -23,7 +23,7 @@ pub(super) fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
 impl Painter<'_> {
     /// Adds the measurements at the centres of adjacent pixels to the layers.
     pub(super) fn measure(&mut self, centers: &[Sample]) {
-        let first = centers.first().map_or(0, |center| center.source.column);
+        let first = centers.first().map_or(0, |center| center.column);
         let place = |column: usize| column.saturating_sub(first).min(centers.len());
         let shown = &centers[place(self.shown.start)..place(self.shown.end)];
         let world = self.tracer.caster.world;
