@@ -54,16 +54,6 @@ impl Counts {
             cells_traversed: self.cells_traversed + other.cells_traversed,
         }
     }
-
-    /// Returns the counts that were added since `before`.
-    pub fn since(self, before: Self) -> Self {
-        Self {
-            non_shadow_rays: self.non_shadow_rays - before.non_shadow_rays,
-            shadow_rays: self.shadow_rays - before.shadow_rays,
-            intersections: self.intersections - before.intersections,
-            cells_traversed: self.cells_traversed - before.cells_traversed,
-        }
-    }
 }
 
 impl Probe for Counts {

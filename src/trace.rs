@@ -19,7 +19,6 @@ use glam::DVec3;
 use serde::Serialize;
 
 mod hints;
-mod memory;
 mod observer;
 mod optics;
 mod packet;
@@ -27,11 +26,11 @@ mod secondary;
 mod shadow;
 
 pub use hints::{Blocker, FirstHit, Hints, NoHints};
-pub(crate) use memory::MOST_WAITING;
-pub use memory::{IsOver, Memory};
 pub use observer::{Event, Observer, PathEnd, RayCount, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
 pub(crate) use optics::{mirrored_part, refracted_between};
+pub(crate) use secondary::MOST_WAITING;
+pub use secondary::{IsOver, Memory};
 use secondary::{Path, SecondaryRay};
 
 /// The objects that cast shadows.
@@ -98,18 +97,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
     pub fn color<O: Observer>(&self, ray: &Ray, memory: &mut Memory, observer: &mut O) -> Color {
         let visible = self.nearest(ray, RayOrigin::FREE, observer);
         let surface = visible.map(|visible| self.surface(ray, visible));
-        self.color_of(ray, surface.as_ref(), memory, observer)
-    }
-
-    /// Returns the colour along a camera ray that hits this surface first, or nothing if it is `None`.
-    pub fn color_of<O: Observer>(
-        &self,
-        ray: &Ray,
-        surface: Option<&SurfacePoint>,
-        memory: &mut Memory,
-        observer: &mut O,
-    ) -> Color {
-        let mut color = Color::ZERO;
+        let (surface, mut color) = (surface.as_ref(), Color::ZERO);
         dispatch!(self.caster.level, simd => self.set_color(simd, &mut color, ray, surface, memory, observer));
         color
     }
@@ -145,7 +133,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         // Copy the parts of a ray one by one. They were written one by one just before: reading them as vectors would
         // defeat store forwarding and stall the processor.
         while let Some(SecondaryRay { ray, origin, path }) = memory.pending.pop() {
-            if memory.ends() {
+            if memory.spend(1) {
                 memory.pending.clear();
                 break;
             }

@@ -156,10 +156,10 @@ fn time_and_error(
         sum += mean_square(&picture?[0], halves);
     }
     let go_on = |_| ControlFlow::Continue(());
-    let counts = prepared.render_rows(&requests[0], &go_on, &mut |_, _| ControlFlow::Continue(()))?;
+    let rendered = prepared.render_rows(&requests[0], &go_on, &mut |_, _| ControlFlow::Continue(()))?;
     let pixels = requests[0].size.iter().product::<usize>() as f64;
     let error = 255.0 * (sum / requests.len() as f64).max(0.0).sqrt();
-    Ok([least.as_secs_f64(), error, counts.rays() as f64 / pixels])
+    Ok([least.as_secs_f64(), error, rendered.counts.rays() as f64 / pixels])
 }
 
 /// The mean square error, from which the noise of the reference's halves cancels.

@@ -6,7 +6,7 @@ use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, PictureWriter};
 use raytracer::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::renderer::Prepared;
-use raytracer::render::{Layer, Request, Window};
+use raytracer::render::{Cost, Layer, Request, Window};
 use raytracer::scene::Scene;
 use raytracer::scene::model::{NormalColors, Shows};
 use raytracer::tools::explain::CostMap;
@@ -32,8 +32,8 @@ enum Product {
     File(Box<PictureWriter>),
     /// Width and height in pixels, and the bytes of a picture.
     Kept([usize; 2], Vec<u8>),
-    /// The costs of pixels; the file gets the finished map.
-    Costs(OutputFile, Format, CostMap),
+    /// The file that gets the map of the costs.
+    Costs(OutputFile, Format, Cost),
 }
 
 /// The results of a render whose rows are all taken.
@@ -57,10 +57,7 @@ impl<'r> Products<'r> {
             let size @ [width, height] = request.layer_size(&layer);
             Ok(match (files.next(), layer) {
                 (None, _) => Product::Kept(size, with_room(width * height * CHANNELS)?),
-                (Some((file, format)), Layer::Cost(cost)) => {
-                    let counts = with_room(width * height)?;
-                    Product::Costs(file, format, CostMap { cost, size, counts, cells: None })
-                }
+                (Some((file, format)), Layer::Cost(cost)) => Product::Costs(file, format, cost),
                 (Some((file, format)), layer) => {
                     let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
                     let part = request.window.and_then(|window| part(prepared, request, window, layer));
@@ -94,7 +91,8 @@ impl<'r> Products<'r> {
                 bytes.resize(before + row.len() * CHANNELS, 0);
                 truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
             }
-            Product::Costs(_, _, map) => map.counts.extend(row.iter().map(|cost| cost.x as u64)),
+            // Costs have no rows.
+            Product::Costs(..) => {}
         }
         self.encoding += start.elapsed();
         Ok(())
@@ -131,8 +129,8 @@ impl<'r> Products<'r> {
         layers.into_iter().zip(&request.layers).map(keep).collect()
     }
 
-    /// Completes the files.
-    pub fn finish(self) -> Result<Finished, Diagnostic> {
+    /// Completes the files. `counts` are the costs of the pixels, if they are a layer.
+    pub fn finish(self, mut counts: Vec<u64>) -> Result<Finished, Diagnostic> {
         let mut finished = Finished::default();
         for product in self.layers {
             match product {
@@ -140,7 +138,9 @@ impl<'r> Products<'r> {
                 Product::Kept([width, height], bytes) => {
                     finished.picture = Some(Picture::from_rgb(width as u32, height as u32, bytes));
                 }
-                Product::Costs(file, format, map) => {
+                Product::Costs(file, format, cost) => {
+                    let (size, counts) = (self.request.window_size(), std::mem::take(&mut counts));
+                    let map = CostMap { cost, size, counts, cells: None };
                     let picture = map.draw()?;
                     finished.files.push(file.picture(format, &picture)?);
                     (finished.costs, finished.picture) = (Some(map), Some(picture));

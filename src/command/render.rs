@@ -14,7 +14,7 @@ use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{Exceptional, OutputFile};
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
-use raytracer::render::{Layer, Request, Stopped, Tracing};
+use raytracer::render::{Layer, Rendered, Request, Stopped, Tracing};
 use raytracer::scene::edition::Edition;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostMap, Explainer, PixelTree, Stop};
@@ -67,8 +67,9 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let mut products = Products::begin(pictures, &prepared, &request)?;
 
     // Render rows.
-    let counts = match render_rows(options, &prepared, &request, &mut products, signals)? {
-        Ok(counts) => counts,
+    let Rendered { counts, costs } = match render_rows(options, &prepared, &request, &mut products, signals)?
+    {
+        Ok(rendered) => rendered,
         Err(rows) => {
             let kept = products.keep_parts(rows)?;
             parts::lines(argv, options, rows, &kept).iter().for_each(|line| log.say(line));
@@ -84,7 +85,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     }
     warn(not_shown(&products.exceptional()))?;
     let encoding = products.encoding;
-    let Finished { files: pictures, costs, picture } = products.finish()?;
+    let Finished { files: pictures, costs, picture } = products.finish(costs)?;
     let outputs = Outputs::new(pictures, signals)?;
     let timings = Timings { reading, building, rendering, writing: encoding + lap() };
 
@@ -119,7 +120,7 @@ fn render_rows(
     request: &Request,
     products: &mut Products,
     signals: &Signals,
-) -> Result<Result<Counts, usize>, Diagnostic> {
+) -> Result<Result<Rendered, usize>, Diagnostic> {
     let mut taken = Ok(());
     let mut take_row = |layer: usize, row: &[Color]| {
         taken = products.take_row(layer, row);
@@ -217,7 +218,7 @@ fn explanation(
     if (0..2).any(|axis| pixel[axis] >= request.size[axis]) {
         return Ok(None);
     }
-    let prepared = match prepared.tracing() {
+    let prepared = match options.tracing() {
         Tracing::Counted => prepared,
         Tracing::Fast => options.prepare(renderer, &request)?,
     };

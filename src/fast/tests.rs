@@ -1,7 +1,7 @@
 use super::*;
 use crate::caster::choose::Layout;
 use crate::math::instructions;
-use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
+use crate::sampling::sample_packet::{SamplePacket, Stage};
 use crate::scene::Scene;
 use crate::scene::edition::Edition;
 use crate::scene::mesh::Mesh;
@@ -81,7 +81,7 @@ fn compared(
         found[0] = size[0] * size[1] - unsure;
         let (fast, tracer) = (Tracer::with_hints(&caster, effects, &hints), Tracer::new(&caster, effects));
         let mut memory = Memory::default();
-        let (mut packet, mut colors) = (SamplePacket::default(), PacketColors::default());
+        let mut packet = SamplePacket::default();
         for j in 0..size[1] {
             let columns: Vec<usize> = (0..size[0]).collect();
             for columns in columns.chunks(SamplePacket::SIZE) {
@@ -91,13 +91,11 @@ fn compared(
                     let offset = DVec2::new(part.fract() - 0.5, (0.4 * part).fract() - 0.5);
                     packet.push(column, if is_center { DVec2::ZERO } else { offset }, true);
                 }
-                let wanted = Wanted { hits: true, surfaces: true, colors: true };
-                let rays = &mut RayCount::default();
-                let (samples, out, kept) = (&mut packet, &mut colors, &mut memory);
-                dispatch!(level, simd => fast.trace(simd, camera, j, wanted, samples, out, kept, rays));
-                for (sample, color) in packet.samples().iter().zip(&colors) {
-                    let ray =
-                        camera.ray(DVec2::new(sample.source.column as f64, j as f64), sample.source.offset);
+                let (stage, rays) = (Stage::Colors, &mut RayCount::default());
+                let (samples, kept) = (&mut packet, &mut memory);
+                dispatch!(level, simd => fast.trace(simd, camera, j, stage, samples, kept, rays));
+                for (sample, color) in packet.samples().iter().zip(packet.colors()) {
+                    let ray = camera.ray(DVec2::new(sample.column as f64, j as f64), sample.offset);
                     let expected = tracer.color(&ray, &mut memory, &mut Counts::default());
                     let bits = |color: crate::picture::Color| color.to_array().map(f64::to_bits);
                     assert_eq!(bits(*color), bits(expected), "{effects:?} {:?} {ray:?}", world.lighting);

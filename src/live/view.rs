@@ -95,18 +95,14 @@ impl Painter {
     /// Paints a view, unless it is stopped.
     pub fn paint(&self, view: &View, stop: &Stop) -> Result<Painted, Answer> {
         let layer = view.cost.map_or(Layer::Color, Layer::Cost);
-        let (mut bytes, mut counts, mut nans) = (vec![], vec![], 0);
+        let (mut bytes, mut nans) = (vec![], 0);
         let mut take_row = |_: usize, row: &[Color]| {
-            if view.cost.is_some() {
-                counts.extend(row.iter().map(|cost| cost.x as u64));
-            } else {
-                let before = bytes.len();
-                bytes.resize(before + row.len() * CHANNELS, 0);
-                nans += truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
-            }
+            let before = bytes.len();
+            bytes.resize(before + row.len() * CHANNELS, 0);
+            nans += truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
             ControlFlow::Continue(())
         };
-        let ready = self.render(view, layer, stop, &mut take_row)?;
+        let (ready, counts) = self.render(view, layer, stop, &mut take_row)?;
         let request = view.request(layer);
         let costs = view.cost.map(|cost| CostMap {
             cost,
@@ -143,17 +139,18 @@ impl Painter {
         Ok(writer.complete()?)
     }
 
+    /// Renders a layer. Returns the prepared scene and the costs of the pixels, if they are the layer.
     fn render(
         &self,
         view: &View,
         layer: Layer,
         stop: &Stop,
         take_row: TakeRow,
-    ) -> Result<Arc<Ready>, Answer> {
+    ) -> Result<(Arc<Ready>, Vec<u64>), Answer> {
         let ready = self.ready(view, matches!(layer, Layer::Cost(_)), view.options.visualize_grid)?;
         let watch = |progress: Progress| stop.watch(progress);
-        ready.borrow_dependent().render_rows(&view.request(layer), &watch, take_row)?;
-        Ok(ready)
+        let rendered = ready.borrow_dependent().render_rows(&view.request(layer), &watch, take_row)?;
+        Ok((ready, rendered.costs))
     }
 
     /// Prepares the scene of a view, unless it is prepared already: to count the work, or to show the grid's cells.
@@ -181,7 +178,7 @@ impl Painter {
         // Without the lock, so that others need not wait. Two requests may prepare the same.
         let ready = Arc::new(Ready::try_new(scene.clone(), |scene| match counts || shows_cells {
             true => scene.renderer.prepare(&whole),
-            false => scene.renderer.prepare_as(structure, Rays::cast(MANY_RAYS), tracing),
+            false => scene.renderer.prepare_for(&whole, Rays::cast(MANY_RAYS)),
         })?);
         let mut all = all();
         all.push((preparation, ready.clone()));

@@ -12,7 +12,8 @@ use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::scene::{Object, Scene, mesh::Mesh};
-use crate::world::{Placement, placements};
+use crate::shading::light::incident;
+use crate::world::{Placement, World, placements};
 use glam::DVec3;
 
 /// The distance, in cells, up to which a box next to a cell counts as touching it.
@@ -30,13 +31,23 @@ const BORDER: u32 = u32::MAX;
 
 /// The face through which a ray enters an occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
+struct Face {
     /// The t where the ray crosses the face.
-    pub t: f64,
+    t: f64,
     /// The outward unit normal of the face.
-    pub normal: DVec3,
+    normal: DVec3,
     /// The colour for the number of primitives in the cell.
-    pub color: Color,
+    color: Color,
+}
+
+impl Face {
+    fn lit(&self, ray: &Ray, world: &World) -> Color {
+        let lights = world.lights.iter().map(|light| {
+            let light = incident(light, ray.at(self.t));
+            light.color * self.normal.dot(light.direction).max(0.0)
+        });
+        self.color * (world.ambient + lights.sum::<Color>())
+    }
 }
 
 impl Occupancy {
@@ -71,9 +82,7 @@ impl Occupancy {
                 touched.iter().for_each(|&index| self.counts[index as usize] += 1);
             }
             Object::Triangle { vertices, .. } => self.insert_box(Aabb::around(vertices.map(map))),
-            Object::Box { min, max, .. } => {
-                self.insert_box(Aabb::around(Aabb { min, max }.corners().map(map)));
-            }
+            Object::Box { min, max, .. } => self.insert_box(placement.course_box(Aabb { min, max })),
             Object::Grid { ref surface, .. } => self.insert_mesh(surface, map),
             Object::Mesh { mesh, .. } => self.insert_mesh(&meshes[mesh], map),
             _ => {
@@ -95,12 +104,18 @@ impl Occupancy {
         touched.iter().for_each(|&index| self.counts[index as usize] += 1);
     }
 
+    /// Returns the colour that a camera ray sees: the face of the first occupied cell in the ambient and diffuse light of
+    /// the world, without shadows, or else the background.
+    pub fn color(&self, ray: &Ray, world: &World) -> Color {
+        self.first_face(ray).map_or(world.background, |face| face.lit(ray, world))
+    }
+
     /// Returns the face of the first occupied cell along the ray.
-    pub fn first_face(&self, ray: &Ray) -> Option<Face> {
+    fn first_face(&self, ray: &Ray) -> Option<Face> {
         let (mut dda, [entry, _]) = Dda::of_ray(&self.lattice, ray)?;
         let mut index = dda.index();
         if self.counts[index] > 0 {
-            return Some(self.face(index, entry, self.face_at(entry, ray), ray));
+            return Some(self.face(index, entry, self.entry_axis(entry, ray), ray));
         }
         loop {
             let unchanged_axes = dda.step();
@@ -111,26 +126,28 @@ impl Occupancy {
                     0 => {}
                     BORDER => return None,
                     _ => {
-                        let entry = self.entry_across(axis, index, ray);
-                        return Some(self.face(index, entry, Some(axis), ray));
+                        let t = self.entry_across(axis, index, ray);
+                        return Some(self.face(index, t, axis, ray));
                     }
                 }
             }
         }
     }
 
-    /// Returns the face through which the ray enters an occupied cell at `t`. `axis` is the axis of the face's normal,
-    /// or `None` if the ray starts in the cell.
-    fn face(&self, index: usize, t: f64, axis: Option<usize>, ray: &Ray) -> Face {
-        Face { t, normal: face_normal(axis, ray), color: count_color(self.counts[index]) }
+    /// Returns the face with this axis as its normal through which the ray enters an occupied cell at `t`.
+    fn face(&self, index: usize, t: f64, axis: usize, ray: &Ray) -> Face {
+        let normal = DVec3::AXES[axis] * -ray.direction[axis].signum();
+        Face { t, normal, color: count_color(self.counts[index]) }
     }
 
-    /// Returns the axis of the face through which the ray enters the grid, or `None` if the ray starts inside.
-    fn face_at(&self, entry: f64, ray: &Ray) -> Option<usize> {
-        let at = ray.at(entry);
-        let Aabb { min, max } = self.lattice.bounds;
-        let distances = (at - min).abs().min((at - max).abs());
-        (entry > ray.t_min).then(|| distances.min_position())
+    /// Returns the axis of the face through which the ray enters the grid at `entry`. A ray that starts inside gets the
+    /// face through which it would have entered along its longest axis.
+    fn entry_axis(&self, entry: f64, ray: &Ray) -> usize {
+        if entry <= ray.t_min {
+            return ray.direction.abs().max_position();
+        }
+        let (at, Aabb { min, max }) = (ray.at(entry), self.lattice.bounds);
+        (at - min).abs().min((at - max).abs()).min_position()
     }
 
     /// Returns the t where the ray enters a cell through the face with this axis as its normal.
@@ -139,13 +156,6 @@ impl Occupancy {
         let face = self.lattice.bounds.min[axis] + cell * self.lattice.cell_size[axis];
         (face - ray.origin[axis]) / ray.direction[axis]
     }
-}
-
-/// Returns the normal of the face with this axis through which the ray enters. A ray that starts inside an occupied
-/// cell gets the face through which it would have entered along its longest axis.
-fn face_normal(axis: Option<usize>, ray: &Ray) -> DVec3 {
-    let axis = axis.unwrap_or_else(|| ray.direction.abs().max_position());
-    DVec3::AXES[axis] * -ray.direction[axis].signum()
 }
 
 /// The course's colour scale, from white through blue, green and yellow to red: the colours of cells with one
@@ -299,6 +309,22 @@ mod tests {
         // This also holds if the ray leaves the grid through an edge.
         let outward = ray([-1.0, 0.0, 0.5], [1.0, 1.0, 0.0]);
         assert_eq!(t(occupied(&[[3, 3, 0]]), &outward), Some((4.0, -DVec3::X)));
+    }
+
+    #[test]
+    fn a_face_is_lit_by_every_light_before_it() {
+        let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
+             Background { color 0 0 0 ambientLight 0.25 0 0 }
+             Lights { numLights 3 DirectionalLight { direction 0 -3 -4 color 0.5 1 0 }
+             DirectionalLight { direction 0 0 1 color 9 9 9 }
+             PointLight { position 0 0 3 color 0 0 2 attenuation 0 1 0 } }
+             Group { numObjects 0 }";
+        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+        let face = Face { t: 4.0, normal: DVec3::Z, color: Color::new(1.0, 0.5, 0.25) };
+        // Ambient light, then 4/5 of the first light, nothing of the second, and half of the third.
+        let expected = face.color * Color::new(0.25 + 0.8 * 0.5, 0.8, 1.0);
+        let found = face.lit(&Ray::new(DVec3::Z * 5.0, DVec3::NEG_Z), &world);
+        assert!((found - expected).abs().max_element() < 1e-15);
     }
 
     #[test]

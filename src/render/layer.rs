@@ -1,5 +1,6 @@
 //! The layers of a render. Each layer is a picture of one property of the scene.
 
+use crate::sampling::sample_packet::Stage;
 use crate::stats::Counts;
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +30,8 @@ pub enum Layer {
         /// The side of the square that shows one pixel, at least 1.
         zoom: usize,
     },
-    /// The cost of each pixel, as its probe counts it. All costs are zero if the probe counts nothing.
+    /// The cost of each pixel, as its probe counts it. All costs are zero if the probe counts nothing. It has no rows:
+    /// [`Rendered`](super::Rendered) has the costs.
     Cost(Cost),
     /// The weights of the filter around the middle pixel, with lines between the pixels.
     Filter {
@@ -76,14 +78,14 @@ impl Layer {
         self == Self::Distance
     }
 
-    /// Returns true if it shows the t of hits.
-    pub(super) fn has_depth(self) -> bool {
-        matches!(self, Self::Depth { .. } | Self::Distance)
-    }
-
-    /// Returns true if it shows normals.
-    pub(super) fn has_normals(self) -> bool {
-        matches!(self, Self::Normals | Self::SignedNormals)
+    /// Returns the last stage of the rays through the pixels' centres that it needs, independent of the positions of the
+    /// samples.
+    pub(super) fn measured(self) -> Stage {
+        match self {
+            Self::Depth { .. } | Self::Distance => Stage::Hits,
+            Self::Normals | Self::SignedNormals => Stage::Surfaces,
+            Self::Color | Self::Samples { .. } | Self::Cost(_) | Self::Filter { .. } => Stage::Rays,
+        }
     }
 
     /// Returns true for a picture of the scene as the camera sees it, in bytes.
@@ -104,7 +106,7 @@ impl Layer {
     pub(super) fn colors_per_row(self, width: usize) -> usize {
         match self {
             Self::Samples { zoom } => width * zoom * zoom,
-            Self::Filter { .. } => 0,
+            Self::Filter { .. } | Self::Cost(_) => 0,
             _ => width,
         }
     }

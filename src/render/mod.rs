@@ -23,14 +23,14 @@ use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::sampling::blur::Blur;
-use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sampler::Sampler;
 use crate::stats::Counts;
 use crate::trace::MOST_WAITING;
 use filter_picture::render_filter;
 use glam::DVec2;
-use plan::Planner;
+use plan::{Plan, Planner};
 use rayon::prelude::*;
+use row::RowSampler;
 use std::fmt;
 use std::ops::ControlFlow;
 use strip::Strip;
@@ -79,13 +79,11 @@ impl fmt::Display for Stopped {
             Self::Cancelled { rows } => write!(f, "stopped after {rows} rows"),
             Self::Output => write!(f, "the rows are not taken any more"),
             Self::Memory(refused) => refused.fmt(f),
-            Self::Rays => {
-                write!(
-                    f,
-                    "the rays of one pixel split without end: more than {MOST_WAITING} wait to be traced; "
-                )?;
-                write!(f, "use fewer `-bounces` or a larger `-weight`")
-            }
+            Self::Rays => write!(
+                f,
+                "the rays of one pixel split without end: more than {MOST_WAITING} wait to be traced; \
+                 use fewer `-bounces` or a larger `-weight`"
+            ),
         }
     }
 }
@@ -98,6 +96,15 @@ impl From<NoMemory> for Stopped {
     }
 }
 
+/// The results of a render besides its rows.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Rendered {
+    /// The events that were counted.
+    pub counts: Counts,
+    /// The cost of each pixel, row by row from the top, if costs are a layer.
+    pub costs: Vec<u64>,
+}
+
 /// Renders the layers of a request, and returns the counts.
 ///
 /// Rows are traced in parallel on rayon's current thread pool and handed out in order. Neither the colours nor the
@@ -108,7 +115,7 @@ pub fn render(
     request: &Request,
     watch: Watch,
     take_row: TakeRow,
-) -> Result<Counts, Stopped> {
+) -> Result<Rendered, Stopped> {
     for (k, layer) in request.layers.iter().enumerate() {
         if let Layer::Filter { zoom } = *layer {
             render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
@@ -121,7 +128,7 @@ pub fn render(
         Some(blur) => blur.add(row).map_or(ControlFlow::Continue(()), |row| take_row(layer, &row)),
         None => take_row(layer, row),
     };
-    let counts = render_rows(scene, view, request, watch, &mut reduce)?;
+    let rendered = render_strips(scene, view, request, watch, &mut reduce)?;
     for (layer, blur) in blurs.iter_mut().enumerate() {
         if let Some(row) = blur.as_mut().and_then(Blur::end)
             && take_row(layer, &row).is_break()
@@ -129,42 +136,39 @@ pub fn render(
             return Err(Stopped::Output);
         }
     }
-    Ok(counts)
+    Ok(rendered)
 }
 
-/// Renders the layers of a request, whose colours are not reduced.
-fn render_rows(
-    (camera, caster): (&Camera, &Caster),
+/// Renders the layers of a request strip by strip. Does not reduce their colours.
+fn render_strips(
+    scene: (&Camera, &Caster),
     view: View,
     request: &Request,
     watch: Watch,
     take_row: TakeRow,
-) -> Result<Counts, Stopped> {
+) -> Result<Rendered, Stopped> {
     let rows = request.rows();
     // No strip takes more memory than the first one.
     memory::ask(Strip::below(request, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
-    let is_cancelled = |waiting| tally.asks(waiting);
-    let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
-    let planner = Planner::new(&tracer);
-    let (mut counts, mut bands, mut end) = (Counts::default(), vec![], rows.end);
+    let tracer = PictureTracer::new(scene, view, request, &tally);
+    let mut planner = Planner::new(&tracer);
+    let pixels = request.cost().map_or(0, |_| request.window_size().iter().product());
+    let mut rendered = Rendered { counts: Counts::default(), costs: memory::with_room(pixels)? };
+    let mut end = rows.end;
     while end > rows.start {
         let strip = Strip::below(request, end, rows.start);
-        if let Some(planner) = &planner {
-            let planned = planner.bands(&tracer, &strip.traced(), bands, &tally)?;
-            bands = planned.ok_or(Stopped::Cancelled { rows: rows.end - end })?;
-        }
-        let traced = strip.render(&tracer, &bands, &tally, take_row);
-        counts = counts.merge(traced.map_err(|stopped| tally.reason(stopped))?);
+        planner.as_mut().map_or(Ok(()), |planner| planner.prepare(&strip.traced()))?;
+        strip.render(&tracer, planner.as_ref(), &mut rendered, take_row)?;
         end = strip.rows.start;
     }
-    Ok(counts)
+    Ok(rendered)
 }
 
 /// Renders the colours of these rows of the window, counted from its top, with each of these samplers. The colours are
 /// not reduced. Each row is rendered by itself.
 pub fn render_some_rows(
-    (camera, caster): (&Camera, &Caster),
+    scene: (&Camera, &Caster),
     view: View,
     request: &Request,
     samplers: &[Sampler],
@@ -172,28 +176,18 @@ pub fn render_some_rows(
     watch: Watch,
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), watch);
-    let is_cancelled = |waiting| tally.asks(waiting);
-    let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
+    let tracer = PictureTracer::new(scene, view, request, &tally);
     // The plan of adaptive samples is the same for all samplers.
-    let all = request.traced_rows(request.rows());
-    let bands = match Planner::new(&tracer) {
-        Some(planner) => planner.bands(&tracer, &all, vec![], &tally)?,
-        None => Some(vec![]),
-    };
-    let bands = bands.ok_or(Stopped::Cancelled { rows: 0 })?;
+    let mut planner = Planner::new(&tracer);
+    planner.as_mut().map_or(Ok(()), |planner| planner.prepare(&request.traced_rows(request.rows())))?;
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
-        let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
+        let tracer = PictureTracer::new(scene, view, request, &tally);
         let colors = |row: &usize| {
             let end = request.rows().end - row;
-            let mut colors = memory::with_room(request.columns().len())?;
-            let mut take_row = |_: usize, row: &[Color]| {
-                colors.extend_from_slice(row);
-                ControlFlow::Continue(())
-            };
-            let rendered = Strip::below(request, end, end - 1).render(&tracer, &bands, &tally, &mut take_row);
-            rendered.map_err(|stopped| tally.reason(stopped))?;
-            Ok(colors)
+            let strip = Strip::below(request, end, end - 1);
+            let traced = strip.trace(end - 1..end, &tracer.rows(strip.traced()), planner.as_ref()).pop();
+            traced.map(|row| row.colors).ok_or_else(|| tally.reason())
         };
         let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
         Ok(colors.concat())
@@ -201,28 +195,30 @@ pub fn render_some_rows(
     samplers.iter().map(render).collect()
 }
 
-/// Returns the offsets of the adaptive samples of the pixel in this column and row from the bottom left. Returns an
-/// empty list if the watch cancels.
-pub fn adaptive_offsets(
-    (camera, caster): (&Camera, &Caster),
+/// Returns the offsets of the samples of the pixel in this column and row from the bottom left. Returns an empty list if
+/// the watch cancels.
+pub fn offsets(
+    scene: (&Camera, &Caster),
     view: View,
     request: &Request,
     [column, row]: [usize; 2],
     watch: Watch,
 ) -> Vec<DVec2> {
+    let offsets = |plan: Option<Plan>| {
+        let mut offsets = vec![];
+        RowSampler::new(request, column, row, plan).place(column..column + 1, |_, at, _| offsets.push(at));
+        offsets
+    };
+    if request.adaptive.is_none() {
+        return offsets(None);
+    }
     let window = Some(Window { x: column, y: request.size[1] - 1 - row, width: 1, height: 1 });
-    let request = &Request { window, layers: vec![Layer::Color], ..request.clone() };
+    let pixel = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tally = Tally::new(1, watch);
-    let is_cancelled = |waiting| tally.asks(waiting);
-    let tracer = PictureTracer::new(camera, caster, view, request, &is_cancelled);
-    let planner = Planner::new(&tracer);
-    let bands = planner.and_then(|planner| planner.bands(&tracer, &(row..row + 1), vec![], &tally).ok()?);
-    let plan = bands.iter().flatten().find_map(|band| band.plan(row));
-    plan.map_or(vec![], |plan| {
-        let index = (column * request.size[1] + row) as u64;
-        let rng = request.sampler.rng().jumped(index * MultiJittered::draws(plan.most));
-        MultiJittered::new(plan.strata(column), rng).collect()
-    })
+    let tracer = PictureTracer::new(scene, view, pixel, &tally);
+    let mut planner = Planner::new(&tracer);
+    planner.as_mut().and_then(|planner| planner.prepare(&(row..row + 1)).ok());
+    planner.as_ref().and_then(|planner| planner.plan(row)).map_or(vec![], |plan| offsets(Some(plan)))
 }
 
 /// Renders a request into memory. Returns a picture for each of its layers, and the counts. Fails if a layer has no
@@ -240,7 +236,7 @@ pub fn render_in_memory(
     };
     let never_cancels = |_| ControlFlow::Continue(());
     let counts = match render(scene, view, request, &never_cancels, &mut take_row) {
-        Ok(counts) => counts,
+        Ok(rendered) => rendered.counts,
         // Neither callback ends the render.
         Err(Stopped::Cancelled { .. } | Stopped::Output) => Counts::default(),
         // Rays that split without end take too much memory.

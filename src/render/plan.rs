@@ -4,12 +4,12 @@
 //! The picture is cut into tiles. Each tile is planned by itself. So a part of a picture needs only the plans of the
 //! tiles that it touches.
 
+use super::Stopped;
 use super::request::Request;
 use super::row::Looked;
 use super::small_things::SmallThings;
-use super::tally::Tally;
 use super::tracing::PictureTracer;
-use crate::base::memory::{self, NoMemory};
+use crate::base::memory;
 use crate::picture::Color;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::multi_jittered::MultiJittered;
@@ -25,15 +25,9 @@ mod tile;
 /// The number of samples of each pixel of a row.
 #[derive(Clone, Copy)]
 pub struct Plan<'a> {
-    /// The largest number of samples of a pixel.
-    pub most: u32,
-    /// The column of the first pixel.
-    start: usize,
-    samples: &'a [u16],
-    /// The cost of planning each pixel, if costs are a layer.
-    costs: &'a [Counts],
-    /// The cost of planning the row.
-    pub counts: Counts,
+    band: &'a Band,
+    /// The index of the row in the band.
+    row: usize,
 }
 
 /// The number of samples of each pixel of a row of tiles.
@@ -42,18 +36,21 @@ pub struct Band {
     columns: Range<usize>,
     rows: Range<usize>,
     samples: Vec<u16>,
-    costs: Vec<Counts>,
+    costs: Vec<u64>,
     /// The cost of planning each row.
     counts: Vec<Counts>,
 }
 
 /// Plans tiles of a picture.
 pub struct Planner<'a> {
+    picture: &'a PictureTracer<'a>,
     request: &'a Request,
     settings: Adaptive,
     small_things: SmallThings<'a>,
     /// The brightest colour that may be seen in mirrors or glass, at least white.
     reflected: f32,
+    /// The rows of tiles that are planned.
+    bands: Vec<Band>,
 }
 
 /// The largest side of a tile, in pixels. In larger tiles each pixel needs fewer probes.
@@ -71,96 +68,98 @@ fn tiles(pixels: &Range<usize>, count: usize) -> impl Iterator<Item = Range<usiz
 }
 
 impl Band {
-    /// Returns the plan of row `j`, if the row is in the band.
-    pub fn plan(&self, j: usize) -> Option<Plan<'_>> {
-        let row = j.checked_sub(self.rows.start).filter(|&row| row < self.rows.len())?;
-        let width = self.columns.len();
-        let costs = if self.costs.is_empty() { &[] } else { &self.costs[row * width..][..width] };
-        let samples = &self.samples[row * width..][..width];
-        Some(Plan { most: self.most, start: self.columns.start, samples, costs, counts: self.counts[row] })
+    /// Returns the index of a pixel in the lists, given by its column and the index of its row.
+    fn index(&self, column: usize, row: usize) -> usize {
+        row * self.columns.len() + column - self.columns.start
     }
 
     /// Adds the cost of rays in row `j` and these columns.
     fn add_counts(&mut self, j: usize, looked: &Looked, columns: impl Iterator<Item = usize>) {
-        let (row, width) = (j - self.rows.start, self.columns.len());
+        let row = j - self.rows.start;
         self.counts[row] = self.counts[row].merge(looked.counts);
-        for (column, counts) in columns.zip(&looked.costs) {
-            let cost = &mut self.costs[row * width + column - self.columns.start];
-            *cost = cost.merge(*counts);
+        for (column, cost) in columns.zip(&looked.costs) {
+            let index = self.index(column, row);
+            self.costs[index] += cost;
         }
     }
 }
 
 impl Plan<'_> {
+    /// Returns the largest number of samples of a pixel.
+    pub fn most(self) -> u32 {
+        self.band.most
+    }
+
     /// Returns the part of its pixel that a sample in this column represents.
-    pub fn part(&self, column: usize) -> f64 {
+    pub fn part(self, column: usize) -> f64 {
         let [columns, rows] = self.strata(column);
         1.0 / f64::from(columns * rows)
     }
 
     /// Returns the columns and rows of a pixel's strata.
-    pub fn strata(&self, column: usize) -> [u32; 2] {
-        let samples = column.checked_sub(self.start).and_then(|k| self.samples.get(k)).copied().unwrap_or(1);
-        MultiJittered::strata(u32::from(samples), self.most)
+    pub fn strata(self, column: usize) -> [u32; 2] {
+        let samples = self.band.samples[self.band.index(column, self.row)];
+        MultiJittered::strata(u32::from(samples), self.band.most)
     }
 
-    /// Returns the cost of planning a pixel.
-    pub fn cost(&self, column: usize) -> Counts {
-        column.checked_sub(self.start).and_then(|k| self.costs.get(k)).copied().unwrap_or_default()
+    /// Returns the cost of planning a pixel, if costs are a layer.
+    pub fn cost(self, column: usize) -> Option<u64> {
+        self.band.costs.get(self.band.index(column, self.row)).copied()
+    }
+
+    /// Returns the counts of planning the row.
+    pub fn counts(self) -> Counts {
+        self.band.counts[self.row]
     }
 }
 
 impl<'a> Planner<'a> {
     /// Returns a planner, or `None` if samples are not adaptive or no colours are traced.
-    pub fn new(picture: &PictureTracer<'a>) -> Option<Self> {
+    pub fn new(picture: &'a PictureTracer<'a>) -> Option<Self> {
         let (request, world) = (picture.request, picture.caster.world);
         let settings = request.adaptive.filter(|_| request.traces_colors(request.tracing))?;
         let reflects =
             request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let reflected = if reflects { brightest(world) } else { 1.0 };
-        Some(Self { request, settings, small_things: SmallThings::new(picture.camera, world), reflected })
+        let small_things = SmallThings::new(picture.camera, world);
+        Some(Self { picture, request, settings, small_things, reflected, bands: vec![] })
     }
 
-    /// Plans the rows of tiles that overlap these rows, except the rows of tiles in `planned`. Returns `None` if the
-    /// watch cancels the render. Fails if there is too little memory.
-    pub fn bands(
-        &self,
-        picture: &PictureTracer,
-        rows: &Range<usize>,
-        mut planned: Vec<Band>,
-        tally: &Tally,
-    ) -> Result<Option<Vec<Band>>, NoMemory> {
+    /// Plans these rows and forgets the others. Fails if the render is cancelled, or if there is too little memory.
+    pub fn prepare(&mut self, rows: &Range<usize>) -> Result<(), Stopped> {
         let [_, height] = self.request.size;
-        planned.retain(|band| band.rows.start < rows.end && rows.start < band.rows.end);
+        self.bands.retain(|band| band.rows.start < rows.end && rows.start < band.rows.end);
         for rows in tiles(rows, height) {
-            if planned.iter().all(|band| band.rows != rows) {
+            if self.bands.iter().all(|band| band.rows != rows) {
                 let width = self.request.traced_columns().len();
                 memory::ask((width * SIDE * BYTES + SIDE * SIDE * BYTES_OF_TILE) as u64)?;
-                let Some(band) = self.band(picture, rows, tally) else { return Ok(None) };
-                planned.push(band);
+                self.bands.push(self.band(rows).ok_or_else(|| self.picture.tally.reason())?);
             }
         }
-        Ok(Some(planned))
+        Ok(())
     }
 
-    fn band(&self, picture: &PictureTracer, rows: Range<usize>, tally: &Tally) -> Option<Band> {
-        let tracer = picture.rows(rows.clone());
+    /// Returns the plan of row `j`, if the row is planned.
+    pub fn plan(&self, j: usize) -> Option<Plan<'_>> {
+        let band = self.bands.iter().find(|band| band.rows.contains(&j))?;
+        Some(Plan { band, row: j - band.rows.start })
+    }
+
+    fn band(&self, rows: Range<usize>) -> Option<Band> {
+        let tracer = self.picture.rows(rows.clone());
         let tiles: Vec<_> = tiles(&self.request.traced_columns(), self.request.size[0]).collect();
         let columns = tiles.first().map_or(0, |tile| tile.start)..tiles.last().map_or(0, |tile| tile.end);
         let pixels = columns.len() * rows.len();
-        let costs = if self.request.has_costs() { vec![Counts::default(); pixels] } else { vec![] };
+        let costs = if self.request.cost().is_some() { vec![0; pixels] } else { vec![] };
         let counts = vec![Counts::default(); rows.len()];
-        let samples = Vec::with_capacity(pixels);
-        let mut band = Band { most: self.settings.most, columns, rows, samples, costs, counts };
-        let planned = tiles.into_iter().map(|columns| {
-            let samples = Tile::new(self, &tracer, &columns, &mut band, tally)?.allot()?;
-            Some((columns.len(), samples))
-        });
-        let planned = planned.collect::<Option<Vec<_>>>()?;
-        for row in 0..band.rows.len() {
-            planned.iter().for_each(|(width, samples)| {
-                band.samples.extend_from_slice(&samples[row * width..][..*width]);
-            });
+        let mut band =
+            Band { most: self.settings.most, columns, rows, samples: vec![0; pixels], costs, counts };
+        for columns in tiles {
+            let samples = Tile::new(self, &tracer, &columns, &mut band)?.allot()?;
+            for (row, samples) in samples.chunks(columns.len()).enumerate() {
+                let first = band.index(columns.start, row);
+                band.samples[first..][..columns.len()].copy_from_slice(samples);
+            }
         }
         Some(band)
     }

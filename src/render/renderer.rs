@@ -8,18 +8,15 @@ use crate::math::aabb::Aabb;
 use crate::math::instructions;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::render::grid_view::Occupancy;
-use crate::render::{self, Request, Stopped, TakeRow, Tracing, View, Watch};
+use crate::render::{self, Rendered, Request, Stopped, TakeRow, Tracing, View, Watch};
 use crate::sampling::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::load::{self, LoadedScene, Source};
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Shows;
-use crate::stats::Counts;
 use crate::world::World;
 use glam::DVec2;
-use rayon::ThreadPool;
 use std::path::Path;
-use std::sync::Arc;
 
 /// A scene with its meshes, in world space.
 #[derive(Debug)]
@@ -32,7 +29,6 @@ pub struct Renderer {
     /// The meshes, which are kept only for the view of the grid's cells, for the objects behind a pixel, and for other
     /// scenes with the same meshes.
     meshes: Vec<Mesh>,
-    threads: Option<Arc<ThreadPool>>,
 }
 
 /// Selects if a renderer keeps the meshes as they were read. The view of the grid's cells and [`Renderer::with_scene`]
@@ -59,7 +55,7 @@ impl Renderer {
             Meshes::Kept => World::new(&scene, &meshes).map(|world| (world, meshes)),
         };
         match world {
-            Ok((world, meshes)) => Ok(Self { scene, source, world, meshes, threads: None }),
+            Ok((world, meshes)) => Ok(Self { scene, source, world, meshes }),
             Err(error) => Err(source.locate(error)),
         }
     }
@@ -68,18 +64,12 @@ impl Renderer {
     /// the meshes. The new one does not keep them.
     pub fn with_scene(&self, scene: Scene) -> Result<Self, Diagnostic> {
         let world = World::new(&scene, &self.meshes)?;
-        let (source, threads) = (self.source.clone(), self.threads.clone());
-        Ok(Self { scene, source, world, meshes: vec![], threads })
+        Ok(Self { scene, source: self.source.clone(), world, meshes: vec![] })
     }
 
     /// Returns the meshes of the scene, or an empty list if they were not kept.
     pub fn meshes(&self) -> &[Mesh] {
         &self.meshes
-    }
-
-    /// Returns the renderer with its work moved to this thread pool.
-    pub fn on_threads(self, threads: Arc<ThreadPool>) -> Self {
-        Self { threads: Some(threads), ..self }
     }
 
     /// Returns the scene in world space.
@@ -96,63 +86,32 @@ impl Renderer {
     /// the grid that is drawn in place of the scene. For the latter the renderer must have kept the scene's meshes. The
     /// result renders other requests, too.
     pub fn prepare(&self, request: &Request) -> Result<Prepared<'_>, GridTooLarge> {
-        let Request { structure, tracing, draws_cells, .. } = *request;
-        if draws_cells && let Structure::Grid(_) = structure {
-            return self.prepare_cells(structure, Rays::cast(request.camera_rays()), tracing);
-        }
         let cast = request.cast_rays(&self.camera(request), &self.world);
-        self.prepare_as(structure, Rays { camera: request.camera_rays(), cast }, tracing)
+        self.prepare_for(request, Rays { camera: request.camera_rays(), cast })
     }
 
-    /// Builds a structure like [`Renderer::prepare`], but for about this number of rays.
-    pub fn prepare_as(
-        &self,
-        structure: Structure,
-        rays: Rays,
-        tracing: Tracing,
-    ) -> Result<Prepared<'_>, GridTooLarge> {
-        self.on_own_threads(|| {
-            let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
-            let build = |layout| Caster::with(&self.world, layout, instructions::available()[0]);
-            let caster = match build(layout) {
-                Ok(caster) if structure == Structure::Any && tracing == Tracing::Fast => {
-                    Ok(caster.replaceable())
-                }
-                // The user did not request the structure that does not fit into memory, so use a list instead.
-                Err(_) if structure == Structure::Any => build(Layout::List),
-                caster => caster,
-            }?;
-            Ok(Prepared { renderer: self, caster, occupancy: None, cells: layout.cells(), tracing })
-        })
+    /// Prepares the scene like [`Renderer::prepare`], but for about this number of rays.
+    pub fn prepare_for(&self, request: &Request, rays: Rays) -> Result<Prepared<'_>, GridTooLarge> {
+        let Request { structure, tracing, .. } = *request;
+        let draws_cells = request.draws_cells && matches!(structure, Structure::Grid(_));
+        let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
+        let build = |layout| Caster::with(&self.world, layout, instructions::available()[0]);
+        let caster = match build(if draws_cells { Layout::List } else { layout }) {
+            Ok(caster) if structure == Structure::Any && tracing == Tracing::Fast => Ok(caster.replaceable()),
+            // The user did not request the structure that does not fit into memory, so use a list instead.
+            Err(_) if structure == Structure::Any => build(Layout::List),
+            caster => caster,
+        }?;
+        let cells = layout.cells();
+        let count = |cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells);
+        let occupancy = cells.filter(|_| draws_cells).map(count).transpose()?;
+        Ok(Prepared { renderer: self, caster, occupancy, cells })
     }
 
     /// Returns the camera of a request's pictures.
     pub(crate) fn camera(&self, request: &Request) -> Camera {
         let camera = request.camera.as_ref().unwrap_or(&self.scene.camera);
         Camera::with_screen(camera, request.size, self.scene.screen)
-    }
-
-    fn prepare_cells(
-        &self,
-        structure: Structure,
-        rays: Rays,
-        tracing: Tracing,
-    ) -> Result<Prepared<'_>, GridTooLarge> {
-        self.on_own_threads(|| {
-            let cells = structure.layout(&self.world, rays, tracing == Tracing::Counted).cells();
-            let caster = Caster::with(&self.world, Layout::List, instructions::available()[0])?;
-            let occupancy =
-                cells.map(|cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells));
-            Ok(Prepared { renderer: self, caster, occupancy: occupancy.transpose()?, cells, tracing })
-        })
-    }
-
-    /// Runs `work` on the renderer's threads.
-    pub(crate) fn on_own_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        match &self.threads {
-            Some(threads) => threads.install(work),
-            None => work(),
-        }
     }
 }
 
@@ -164,15 +123,9 @@ pub struct Prepared<'r> {
     /// The cells that are drawn in place of the scene, if any.
     occupancy: Option<Occupancy>,
     cells: Option<[usize; 3]>,
-    tracing: Tracing,
 }
 
 impl Prepared<'_> {
-    /// Returns the way to trace that it was prepared for.
-    pub fn tracing(&self) -> Tracing {
-        self.tracing
-    }
-
     /// Returns the number of grid cells along each axis, or `None` without a grid.
     pub fn cells(&self) -> Option<[usize; 3]> {
         self.cells
@@ -187,17 +140,19 @@ impl Prepared<'_> {
     /// Renders the layers of a request into memory, in the order of the request. Fails if a picture has no pixels or
     /// does not fit into memory.
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
-        let camera = self.camera(request);
-        let render = || render::render_in_memory((&camera, &self.caster), self.view(), request);
-        self.renderer.on_own_threads(render).map(|(pictures, _)| pictures)
+        let scene = (&self.camera(request), &self.caster);
+        render::render_in_memory(scene, self.view(), request).map(|(pictures, _)| pictures)
     }
 
     /// Renders a request row by row, and returns the counts. Rows are handed out from the top as soon as they are
     /// finished.
-    pub fn render_rows(&self, request: &Request, watch: Watch, take_row: TakeRow) -> Result<Counts, Stopped> {
-        let camera = self.camera(request);
-        let scene = (&camera, &self.caster);
-        self.renderer.on_own_threads(|| render::render(scene, self.view(), request, watch, take_row))
+    pub fn render_rows(
+        &self,
+        request: &Request,
+        watch: Watch,
+        take_row: TakeRow,
+    ) -> Result<Rendered, Stopped> {
+        render::render((&self.camera(request), &self.caster), self.view(), request, watch, take_row)
     }
 
     /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers.
@@ -209,10 +164,8 @@ impl Prepared<'_> {
         rows: &[usize],
         watch: Watch,
     ) -> Result<Vec<Vec<Color>>, Stopped> {
-        let camera = self.camera(request);
-        let scene = (&camera, &self.caster);
-        let render = || render::render_some_rows(scene, self.view(), request, samplers, rows, watch);
-        self.renderer.on_own_threads(render)
+        let scene = (&self.camera(request), &self.caster);
+        render::render_some_rows(scene, self.view(), request, samplers, rows, watch)
     }
 
     /// Returns the number of grid cells along each axis if they are drawn in place of the scene.
@@ -237,24 +190,12 @@ impl Prepared<'_> {
 
     /// Returns the samples of the pixel in this column and row from the bottom left: their offsets from its centre,
     /// and the parts of the pixel that they represent, up to a factor. Returns an empty list if the watch cancels.
-    pub(crate) fn samples(
-        &self,
-        request: &Request,
-        [column, row]: [usize; 2],
-        watch: Watch,
-    ) -> Vec<(DVec2, f64)> {
-        if request.adaptive.is_none() {
-            if let Some(mut c_rand) = request.sampler.c_rand([column, row], request.size[0]) {
-                return vec![(c_rand.next_offset(), 1.0)];
-            }
-            let index = (column * request.size[1] + row) as u64;
-            return request.sampler.offsets(index).map(|offset| (offset, 1.0)).collect();
-        }
-        let camera = self.camera(request);
-        let scene = (&camera, &self.caster);
-        let offsets = render::adaptive_offsets(scene, self.view(), request, [column, row], watch);
-        // If only a pixel's own samples count, all of them have the same weight.
-        let part = if request.filter.support() == 0 { 1.0 } else { 1.0 / offsets.len() as f64 };
+    pub(crate) fn samples(&self, request: &Request, pixel: [usize; 2], watch: Watch) -> Vec<(DVec2, f64)> {
+        let scene = (&self.camera(request), &self.caster);
+        let offsets = render::offsets(scene, self.view(), request, pixel, watch);
+        // Adaptive samples of pixels that contribute to each other represent parts of their pixels.
+        let is_alone = request.adaptive.is_none() || request.filter.support() == 0;
+        let part = if is_alone { 1.0 } else { 1.0 / offsets.len() as f64 };
         offsets.into_iter().map(|offset| (offset, part)).collect()
     }
 

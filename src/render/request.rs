@@ -1,6 +1,6 @@
 //! The request: the layers to render, and how to render them.
 
-use super::layer::Layer;
+use super::layer::{Cost, Layer};
 use crate::camera::Camera;
 use crate::caster::choose::Structure;
 use crate::picture::Window;
@@ -8,6 +8,7 @@ use crate::render::grid_view::Occupancy;
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::reduced;
 use crate::sampling::filter::Filter;
+use crate::sampling::sample_packet::Stage;
 use crate::sampling::sampler::Sampler;
 use crate::scene;
 use crate::scene::material::Material;
@@ -143,9 +144,9 @@ impl Request {
         self.layers.contains(&Layer::Color)
     }
 
-    /// Returns true if there is a layer of costs.
-    pub(super) fn has_costs(&self) -> bool {
-        self.layers.iter().any(|layer| matches!(layer, Layer::Cost(_)))
+    /// Returns the cost that is counted for each pixel.
+    pub(super) fn cost(&self) -> Option<Cost> {
+        self.layers.iter().find_map(|layer| if let Layer::Cost(cost) = layer { Some(*cost) } else { None })
     }
 
     /// Returns the width of the border around the window, in pixels, whose samples contribute to the window.
@@ -169,15 +170,10 @@ impl Request {
         rows.start.saturating_sub(self.support())..(rows.end + self.support()).min(self.size[1])
     }
 
-    /// Returns true if a layer needs depths or normals at the pixels' centres, independent of the positions of the
-    /// samples.
-    pub(super) fn measures(&self) -> bool {
-        self.layers.iter().any(|layer| layer.has_depth() || layer.has_normals())
-    }
-
-    /// Returns true if a layer needs the surfaces at the pixels' centres.
-    pub(super) fn has_normals(&self) -> bool {
-        self.layers.iter().any(|layer| layer.has_normals())
+    /// Returns the last stage of the rays through the pixels' centres that a layer needs, independent of the positions
+    /// of the samples.
+    pub(super) fn measured(&self) -> Stage {
+        self.layers.iter().map(|layer| layer.measured()).max().unwrap_or(Stage::Rays)
     }
 
     /// Returns the approximate number of samples of a pixel.
@@ -198,7 +194,7 @@ impl Request {
             || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let casts_centers = !finds_first_hits(camera, world, self.size);
         let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
-        let traces = [self.measures(), self.traces_colors(Tracing::Fast)];
+        let traces = [self.measured() > Stage::Rays, self.traces_colors(Tracing::Fast)];
         let pixels: usize = self.window_size().iter().product();
         match traces {
             [true, _] if casts_centers => pixels * self.samples(),
@@ -235,21 +231,22 @@ mod tests {
     #[test]
     fn each_layer_asks_for_what_it_shows() {
         let [samples, filter] = [Layer::Samples { zoom: 2 }, Layer::Filter { zoom: 2 }];
-        for (layers, traces, has_colors, measures, has_normals) in [
-            (&[][..], false, false, false, false),
-            (&[Layer::Color], true, true, false, false),
-            (&[samples], true, false, false, false),
-            (&[DEPTH], false, false, true, false),
-            (&[Layer::Normals], false, false, true, true),
-            (&[filter], false, false, false, false),
-            (&[filter, DEPTH, Layer::Color], true, true, true, false),
+        for (layers, traces, has_colors, measured) in [
+            (&[][..], false, false, Stage::Rays),
+            (&[Layer::Color], true, true, Stage::Rays),
+            (&[samples], true, false, Stage::Rays),
+            (&[DEPTH], false, false, Stage::Hits),
+            (&[Layer::Normals], false, false, Stage::Surfaces),
+            (&[filter], false, false, Stage::Rays),
+            (&[filter, DEPTH, Layer::Color], true, true, Stage::Hits),
+            (&[Layer::SignedNormals, Layer::Distance], false, false, Stage::Surfaces),
         ] {
             let request = request_of(layers);
             assert_eq!(request.traces_colors(Tracing::Fast), traces, "{layers:?}");
             assert!(request.traces_colors(Tracing::Counted));
             assert_eq!(request.has_colors(), has_colors, "{layers:?}");
             assert_eq!(request.support(), if has_colors { 2 } else { 0 }, "{layers:?}");
-            assert_eq!((request.measures(), request.has_normals()), (measures, has_normals), "{layers:?}");
+            assert_eq!(request.measured(), measured, "{layers:?}");
         }
     }
 

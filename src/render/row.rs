@@ -2,21 +2,17 @@
 
 use super::layer::Layer;
 use super::plan::Plan;
-use super::request::{Request, View};
+use super::request::Request;
 use super::tracing::PictureTracer;
-use crate::math::ray::Ray;
 use crate::picture::Color;
-use crate::render::grid_view::Face;
 use crate::sampling::c_rand::CRand;
 use crate::sampling::drand48::Jump;
 use crate::sampling::multi_jittered::MultiJittered;
-use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, SamplePlace, Wanted};
+use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
-use crate::shading::light::incident;
 use crate::stats::Counts;
 use crate::trace::{Memory, Observer};
-use crate::world::World;
 use glam::DVec2;
 use layers::plots;
 use std::ops::Range;
@@ -29,30 +25,15 @@ pub struct Row {
     pub j: usize,
     /// The counts of the row's rays.
     pub counts: Counts,
-    pub colors: Colors,
+    /// The cost of each pixel, if costs are a layer.
+    pub costs: Vec<u64>,
+    /// The colour of each pixel, if its own samples determine it.
+    pub colors: Vec<Color>,
+    /// The contributions of the samples to this row and the rows around it, if the filter reaches that far.
+    pub spread: Option<Spread>,
     /// The colours of each layer of the request: one for each pixel, or for a layer of samples the rows of the
     /// enlarged picture from the bottom. The list of a colour layer is empty, because its colours are in `colors`.
     pub layers: Vec<Vec<Color>>,
-}
-
-/// The contribution of a row's samples to the layer of colours.
-pub enum Colors {
-    /// Nothing, because the request has no such layer.
-    Unwanted,
-    /// The colours of the row itself, if every sample contributes to its own pixel only.
-    Finished(Vec<Color>),
-    /// Sums for this row and the rows around it.
-    Spread(Spread),
-}
-
-impl Colors {
-    /// Returns the colours of the row itself, or an empty list if they are not known.
-    pub fn finished(&self) -> &[Color] {
-        match self {
-            Self::Finished(colors) => colors,
-            Self::Unwanted | Self::Spread(_) => &[],
-        }
-    }
 }
 
 /// The results of rays that do not contribute to the picture.
@@ -61,29 +42,113 @@ pub struct Looked {
     /// The cost of all rays together.
     pub counts: Counts,
     /// The cost of each ray, if costs are a layer.
-    pub costs: Vec<Counts>,
+    pub costs: Vec<u64>,
+}
+
+/// Places the samples of a row of pixels, from left to right.
+pub struct RowSampler<'a> {
+    request: &'a Request,
+    j: usize,
+    /// The number of samples of each pixel, if the samples are adaptive.
+    plan: Option<Plan<'a>>,
+    /// The random numbers of the next sample, if they are drawn row by row.
+    c_rand: Option<CRand>,
+}
+
+impl<'a> RowSampler<'a> {
+    /// Returns a sampler of row `j` from the column `first` on.
+    pub fn new(request: &'a Request, first: usize, j: usize, plan: Option<Plan<'a>>) -> Self {
+        Self { request, j, plan, c_rand: request.sampler.c_rand([first, j], request.size[0]) }
+    }
+
+    /// Calls `take` for each sample of the pixels in these columns, with its column, its offset from the pixel's
+    /// centre, and true if it is the pixel's last.
+    #[inline(always)]
+    pub fn place(&mut self, columns: Range<usize>, take: impl FnMut(usize, DVec2, bool)) {
+        let Request { sampler, size: [_, height], .. } = *self.request;
+        // The index of the first pixel in the order in which random numbers are drawn.
+        let first = (columns.start * height + self.j) as u64;
+        if let Some(plan) = self.plan {
+            let draws = MultiJittered::draws(plan.most());
+            let (mut rng, jump) = (sampler.rng().jumped(first * draws), Jump::of(height as u64 * draws));
+            each(columns, take, |column| {
+                let offsets = MultiJittered::new(plan.strata(column), rng);
+                rng = rng.after(jump);
+                offsets
+            });
+        } else if let Some(c_rand) = &mut self.c_rand {
+            each(columns, take, |_| std::iter::once(c_rand.next_offset()));
+        } else {
+            let mut pixels = sampler.pixels(first, height as u64);
+            each(columns, take, |_| pixels.next_offsets());
+        }
+    }
+}
+
+/// Calls `take` for each of the offsets of the pixels in these columns.
+#[inline(always)]
+fn each<Offsets: ExactSizeIterator<Item = DVec2>>(
+    columns: Range<usize>,
+    mut take: impl FnMut(usize, DVec2, bool),
+    mut offsets_of: impl FnMut(usize) -> Offsets,
+) {
+    for column in columns {
+        let mut offsets = offsets_of(column);
+        while let Some(offset) = offsets.next() {
+            take(column, offset, offsets.len() == 0);
+        }
+    }
 }
 
 impl PictureTracer<'_> {
     /// Traces row `j`. Returns `None` if the render is cancelled meanwhile, possibly within a pixel that takes
     /// long. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
     pub fn row(&self, j: usize, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
-        let mut painter = Painter { plan, ..self.painter(j, is_shown) };
-        let (columns, mut packet) = (self.request.traced_columns(), SamplePacket::default());
-        if self.request.has_costs() {
-            for column in columns {
-                painter.paint_and_count(column, &mut packet);
-                if painter.memory.is_cut() {
-                    return None;
-                }
-            }
-            return Some(painter.row);
-        }
-        for first in columns.clone().step_by(SamplePacket::SIZE) {
-            painter.paint(first..columns.end.min(first + SamplePacket::SIZE), &mut packet);
+        let request = self.request;
+        let columns = request.traced_columns();
+        let is_over = |waiting| self.tally.asks(waiting);
+        let layers = request.layers.iter().map(|layer| match layer {
+            Layer::Color => vec![],
+            _ => Vec::with_capacity(layer.colors_per_row(request.columns().len())),
+        });
+        let row = Row {
+            j,
+            counts: Counts::default(),
+            costs: vec![],
+            colors: Vec::with_capacity(if request.has_colors() { request.columns().len() } else { 0 }),
+            spread: (request.support() > 0)
+                .then(|| Spread::new(request.filter, self.caster.level, j, request.size)),
+            layers: layers.collect(),
+        };
+        let mut painter = Painter {
+            tracer: self,
+            memory: Memory::until(&is_over, self.caster.world.lights.len()),
+            is_shown,
+            shown: request.columns(),
+            center_weight: request.filter.weight(DVec2::ZERO),
+            sum: Sum::default(),
+            plots: plots(request, is_shown),
+            plan,
+            row,
+        };
+        let mut sampler = RowSampler::new(request, columns.start, j, plan);
+        let mut packet = SamplePacket::default();
+        let cost = request.cost();
+        let at_once = if cost.is_some() { 1 } else { SamplePacket::SIZE };
+        for first in columns.clone().step_by(at_once) {
+            let before = std::mem::take(&mut painter.row.counts);
+            painter.paint(first..columns.end.min(first + at_once), &mut sampler, &mut packet);
             if painter.memory.is_cut() {
                 return None;
             }
+            let counts = painter.row.counts;
+            if let Some(cost) = cost.filter(|_| is_shown && painter.shown.contains(&first)) {
+                painter
+                    .row
+                    .costs
+                    .push(cost.of(&counts) + plan.and_then(|plan| plan.cost(first)).unwrap_or(0));
+            }
+            painter.row.counts = before.merge(counts);
         }
         Some(painter.row)
     }
@@ -91,66 +156,33 @@ impl PictureTracer<'_> {
     /// Casts rays through these columns of row `j`, at these offsets from their pixels' centres. Returns `None` if the
     /// render is cancelled meanwhile.
     pub fn look(&self, j: usize, mut places: impl Iterator<Item = (usize, DVec2)>) -> Option<Looked> {
-        let mut painter = self.painter(j, false);
-        let (mut packet, mut colors, mut costs) = (SamplePacket::default(), vec![], vec![]);
-        let has_costs = self.request.has_costs();
-        let at_once = if has_costs { 1 } else { SamplePacket::SIZE };
+        let is_over = |waiting| self.tally.asks(waiting);
+        let mut memory = Memory::until(&is_over, self.caster.world.lights.len());
+        let mut looked = Looked { colors: vec![], counts: Counts::default(), costs: vec![] };
+        let (mut packet, cost) = (SamplePacket::default(), self.request.cost());
+        let at_once = if cost.is_some() { 1 } else { SamplePacket::SIZE };
         loop {
             places.by_ref().take(at_once).for_each(|(column, offset)| packet.push(column, offset, false));
             let count = packet.samples().len();
             if count == 0 {
-                return Some(Looked { colors, counts: painter.row.counts, costs });
+                return Some(looked);
             }
-            let before = painter.row.counts;
-            colors.extend_from_slice(&painter.colors_of(&mut packet)[..count]);
-            packet.clear();
-            if has_costs {
-                costs.push(painter.row.counts.since(before));
-            }
-            if painter.memory.is_cut() {
+            let mut counts = Counts { non_shadow_rays: count as u64, ..Counts::default() };
+            self.trace(j, Stage::Rays, true, &mut packet, &mut memory, &mut counts);
+            if memory.is_cut() {
                 return None;
             }
+            looked.colors.extend_from_slice(packet.colors());
+            looked.costs.extend(cost.map(|cost| cost.of(&counts)));
+            looked.counts = looked.counts.merge(counts);
+            packet.clear();
         }
-    }
-
-    /// Returns a painter of row `j`.
-    fn painter(&self, j: usize, is_shown: bool) -> Painter<'_> {
-        let request = self.request;
-        Painter {
-            tracer: self,
-            request,
-            memory: self.memory(),
-            is_shown,
-            shown: request.columns(),
-            center_weight: request.filter.weight(DVec2::ZERO),
-            sum: Sum::default(),
-            plots: plots(request, is_shown),
-            c_rand: request.sampler.c_rand([request.traced_columns().start, j], request.size[0]),
-            plan: None,
-            row: self.empty_row(j),
-        }
-    }
-
-    /// Returns an empty row `j`.
-    fn empty_row(&self, j: usize) -> Row {
-        let request = self.request;
-        let colors = match (request.has_colors(), request.filter.support()) {
-            (false, _) => Colors::Unwanted,
-            (true, 0) => Colors::Finished(Vec::with_capacity(request.columns().len())),
-            (true, _) => Colors::Spread(Spread::new(request.filter, self.caster.level, j, request.size)),
-        };
-        let layers = request.layers.iter().map(|layer| match layer {
-            Layer::Color | Layer::Filter { .. } => vec![],
-            _ => Vec::with_capacity(layer.colors_per_row(request.columns().len())),
-        });
-        Row { j, counts: Counts::default(), colors, layers: layers.collect() }
     }
 }
 
 /// Traces the pixels of one row.
 struct Painter<'a> {
     tracer: &'a PictureTracer<'a>,
-    request: &'a Request,
     memory: Memory<'a>,
     is_shown: bool,
     /// The columns of the window.
@@ -161,8 +193,6 @@ struct Painter<'a> {
     sum: Sum,
     /// The indices of the layers of samples, each with its zoom.
     plots: Vec<(usize, usize)>,
-    /// The random numbers of the next sample, if they are drawn row by row.
-    c_rand: Option<CRand>,
     /// The number of samples of each pixel, if the samples are adaptive.
     plan: Option<Plan<'a>>,
     row: Row,
@@ -170,157 +200,53 @@ struct Painter<'a> {
 
 impl Painter<'_> {
     /// Traces the pixels in these columns. There must not be more columns than a packet holds.
-    fn paint(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let Request { sampler, .. } = *self.request;
+    fn paint(&mut self, columns: Range<usize>, sampler: &mut RowSampler, packet: &mut SamplePacket) {
+        let request = self.tracer.request;
         for (k, zoom) in self.plots.clone() {
             self.plot_background(k, zoom, columns.clone());
         }
-        let colors = self.request.traces_colors(self.request.tracing);
-        if self.is_shown && self.request.measures() || colors && sampler.is_center() {
-            self.paint_centers(columns.clone(), packet);
-        }
-        if colors && !sampler.is_center() {
-            self.take_samples(columns, packet);
-        }
-    }
-
-    /// Paints one pixel by itself, and adds its cost to the layers of costs.
-    #[cold]
-    fn paint_and_count(&mut self, column: usize, packet: &mut SamplePacket) {
-        let before = self.row.counts;
-        self.paint(column..column + 1, packet);
-        if !self.is_shown || !self.shown.contains(&column) {
-            return;
-        }
-        let mut cost = self.row.counts.since(before);
-        if let Some(plan) = &self.plan {
-            cost = cost.merge(plan.cost(column));
-        }
-        for (layer, colors) in self.request.layers.iter().zip(&mut self.row.layers) {
-            if let Layer::Cost(kind) = layer {
-                colors.push(Color::splat(kind.of(&cost) as f64));
+        let measured = if self.is_shown { request.measured() } else { Stage::Rays };
+        let (colors, are_centers) = (request.traces_colors(request.tracing), request.sampler.is_center());
+        if measured > Stage::Rays || colors && are_centers {
+            // Measure the centres, and colour them if the samples are there.
+            columns.clone().for_each(|column| packet.push(column, DVec2::ZERO, true));
+            self.trace(measured, colors && are_centers, packet);
+            if measured > Stage::Rays {
+                self.measure(packet.samples());
             }
+            if colors && are_centers {
+                self.add_samples::<true>(packet);
+            }
+            packet.clear();
         }
-    }
-
-    /// Measures the centres of pixels, and colours them if the samples are at the centres.
-    fn paint_centers(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let measures = self.is_shown && self.request.measures();
-        let colors = self.request.sampler.is_center() && self.request.traces_colors(self.request.tracing);
-        let casts = colors && matches!(self.tracer.view, View::Scene);
-        let wanted =
-            Wanted { hits: measures || casts, surfaces: self.request.has_normals() || casts, colors };
-        packet.push_centers(columns);
-        let mut colors = [Color::ZERO; SamplePacket::SIZE];
-        self.trace(wanted, packet, &mut colors);
-        if measures {
-            self.measure(packet.samples());
-        }
-        if wanted.colors {
-            self.add_samples::<true>(packet, &colors);
-        }
-        packet.clear();
-    }
-
-    /// Returns the index of a pixel in the order in which random numbers are drawn.
-    fn index(&self, column: usize) -> u64 {
-        let [_, height] = self.request.size;
-        (column * height + self.row.j) as u64
-    }
-
-    /// Traces the samples of the pixels in these columns.
-    fn take_samples(&mut self, columns: Range<usize>, packet: &mut SamplePacket) {
-        let Request { sampler, size: [_, height], .. } = *self.request;
-        let first = self.index(columns.start);
-        if let Some(plan) = self.plan {
-            let draws = MultiJittered::draws(plan.most);
-            let (mut rng, jump) = (sampler.rng().jumped(first * draws), Jump::of(height as u64 * draws));
-            self.take(columns, packet, |column| {
-                let offsets = MultiJittered::new(plan.strata(column), rng);
-                rng = rng.after(jump);
-                offsets
-            });
-        } else if let Some(mut c_rand) = self.c_rand.take() {
-            self.take(columns, packet, |_| std::iter::once(c_rand.next_offset()));
-            self.c_rand = Some(c_rand);
-        } else {
-            let mut pixels = sampler.pixels(first, height as u64);
-            self.take(columns, packet, |_| pixels.next_offsets());
-        }
-    }
-
-    /// Traces the samples at these offsets from the centres of the pixels in these columns, packet by packet.
-    #[inline(always)]
-    fn take<Offsets: ExactSizeIterator<Item = DVec2>>(
-        &mut self,
-        columns: Range<usize>,
-        packet: &mut SamplePacket,
-        mut offsets_of: impl FnMut(usize) -> Offsets,
-    ) {
-        for column in columns {
-            let mut offsets = offsets_of(column);
-            while let Some(offset) = offsets.next() {
-                packet.push(column, offset, offsets.len() == 0);
+        if colors && !are_centers {
+            sampler.place(columns, |column, offset, is_last| {
+                packet.push(column, offset, is_last);
                 if packet.is_full() {
                     self.color_samples(packet);
                 }
-            }
+            });
+            self.color_samples(packet);
         }
-        self.color_samples(packet);
     }
 
     /// Traces and adds the samples of a packet, and empties it.
     fn color_samples(&mut self, packet: &mut SamplePacket) {
-        let mut colors = [Color::ZERO; SamplePacket::SIZE];
-        self.trace(self.wanted_of_samples(), packet, &mut colors);
-        self.add_samples::<false>(packet, &colors);
+        self.trace(Stage::Rays, true, packet);
+        self.add_samples::<false>(packet);
         packet.clear();
     }
 
-    /// Counts and traces a packet's samples, and returns their colours.
-    fn colors_of(&mut self, packet: &mut SamplePacket) -> PacketColors {
-        packet.samples().iter().for_each(|_| self.row.counts.non_shadow_ray());
-        let mut colors = [Color::ZERO; SamplePacket::SIZE];
-        self.trace(self.wanted_of_samples(), packet, &mut colors);
-        colors
-    }
-
-    /// Returns the results that coloured samples need. A view of cells casts no ray into the scene for them.
-    fn wanted_of_samples(&self) -> Wanted {
-        let is_scene = matches!(self.tracer.view, View::Scene);
-        Wanted { hits: is_scene, surfaces: is_scene, colors: true }
-    }
-
-    /// Traces the samples of a packet, and stores their colours if they are wanted.
-    fn trace(&mut self, wanted: Wanted, packet: &mut SamplePacket, colors: &mut PacketColors) {
-        let of_tracer = Wanted { colors: wanted.colors && matches!(self.tracer.view, View::Scene), ..wanted };
+    fn trace(&mut self, measured: Stage, has_colors: bool, packet: &mut SamplePacket) {
         let (memory, counts) = (&mut self.memory, &mut self.row.counts);
-        self.tracer.trace(self.row.j, of_tracer, packet, colors, memory, counts);
-        let PictureTracer { view, request, .. } = *self.tracer;
-        match view {
-            View::Scene => {}
-            View::Cells(occupancy) => {
-                let world = self.tracer.caster.world;
-                for (color, Sample { ray, .. }) in colors.iter_mut().zip(packet.samples()) {
-                    let face = occupancy.first_face(ray);
-                    *color = face.map_or(world.background, |face| cell_color(&face, ray, world));
-                }
-            }
-            View::Places => {
-                for (color, sample) in colors.iter_mut().zip(packet.samples()) {
-                    *color = place_color([sample.source.column, self.row.j], request.size);
-                }
-            }
-        }
+        self.tracer.trace(self.row.j, measured, has_colors, packet, memory, counts);
     }
 
-    /// Adds the samples of a packet, with these colours, to the row.
+    /// Adds the samples of a packet to the row.
     #[inline(always)]
-    fn add_samples<const CENTERS: bool>(&mut self, packet: &SamplePacket, colors: &[Color]) {
+    fn add_samples<const CENTERS: bool>(&mut self, packet: &SamplePacket) {
         let mut sum = self.sum;
-        for (Sample { source: SamplePlace { column, offset, is_last }, .. }, color) in
-            packet.samples().iter().zip(colors)
-        {
+        for (Sample { column, offset, is_last, .. }, color) in packet.samples().iter().zip(packet.colors()) {
             self.add_sample::<CENTERS>(*column, *offset, *color, &mut sum);
             if CENTERS || *is_last {
                 self.finish(&sum);
@@ -334,11 +260,10 @@ impl Painter<'_> {
     #[inline(always)]
     fn add_sample<const CENTERS: bool>(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
         self.row.counts.non_shadow_ray();
-        match &mut self.row.colors {
-            Colors::Unwanted => {}
-            Colors::Finished(_) if CENTERS => sum.add(self.center_weight, color),
-            Colors::Finished(_) => sum.add(self.request.filter.weight(offset), color),
-            Colors::Spread(spread) => {
+        match &mut self.row.spread {
+            None if CENTERS => sum.add(self.center_weight, color, 1.0),
+            None => sum.add(self.tracer.request.filter.weight(offset), color, 1.0),
+            Some(spread) => {
                 let part = self.plan.as_ref().map_or(1.0, |plan| plan.part(column));
                 spread.add(column, offset, color, part);
             }
@@ -351,26 +276,8 @@ impl Painter<'_> {
     /// Finishes a pixel, if only its own samples contribute to it.
     #[inline(always)]
     fn finish(&mut self, sum: &Sum) {
-        if let Colors::Finished(colors) = &mut self.row.colors {
-            colors.push(sum.color());
+        if self.row.spread.is_none() {
+            self.row.colors.push(sum.color());
         }
     }
 }
-
-/// Returns the colour that shows a pixel's place: its column and its row from the bottom.
-fn place_color([column, row]: [usize; 2], [width, height]: [usize; 2]) -> Color {
-    Color::new(column as f64 / width as f64, (height - 1 - row) as f64 / height as f64, 1.0)
-}
-
-/// Returns the colour of a cell's face under the scene's lights: ambient and diffuse, without shadows.
-fn cell_color(face: &Face, ray: &Ray, world: &World) -> Color {
-    let point = ray.at(face.t);
-    let lights = world.lights.iter().map(|light| {
-        let light = incident(light, point);
-        light.color * face.normal.dot(light.direction).max(0.0)
-    });
-    face.color * (world.ambient + lights.sum::<Color>())
-}
-
-#[cfg(test)]
-mod tests;

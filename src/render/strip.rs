@@ -5,12 +5,11 @@
 //! So the strip's pixels are the same as in the whole picture.
 
 use super::layer::Layer;
-use super::plan::Band;
+use super::plan::{Plan, Planner};
 use super::request::Request;
-use super::row::{Colors, Row};
-use super::tally::{Tally, in_parallel};
+use super::row::Row;
 use super::tracing::PictureTracer;
-use super::{Stopped, TakeRow};
+use super::{Rendered, Stopped, TakeRow};
 use crate::picture::Color;
 use crate::sampling::film::Film;
 use crate::sampling::spread::Spread;
@@ -45,13 +44,6 @@ pub struct Strip<'a> {
     pub rows: Range<usize>,
 }
 
-/// Rows that are ready to be handed out.
-struct Finished {
-    counts: Counts,
-    /// The colours of each row of pixels, from the bottom, and its other layers.
-    rows: Vec<(Vec<Color>, Vec<Vec<Color>>)>,
-}
-
 impl<'a> Strip<'a> {
     /// Returns the strip of rows from `end` down to at most `first`: as many as the memory allows, and at least one.
     pub fn below(request: &'a Request, end: usize, first: usize) -> Self {
@@ -70,51 +62,44 @@ impl<'a> Strip<'a> {
         Self { request, rows: end.saturating_sub(rows).max(first)..end }
     }
 
-    /// Traces the strip and hands it out. Returns the counts.
+    /// Traces the strip and hands it out. Adds its counts to `rendered`.
     pub fn render(
         &self,
         picture: &PictureTracer,
-        bands: &[Band],
-        tally: &Tally,
+        planner: Option<&Planner>,
+        rendered: &mut Rendered,
         take_row: TakeRow,
-    ) -> Result<Counts, Stopped> {
-        let request = self.request;
+    ) -> Result<(), Stopped> {
         let tracer = &picture.rows(self.traced());
-        if request.support() > 0 {
-            let finished = self.finish(tracer, bands, tally);
-            return finished.ok_or(self.cancelled_above(self.rows.end))?.hand_out(request, take_row);
-        }
+        let batch = match self.request.support() {
+            0 => ROWS_PER_BATCH * rayon::current_num_threads(),
+            _ => self.rows.len(),
+        };
         // Hand out a batch of rows while the next one is traced.
-        let batch = ROWS_PER_BATCH * rayon::current_num_threads();
-        let (mut counts, mut end, mut traced) = (Counts::default(), self.rows.end, vec![]);
+        let (mut end, mut traced) = (self.rows.end, vec![]);
         let mut hand_out_rows = |rows: &[Row]| {
             let taken = rows.iter().try_for_each(|row| {
-                counts = counts.merge(row.counts);
-                hand_out(row.colors.finished(), &row.layers, request, take_row)
+                rendered.counts = rendered.counts.merge(row.counts);
+                rendered.costs.extend_from_slice(&row.costs);
+                hand_out(row, self.request, take_row)?;
+                tracer.tally.row_is_handed_out();
+                Ok(())
             });
-            taken.inspect_err(|_| tally.cancel())
+            taken.inspect_err(|_| tracer.tally.cancel())
         };
         while end > self.rows.start {
             let rows = end.saturating_sub(batch).max(self.rows.start)..end;
-            let (taken, next) = rayon::join(
-                || hand_out_rows(&traced),
-                || in_parallel(rows.clone(), tally, |j| self.row(j, tracer, bands, tally)),
-            );
+            let (taken, next) =
+                rayon::join(|| hand_out_rows(&traced), || self.trace(rows.clone(), tracer, planner));
             taken?;
-            traced = next.into_iter().rev().map_while(|row| row).collect();
+            traced = next;
             if traced.len() < rows.len() {
                 hand_out_rows(&traced)?;
-                return Err(self.cancelled_above(end - traced.len()));
+                return Err(tracer.tally.reason());
             }
             end = rows.start;
         }
-        hand_out_rows(&traced)?;
-        Ok(counts)
-    }
-
-    /// Returns the error of a render that is cancelled after the rows from `end` on have been handed out.
-    fn cancelled_above(&self, end: usize) -> Stopped {
-        Stopped::Cancelled { rows: self.request.rows().end - end }
+        hand_out_rows(&traced)
     }
 
     /// Returns the rows to trace: the rows of the strip, and the rows around it whose samples contribute to it.
@@ -122,19 +107,38 @@ impl<'a> Strip<'a> {
         self.request.traced_rows(self.rows.clone())
     }
 
-    /// Traces the strip. Returns `None` if the watch cancels the render.
-    fn finish(&self, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Finished> {
+    /// Traces these rows of the strip. Returns them from the top, and fewer if the render is cancelled.
+    pub fn trace(&self, rows: Range<usize>, tracer: &PictureTracer, planner: Option<&Planner>) -> Vec<Row> {
+        if self.request.support() > 0 {
+            return self.filter(tracer, planner).unwrap_or_default();
+        }
+        let traced = tracer.tally.in_parallel(rows, |j| self.row(j, tracer, planner));
+        traced.into_iter().rev().map_while(|row| row).collect()
+    }
+
+    /// Traces the strip and filters its samples. Returns its rows from the top, or `None` if the render is cancelled.
+    fn filter(&self, tracer: &PictureTracer, planner: Option<&Planner>) -> Option<Vec<Row>> {
         let Request { filter, size, .. } = *self.request;
-        let traced = self.traced();
-        let mut film = Film::starting_at(filter, size, traced.start);
-        let mut finished =
-            Finished { counts: Counts::default(), rows: vec![Default::default(); self.rows.len()] };
+        let (traced, columns) = (self.traced(), self.request.columns());
+        let mut film = Film::new(filter, size, traced.start);
+        let mut finished: Vec<Row> = Vec::with_capacity(self.rows.len());
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            for row in in_parallel(rows, tally, |j| self.row(j, tracer, bands, tally)) {
-                finished.take(row?, self, &mut film);
+            for row in tracer.tally.in_parallel(rows, |j| self.row(j, tracer, planner)) {
+                let mut row = row?;
+                let Some(spread) = row.spread.take() else { continue };
+                if self.rows.contains(&row.j) {
+                    finished.push(row);
+                }
+                film.add(spread, |j, colors| {
+                    if self.rows.contains(&j) {
+                        let colors = colors.skip(columns.start).take(columns.len());
+                        finished[j - self.rows.start].colors.extend(colors);
+                    }
+                });
             }
         }
+        finished.reverse();
         Some(finished)
     }
 
@@ -170,61 +174,24 @@ impl<'a> Strip<'a> {
     }
 
     /// Traces row `j`. Returns `None` if the render is cancelled meanwhile.
-    fn row(&self, j: usize, tracer: &PictureTracer, bands: &[Band], tally: &Tally) -> Option<Row> {
+    fn row(&self, j: usize, tracer: &PictureTracer, planner: Option<&Planner>) -> Option<Row> {
         let is_shown = self.rows.contains(&j);
-        let plan = bands.iter().find_map(|band| band.plan(j));
+        let plan = planner.and_then(|planner| planner.plan(j));
         let mut row = tracer.row(j, is_shown, plan)?;
-        row.counts = row.counts.merge(plan.map_or(Counts::default(), |plan| plan.counts));
+        row.counts = row.counts.merge(plan.map_or(Counts::default(), Plan::counts));
         if is_shown {
-            tally.row_is_done(row.counts.rays());
+            tracer.tally.row_is_done(row.counts.rays());
         }
         Some(row)
     }
 }
 
-impl Finished {
-    fn take(&mut self, row: Row, strip: &Strip, film: &mut Film) {
-        let request = strip.request;
-        let index = |j: usize| strip.rows.contains(&j).then(|| j - strip.rows.start);
-        if let Some(i) = index(row.j) {
-            self.counts = self.counts.merge(row.counts);
-            self.rows[i].1 = row.layers;
-        }
-        match row.colors {
-            Colors::Unwanted => {}
-            Colors::Finished(colors) => {
-                if let Some(i) = index(row.j) {
-                    self.rows[i].0 = colors;
-                }
-            }
-            Colors::Spread(spread) => film.add(spread, |j, colors| {
-                if let Some(i) = index(j) {
-                    let columns = request.columns();
-                    self.rows[i].0 = colors.skip(columns.start).take(columns.len()).collect();
-                }
-            }),
-        }
-    }
-
-    /// Hands out the rows from the top, and returns the counts.
-    fn hand_out(self, request: &Request, take_row: TakeRow) -> Result<Counts, Stopped> {
-        let mut rows = self.rows.iter().rev();
-        rows.try_for_each(|(colors, layers)| hand_out(colors, layers, request, take_row))?;
-        Ok(self.counts)
-    }
-}
-
-/// Hands out the layers of a row. Layers of colours get `colors`.
-fn hand_out(
-    colors: &[Color],
-    layers: &[Vec<Color>],
-    request: &Request,
-    take_row: TakeRow,
-) -> Result<(), Stopped> {
-    for (k, (layer, measured)) in request.layers.iter().zip(layers).enumerate() {
-        let row = if matches!(layer, Layer::Color) { colors } else { measured };
+/// Hands out the layers of a row.
+fn hand_out(row: &Row, request: &Request, take_row: TakeRow) -> Result<(), Stopped> {
+    for (k, (layer, measured)) in request.layers.iter().zip(&row.layers).enumerate() {
+        let colors = if matches!(layer, Layer::Color) { &row.colors } else { measured };
         let [width, _] = layer.size(request.window_size());
-        if row.chunks_exact(width.max(1)).rev().try_for_each(|row| take_row(k, row)).is_break() {
+        if colors.chunks_exact(width.max(1)).rev().try_for_each(|row| take_row(k, row)).is_break() {
             return Err(Stopped::Output);
         }
     }

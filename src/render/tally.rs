@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 pub struct Tally<'a> {
     rows: usize,
     done: AtomicUsize,
+    handed_out: AtomicUsize,
     /// The rays that have been cast, if the probe counts them.
     rays: AtomicU64,
     is_cancelled: AtomicBool,
@@ -19,13 +20,8 @@ pub struct Tally<'a> {
 
 impl<'a> Tally<'a> {
     pub fn new(rows: usize, watch: Watch<'a>) -> Self {
-        let (done, rays, is_cancelled, has_too_many_rays) = Default::default();
-        Self { rows, done, rays, is_cancelled, has_too_many_rays, watch }
-    }
-
-    /// Returns true if the watch has cancelled the render.
-    pub fn is_cancelled(&self) -> bool {
-        self.is_cancelled.load(Ordering::Relaxed)
+        let (done, handed_out, rays, is_cancelled, has_too_many_rays) = Default::default();
+        Self { rows, done, handed_out, rays, is_cancelled, has_too_many_rays, watch }
     }
 
     /// Cancels the render.
@@ -38,6 +34,11 @@ impl<'a> Tally<'a> {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
         self.tell(done, rays);
+    }
+
+    /// Notes that a row has been handed out.
+    pub fn row_is_handed_out(&self) {
+        self.handed_out.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Asks the watch to cancel or continue, and cancels the render if too many secondary rays of a camera ray wait.
@@ -53,9 +54,29 @@ impl<'a> Tally<'a> {
         self.is_cancelled()
     }
 
-    /// Returns the reason for the end of the render: too many rays, or else `stopped`.
-    pub fn reason(&self, stopped: Stopped) -> Stopped {
-        if self.has_too_many_rays.load(Ordering::Relaxed) { Stopped::Rays } else { stopped }
+    /// Returns the reason why the render was cancelled.
+    pub fn reason(&self) -> Stopped {
+        let rows = self.handed_out.load(Ordering::Relaxed);
+        let has_too_many_rays = self.has_too_many_rays.load(Ordering::Relaxed);
+        if has_too_many_rays { Stopped::Rays } else { Stopped::Cancelled { rows } }
+    }
+
+    /// Calls `work` for each row, and returns the results in the order of the rows. Threads take the rows from the top.
+    /// So if the render is cancelled, the topmost rows have results.
+    pub fn in_parallel<T: Send>(
+        &self,
+        rows: Range<usize>,
+        work: impl Fn(usize) -> Option<T> + Sync,
+    ) -> Vec<Option<T>> {
+        let work = |j| if self.is_cancelled() { None } else { Some((j, work(j)?)) };
+        let done: Vec<(usize, T)> = rows.clone().rev().par_bridge().filter_map(work).collect();
+        let mut results: Vec<Option<T>> = rows.clone().map(|_| None).collect();
+        done.into_iter().for_each(|(j, result)| results[j - rows.start] = Some(result));
+        results
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
     }
 
     fn tell(&self, done: usize, rays: u64) {
@@ -63,18 +84,4 @@ impl<'a> Tally<'a> {
             self.cancel();
         }
     }
-}
-
-/// Calls `work` for each row, and returns the results in the order of the rows. Threads take the rows from the top. So
-/// if the render is cancelled, the topmost rows have results.
-pub fn in_parallel<T: Send>(
-    rows: Range<usize>,
-    tally: &Tally,
-    work: impl Fn(usize) -> Option<T> + Sync,
-) -> Vec<Option<T>> {
-    let work = |j| if tally.is_cancelled() { None } else { Some((j, work(j)?)) };
-    let done: Vec<(usize, T)> = rows.clone().rev().par_bridge().filter_map(work).collect();
-    let mut results: Vec<Option<T>> = rows.clone().map(|_| None).collect();
-    done.into_iter().for_each(|(j, result)| results[j - rows.start] = Some(result));
-    results
 }

@@ -54,7 +54,7 @@ fn render_scene(
     let camera = Camera::new(&scene.camera, request.size);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let request = &Request { tracing, ..request.clone() };
-    pool.install(|| render((&camera, &caster), View::Scene, request, watch, take_row))
+    pool.install(|| render((&camera, &caster), View::Scene, request, watch, take_row)).map(|all| all.counts)
 }
 
 fn goes_on(_: Progress) -> ControlFlow<()> {

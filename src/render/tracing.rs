@@ -1,19 +1,21 @@
 //! Traces the samples of a picture, either counted or as fast as possible.
 
 use super::request::{Request, Tracing, View};
+use super::tally::Tally;
 use crate::camera::Camera;
 use crate::caster::Caster;
 #[cfg(feature = "fast")]
 use crate::caster::choose::Rays;
 #[cfg(feature = "fast")]
 use crate::fast::{Demand, Footprint, RasterHints};
-use crate::sampling::sample_packet::{PacketColors, SamplePacket, Wanted};
+use crate::picture::Color;
+use crate::sampling::sample_packet::{SamplePacket, Stage};
 use crate::stats::Counts;
 #[cfg(not(feature = "fast"))]
 use crate::trace::NoHints;
 #[cfg(feature = "fast")]
 use crate::trace::Shadows;
-use crate::trace::{IsOver, Memory, RayCount, Tracer};
+use crate::trace::{Memory, RayCount, Tracer};
 use fearless_simd::dispatch;
 use std::ops::Range;
 
@@ -24,7 +26,7 @@ pub struct PictureTracer<'a> {
     pub caster: Caster<'a>,
     pub view: View<'a>,
     pub request: &'a Request,
-    is_over: IsOver<'a>,
+    pub tally: &'a Tally<'a>,
     #[cfg(feature = "fast")]
     hints: RasterHints,
     #[cfg(not(feature = "fast"))]
@@ -33,17 +35,16 @@ pub struct PictureTracer<'a> {
 
 impl<'a> PictureTracer<'a> {
     pub fn new(
-        camera: &'a Camera,
-        caster: &'a Caster<'a>,
+        (camera, caster): (&'a Camera, &'a Caster<'a>),
         view: View<'a>,
         request: &'a Request,
-        is_over: IsOver<'a>,
+        tally: &'a Tally<'a>,
     ) -> Self {
         #[cfg(feature = "fast")]
         let hints = RasterHints::new(caster.world, demand(view, request));
         #[cfg(not(feature = "fast"))]
         let hints = NoHints;
-        Self { camera, caster: caster.clone(), view, request, is_over, hints }
+        Self { camera, caster: caster.clone(), view, request, tally, hints }
     }
 
     /// Returns a tracer that is prepared for these rows, counted from the bottom.
@@ -64,41 +65,55 @@ impl<'a> PictureTracer<'a> {
         self.clone()
     }
 
-    /// Returns the memory for a row.
-    pub fn memory(&self) -> Memory<'a> {
-        Memory::until(self.is_over, self.caster.world.lights.len())
-    }
-
-    /// Traces the samples of a packet in row `j`, and stores their colours if they are wanted. Does not count the
-    /// camera rays. Does nothing once `is_over` has returned true.
+    /// Traces the samples of a packet in row `j` up to a stage, and computes their colours if they are wanted. Does not
+    /// count the camera rays. Does nothing once the memory is cut.
     pub fn trace(
         &self,
         j: usize,
-        wanted: Wanted,
+        measured: Stage,
+        has_colors: bool,
         packet: &mut SamplePacket,
-        colors: &mut PacketColors,
         memory: &mut Memory,
         counts: &mut Counts,
     ) {
-        let Self { camera, caster, request: Request { effects, tracing, .. }, .. } = self;
+        let Self { camera, caster, view, request: Request { effects, tracing, size, .. }, .. } = self;
         if memory.is_cut() {
             return;
         }
+        let stage = if has_colors && matches!(view, View::Scene) { Stage::Colors } else { measured };
         let level = caster.level;
         match tracing {
             Tracing::Counted => {
                 let tracer = Tracer::new(caster, *effects);
-                dispatch!(level, simd => tracer.trace(simd, camera, j, wanted, packet, colors, memory, counts));
+                dispatch!(level, simd => tracer.trace(simd, camera, j, stage, packet, memory, counts));
             }
             Tracing::Fast => {
                 let tracer = Tracer::with_hints(caster, *effects, &self.hints);
                 let rays = &mut RayCount::default();
-                dispatch!(level, simd => tracer.trace(simd, camera, j, wanted, packet, colors, memory, rays));
+                dispatch!(level, simd => tracer.trace(simd, camera, j, stage, packet, memory, rays));
                 counts.non_shadow_rays += rays.0;
             }
         }
-        memory.spend(packet.samples().len());
+        match view {
+            View::Scene => {}
+            View::Cells(cells) => {
+                for (sample, color) in packet.colors_mut() {
+                    *color = cells.color(&sample.ray, caster.world);
+                }
+            }
+            View::Places => {
+                for (sample, color) in packet.colors_mut() {
+                    *color = place_color([sample.column, j], *size);
+                }
+            }
+        }
+        memory.spend(packet.samples().len() as u32);
     }
+}
+
+/// Returns the colour that shows a pixel's place: its column and its row from the bottom.
+fn place_color([column, row]: [usize; 2], [width, height]: [usize; 2]) -> Color {
+    Color::new(column as f64 / width as f64, (height - 1 - row) as f64 / height as f64, 1.0)
 }
 
 /// Returns the rays that a request needs if it does not count.
@@ -112,13 +127,14 @@ fn demand(view: View, request: &Request) -> Demand {
     Demand {
         size: request.size,
         columns: request.columns(),
-        footprint: (request.measures() || colors).then_some(footprint),
+        footprint: (request.measured() > Stage::Rays || colors).then_some(footprint),
         enters_objects: request.effects.bounces > 0,
         shadow_rays: if is_blocked_or_not { samples } else { 0 },
     }
 }
 
-#[cfg(all(test, feature = "fast"))]
+#[cfg(feature = "fast")]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::render::grid_view::Occupancy;
@@ -175,8 +191,8 @@ mod tests {
             let camera = Camera::new(&scene.camera, [40, 40]);
             let request = Request::new([40, 40]);
             let has_grid = |caster: Caster| {
-                let is_over: IsOver = &|_| false;
-                let tracer = PictureTracer::new(&camera, &caster, View::Scene, &request, is_over);
+                let tally = Tally::new(40, &|_| std::ops::ControlFlow::Continue(()));
+                let tracer = PictureTracer::new((&camera, &caster), View::Scene, &request, &tally);
                 tracer.rows(0..40).caster.is_selective()
             };
             assert_eq!(has_grid(Caster::new(&world, None).unwrap().replaceable()), is_selective, "{far}");

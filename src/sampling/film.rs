@@ -23,14 +23,9 @@ pub struct Film {
 }
 
 impl Film {
-    /// Creates an empty film. `size` is the picture's width and height in pixels.
-    pub fn new(filter: Filter, size: [usize; 2]) -> Self {
-        Self::starting_at(filter, size, 0)
-    }
-
-    /// Creates a film that takes the rows of pixels from `row` on. Rows of the picture within the filter's reach of
-    /// `row` lack the samples of the rows below it.
-    pub fn starting_at(filter: Filter, size: [usize; 2], row: usize) -> Self {
+    /// Creates an empty film that takes the rows of pixels from `row` on. `size` is the picture's width and height in
+    /// pixels. Rows of the picture within the filter's reach of `row` lack the samples of the rows below it.
+    pub fn new(filter: Filter, size: [usize; 2], row: usize) -> Self {
         let finished = row.saturating_sub(filter.support());
         Self { filter, size, open: VecDeque::new(), finished }
     }
@@ -72,7 +67,7 @@ mod tests {
         [width, height]: [usize; 2],
         color: impl Fn(usize, usize) -> Color,
     ) -> Vec<Vec<Color>> {
-        let mut film = Film::new(filter, [width, height]);
+        let mut film = Film::new(filter, [width, height], 0);
         let mut picture = vec![];
         for y in 0..height {
             let mut spread = Spread::new(filter, Level::baseline(), y, [width, height]);
@@ -117,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_pixel_without_weighted_samples_is_black() {
-        let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1]);
+        let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1], 0);
         let filter = Filter::Box { radius: 0.1 };
         let mut spread = Spread::new(filter, Level::baseline(), 0, [1, 1]);
         spread.add(0, DVec2::splat(-0.5), Color::ONE, 1.0);
@@ -130,7 +125,7 @@ mod tests {
     #[test]
     fn a_row_is_emitted_with_the_last_spread_that_contributes_to_it() {
         let (filter, size) = (Filter::Box { radius: 1.7 }, [2, 6]);
-        let mut film = Film::new(filter, size);
+        let mut film = Film::new(filter, size, 0);
         let given: Vec<Vec<usize>> = (0..6)
             .map(|y| {
                 let mut rows = vec![];

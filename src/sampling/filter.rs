@@ -101,10 +101,7 @@ impl Filter {
 
     /// Returns the number of pixels that a sample reaches along each axis beyond its own pixel.
     pub fn support(&self) -> usize {
-        let radius = match *self {
-            Self::Box { radius } | Self::Tent { radius } | Self::Mitchell { radius } => radius,
-            Self::Gaussian { sigma } => 2.0 * sigma,
-        };
+        let radius = if let Self::Gaussian { sigma } = self { 2.0 * sigma } else { self.size() };
         (radius - 0.5).ceil().max(0.0) as usize
     }
 }

@@ -46,16 +46,7 @@ impl MultiJittered {
 /// Returns the numbers below `count` in random order.
 #[inline(always)]
 fn permutation(count: usize, rng: &mut Drand48) -> [u8; MOST_COLUMNS] {
-    const IN_ORDER: [u8; MOST_COLUMNS] = {
-        let mut numbers = [0; MOST_COLUMNS];
-        let mut k = 0;
-        while k < MOST_COLUMNS {
-            numbers[k] = k as u8;
-            k += 1;
-        }
-        numbers
-    };
-    let mut numbers = IN_ORDER;
+    let mut numbers = std::array::from_fn(|k| k as u8);
     for k in (1..count.min(MOST_COLUMNS)).rev() {
         let other = (rng.random::<f64>() * (k + 1) as f64) as usize;
         numbers.swap(k, other);

@@ -4,18 +4,6 @@ use crate::math::ray::{Ray, Visible};
 use crate::picture::Color;
 use crate::world::SurfacePoint;
 use glam::{DVec2, DVec3};
-use std::ops::Range;
-
-/// The position of a sample in a row of pixels.
-#[derive(Clone, Copy, Debug)]
-pub struct SamplePlace {
-    /// The column of its pixel.
-    pub column: usize,
-    /// The offset from the pixel's centre, in pixels.
-    pub offset: DVec2,
-    /// True for the last sample of its pixel.
-    pub is_last: bool,
-}
 
 /// A sample in a row of pixels, and the hit of its ray. The ray is in one cache line.
 #[derive(Clone, Copy, Debug)]
@@ -27,30 +15,35 @@ pub struct Sample {
     pub surface: Option<SurfacePoint>,
     /// The first hit of the ray, once cast.
     pub visible: Option<Visible>,
-    /// The position of the sample.
-    pub source: SamplePlace,
+    /// The column of its pixel.
+    pub column: usize,
+    /// The offset from the pixel's centre, in pixels.
+    pub offset: DVec2,
+    /// True for the last sample of its pixel.
+    pub is_last: bool,
 }
-
-/// The colours of a packet's samples. Entries beyond the samples have no meaning.
-pub type PacketColors = [Color; SamplePacket::SIZE];
 
 /// An unused slot.
 const UNPLACED: Sample = Sample {
     ray: Ray { origin: DVec3::ZERO, t_min: 0.0, direction: DVec3::ZERO, t_max: 0.0 },
     surface: None,
     visible: None,
-    source: SamplePlace { column: 0, offset: DVec2::ZERO, is_last: false },
+    column: 0,
+    offset: DVec2::ZERO,
+    is_last: false,
 };
 
-/// The requested results for the rays of a packet.
-#[derive(Clone, Copy, Debug)]
-pub struct Wanted {
-    /// The first hits.
-    pub hits: bool,
-    /// The surfaces at the first hits.
-    pub surfaces: bool,
-    /// The colours.
-    pub colors: bool,
+/// The stages that samples pass through, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// The rays are computed.
+    Rays,
+    /// Their first hits are found.
+    Hits,
+    /// The surfaces there are computed.
+    Surfaces,
+    /// The colours are computed.
+    Colors,
 }
 
 /// Up to [`SIZE`](Self::SIZE) samples of a row.
@@ -59,12 +52,14 @@ pub struct SamplePacket {
     /// The samples, followed by unused slots. Slots are reused from one packet to the next, because overwriting the
     /// changed parts is faster than building whole samples.
     places: [Sample; Self::SIZE],
+    /// The colours of the samples. Entries beyond the samples have no meaning.
+    colors: [Color; Self::SIZE],
     count: usize,
 }
 
 impl Default for SamplePacket {
     fn default() -> Self {
-        Self { places: [UNPLACED; Self::SIZE], count: 0 }
+        Self { places: [UNPLACED; Self::SIZE], colors: [Color::ZERO; Self::SIZE], count: 0 }
     }
 }
 
@@ -84,6 +79,18 @@ impl SamplePacket {
         &mut self.places[..self.count]
     }
 
+    /// Returns the colours of the samples.
+    #[inline(always)]
+    pub fn colors(&self) -> &[Color] {
+        &self.colors[..self.count]
+    }
+
+    /// Returns the samples, and their colours to be set.
+    #[inline(always)]
+    pub fn colors_mut(&mut self) -> impl Iterator<Item = (&Sample, &mut Color)> {
+        self.places[..self.count].iter().zip(&mut self.colors)
+    }
+
     /// Removes all samples.
     #[inline(always)]
     pub fn clear(&mut self) {
@@ -96,19 +103,11 @@ impl SamplePacket {
         self.count == Self::SIZE
     }
 
-    /// Adds one sample at the centre of each pixel in these columns.
-    #[inline(always)]
-    pub fn push_centers(&mut self, columns: Range<usize>) {
-        for column in columns {
-            self.push(column, DVec2::ZERO, true);
-        }
-    }
-
     /// Adds a sample of the pixel in this column, unless the packet is full.
     #[inline(always)]
     pub fn push(&mut self, column: usize, offset: DVec2, is_last: bool) {
         if let Some(place) = self.places.get_mut(self.count) {
-            place.source = SamplePlace { column, offset, is_last };
+            (place.column, place.offset, place.is_last) = (column, offset, is_last);
             (place.visible, place.surface) = (None, None);
             self.count += 1;
         }

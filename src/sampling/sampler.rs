@@ -40,8 +40,6 @@ impl Pattern {
 pub struct Sampler {
     pattern: Pattern,
     count: u32,
-    #[serde(skip)]
-    columns: u32,
     #[serde(rename = "seed", serialize_with = "seed")]
     rng: Drand48,
 }
@@ -52,15 +50,11 @@ fn seed<S: Serializer>(rng: &Drand48, serializer: S) -> Result<S::Ok, S::Error> 
 
 impl Sampler {
     /// One sample at the centre of the pixel.
-    pub const CENTER: Self = Self { pattern: Pattern::Uniform, count: 1, columns: 1, rng: Drand48::UNSEEDED };
+    pub const CENTER: Self = Self { pattern: Pattern::Uniform, count: 1, rng: Drand48::UNSEEDED };
 
-    /// Creates a sampler with `count` samples per pixel, but at least one. The strata form the grid of exactly `count`
-    /// cells that is nearest to a square, with at least as many columns as rows: 4 x 2 for 8 samples, and one row for a
-    /// prime number.
+    /// Creates a sampler with `count` samples per pixel, but at least one.
     pub fn new(pattern: Pattern, count: u32, rng: Drand48) -> Self {
-        let count = count.max(1);
-        let rows = (1..=count.isqrt()).rev().find(|rows| count.is_multiple_of(*rows)).unwrap_or(1);
-        Self { pattern, count, columns: count / rows, rng }
+        Self { pattern, count: count.max(1), rng }
     }
 
     /// One sample anywhere in the pixel, as in assignment 5 of 2012.
@@ -75,7 +69,7 @@ impl Sampler {
 
     /// Creates a placeholder for adaptive samples, with their random numbers.
     pub const fn of_adaptive(rng: Drand48) -> Self {
-        Self { pattern: Pattern::Jittered, count: Adaptive::BASE, columns: 2, rng }
+        Self { pattern: Pattern::Jittered, count: Adaptive::BASE, rng }
     }
 
     /// Returns a sampler with other random numbers.
@@ -98,9 +92,11 @@ impl Sampler {
         self.count
     }
 
-    /// Returns the numbers of columns and rows of strata in a pixel.
+    /// Returns the numbers of columns and rows of strata in a pixel: the grid of exactly `count` cells that is nearest to
+    /// a square, with at least as many columns as rows. It has 4 x 2 cells for 8 samples, and one row for a prime number.
     pub fn strata(&self) -> [u32; 2] {
-        [self.columns, self.count / self.columns]
+        let rows = (1..=self.count.isqrt()).rev().find(|rows| self.count.is_multiple_of(*rows)).unwrap_or(1);
+        [self.count / rows, rows]
     }
 
     /// Returns true if a pixel has one sample, at its centre.

@@ -51,31 +51,6 @@ impl Batch {
     }
 }
 
-/// The samples of a batch, grouped by column.
-struct Runs {
-    /// For each run of samples in one column: the column and the index after its last sample.
-    runs: [(usize, usize); BATCH],
-    count: usize,
-}
-
-impl Runs {
-    #[inline(always)]
-    fn new(columns: &[usize]) -> Self {
-        let (mut runs, mut count, mut end) = ([(0, 0); BATCH], 0, 0);
-        for run in columns.chunk_by(|a, b| a == b) {
-            end += run.len();
-            runs[count] = (run[0], end);
-            count += 1;
-        }
-        Self { runs, count }
-    }
-
-    #[inline(always)]
-    fn all(&self) -> &[(usize, usize)] {
-        &self.runs[..self.count]
-    }
-}
-
 /// A column of the picture that a batch's samples contribute to, relative to each sample's own column.
 #[derive(Clone, Debug, Default)]
 struct TargetColumn {
@@ -170,7 +145,7 @@ impl Spread {
     #[inline(always)]
     fn weigh_by<S: Simd>(&mut self, simd: S, filter: Filter) {
         let Batch { count, columns, offsets: [x, y], colors } = &*self.batch;
-        let runs = Runs::new(&columns[..*count]);
+        let columns = &columns[..*count];
         for (k, target) in self.target_columns.iter_mut().enumerate() {
             let distance = f64x4::splat(simd, self.reach as f64 - k as f64);
             for (x_terms, x) in target.x_terms.iter_mut().zip(x) {
@@ -192,13 +167,13 @@ impl Spread {
             let start = (target_row - self.target_rows.start()) * self.width;
             let row = &mut self.sums[start..start + self.width];
             let mut first = 0;
-            for (column, end) in runs.all() {
-                let colors = &colors[first..*end];
-                for (sum, target) in reached(row, &self.target_columns, *column) {
-                    let weights = &target.weights.as_flattened()[first..*end];
-                    sum.add_all::<S>(simd, weights, colors, are_finite);
+            for run in columns.chunk_by(|a, b| a == b) {
+                let samples = first..first + run.len();
+                for (sum, target) in reached(row, &self.target_columns, run[0]) {
+                    let weights = &target.weights.as_flattened()[samples.clone()];
+                    sum.add_all::<S>(simd, weights, &colors[samples.clone()], are_finite);
                 }
-                first = *end;
+                first = samples.end;
             }
         }
         self.batch.count = 0;

@@ -9,13 +9,8 @@ use fearless_simd::{Simd, SimdFrom, f64x4};
 pub struct Sum([f64; 4]);
 
 impl Sum {
-    /// Adds a sample.
-    pub fn add(&mut self, weight: f64, color: Color) {
-        self.add_part(weight, [color.x, color.y, color.z, 1.0]);
-    }
-
-    /// Adds a sample that represents this part of its pixel, as a row of pixels does.
-    pub fn add_for(&mut self, weight: f64, color: Color, part: f64) {
+    /// Adds a sample that represents this part of its pixel.
+    pub fn add(&mut self, weight: f64, color: Color, part: f64) {
         let color = part * color;
         self.add_part(weight, [color.x, color.y, color.z, part]);
     }
@@ -92,10 +87,10 @@ mod tests {
     #[test]
     fn a_sample_of_weight_zero_is_ignored() {
         let mut sum = Sum::default();
-        sum.add(0.0, Color::NAN);
+        sum.add(0.0, Color::NAN, 1.0);
         assert_eq!(sum.color(), Color::ZERO);
-        sum.add(0.5, Color::ONE);
-        sum.add(1.5, Color::splat(3.0));
+        sum.add(0.5, Color::ONE, 1.0);
+        sum.add(1.5, Color::splat(3.0), 1.0);
         assert_eq!(sum.color(), Color::splat(2.5));
     }
 }

@@ -8,7 +8,7 @@ use crate::caster::RayOrigin;
 use crate::math::instructions::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::math::simd::LANES;
-use crate::sampling::sample_packet::{PacketColors, Sample, SamplePacket, Wanted};
+use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
 use crate::scene::MaterialId;
 use crate::world::triangle4::{Hits4, Triangles4};
 use crate::world::{SurfacePoint, World};
@@ -17,8 +17,7 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 impl<H: Hints> Tracer<'_, H> {
-    /// Traces the samples of a packet in row `j`, and stores their colours if they are wanted. Does not count the
-    /// camera rays.
+    /// Traces the samples of a packet in row `j` up to a stage. Does not count the camera rays.
     #[simd]
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
@@ -27,24 +26,23 @@ impl<H: Hints> Tracer<'_, H> {
         simd: S,
         camera: &Camera,
         j: usize,
-        wanted: Wanted,
+        stage: Stage,
         packet: &mut SamplePacket,
-        colors: &mut PacketColors,
         memory: &mut Memory,
         observer: &mut O,
     ) {
         aim::<S>(simd, packet, camera, j);
-        if wanted.hits {
+        if stage >= Stage::Hits {
             for sample in packet.samples_mut() {
-                let Sample { ray, source, .. } = &sample;
-                sample.visible = match self.hints.first_hit(self.caster.world, ray, [source.column, j]) {
+                let Sample { ray, column, .. } = &sample;
+                sample.visible = match self.hints.first_hit(self.caster.world, ray, [*column, j]) {
                     FirstHit::Nothing => None,
                     FirstHit::Primitive(visible) => Some(visible),
                     FirstHit::Unknown => self.nearest(ray, RayOrigin::FREE, observer),
                 };
             }
         }
-        if wanted.surfaces {
+        if stage >= Stage::Surfaces {
             let world = self.world();
             find_surfaces::<S>(simd, world, packet);
             if world.has_smooth_normals() {
@@ -53,8 +51,8 @@ impl<H: Hints> Tracer<'_, H> {
                 }
             }
         }
-        if wanted.colors {
-            for (color, Sample { ray, surface, .. }) in colors.iter_mut().zip(packet.samples()) {
+        if stage == Stage::Colors {
+            for (Sample { ray, surface, .. }, color) in packet.colors_mut() {
                 self.set_color(simd, color, ray, surface.as_ref(), memory, observer);
             }
         }
@@ -68,8 +66,8 @@ fn aim<S: Simd>(simd: S, packet: &mut SamplePacket, camera: &Camera, j: usize) {
     // Places without a sample may get any ray.
     let (groups, _) = packet.places_mut().as_chunks_mut::<LANES>();
     for [a, b, c, d] in &mut groups[..count.div_ceil(LANES)] {
-        let columns = [a.source.column, b.source.column, c.source.column, d.source.column];
-        let offsets = [a.source.offset, b.source.offset, c.source.offset, d.source.offset];
+        let columns = [a.column, b.column, c.column, d.column];
+        let offsets = [a.offset, b.offset, c.offset, d.offset];
         [a.ray, b.ray, c.ray, d.ray] = camera.rays::<S>(simd, columns, j, offsets);
     }
 }
@@ -206,7 +204,7 @@ mod tests {
                     _ => Some(100.0),
                 };
                 let visible = (0..4).find_map(|id| Some(Visible { primitive: id, t_bound: t(id)? }));
-                sample.visible = visible.filter(|_| column_is_open(sample.source.column));
+                sample.visible = visible.filter(|_| column_is_open(sample.column));
             }
             find_surfaces::<S>(simd, &world, &mut packet);
             for Sample { ray, visible, surface, .. } in packet.samples() {

@@ -1,4 +1,5 @@
-//! Secondary rays: the reflected and the refracted ray at a surface.
+//! Secondary rays: the reflected and the refracted ray at a surface, the stack on which they wait, and the end of a trace
+//! that takes too long.
 
 use super::observer::{Event, Observer, PathEnd, Secondary};
 use super::optics::{mirrored_part, reflected, refracted_between};
@@ -8,6 +9,7 @@ use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::scene::limits::BRIGHTEST;
 use crate::scene::model::Split;
+use crate::shading::phong::Mixture;
 use crate::world::SurfacePoint;
 use glam::DVec3;
 
@@ -33,6 +35,67 @@ pub(super) struct SecondaryRay {
     pub ray: Ray,
     pub origin: RayOrigin,
     pub path: Path,
+}
+
+/// The number of rays between two calls of [`IsOver`]. Such rare calls take no measurable time, and still come soon
+/// enough if each ray is tested against a hundred thousand triangles.
+const RAYS_AT_ONCE: usize = 1 << 9;
+
+/// The approximate number of secondary rays of one camera ray that may wait at once. They take about 30 MB per thread.
+/// Each bounce adds at most one ray to the stack, so only rays that split that many times reach this limit.
+pub const MOST_WAITING: usize = 1 << 18;
+
+/// Returns true if no more rays are to be traced. The parameter is the number of rays that wait. It is called now and
+/// then, since one camera ray may cause more secondary rays than can ever be traced.
+pub type IsOver<'a> = &'a (dyn Fn(usize) -> bool + Sync);
+
+/// The memory of a tracer, kept from one camera ray to the next.
+pub struct Memory<'a> {
+    /// The secondary rays that wait to be traced. The stack is empty between two camera rays.
+    pub(super) pending: Vec<SecondaryRay>,
+    pub(super) mixture: Mixture,
+    is_over: IsOver<'a>,
+    /// The number of rays between two calls of `is_over`, without shadow rays.
+    at_once: u32,
+    /// The number of rays until the next call.
+    left: u32,
+    is_cut: bool,
+}
+
+impl<'a> Memory<'a> {
+    /// Returns a memory whose secondary rays are traced until `is_over` returns true. Each ray may cause a shadow ray
+    /// to each of `lights` lights.
+    pub fn until(is_over: IsOver<'a>, lights: usize) -> Self {
+        let at_once = (RAYS_AT_ONCE / (1 + lights)).max(1) as u32;
+        let (pending, mixture) = Default::default();
+        Self { pending, mixture, is_over, at_once, left: at_once, is_cut: false }
+    }
+
+    /// Returns true if rays were left out.
+    pub(crate) fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
+    /// Notes that this number of rays was traced. Returns true if no more are to be traced.
+    #[inline(always)]
+    pub(crate) fn spend(&mut self, rays: u32) -> bool {
+        self.left = self.left.saturating_sub(rays);
+        self.left == 0 && self.ask()
+    }
+
+    #[cold]
+    fn ask(&mut self) -> bool {
+        self.is_cut = self.is_cut || (self.is_over)(self.pending.len());
+        self.left = if self.is_cut { 1 } else { self.at_once };
+        self.is_cut
+    }
+}
+
+impl Default for Memory<'_> {
+    /// Returns a memory whose secondary rays are all traced.
+    fn default() -> Self {
+        Self::until(&|_| false, 0)
+    }
 }
 
 impl<H: Hints> Tracer<'_, H> {

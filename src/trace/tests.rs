@@ -56,7 +56,11 @@ impl Setting {
             triangle: None,
         };
         let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
-        Tracer::new(&caster, self.effects).color_of(&ray, Some(&surface), &mut Memory::default(), &mut Quiet)
+        let (tracer, memory, mut color) =
+            (Tracer::new(&caster, self.effects), &mut Memory::default(), Color::ZERO);
+        let surface = Some(&surface);
+        dispatch!(caster.level, simd => tracer.set_color(simd, &mut color, &ray, surface, memory, &mut Quiet));
+        color
     }
 }
 

@@ -64,11 +64,10 @@ fn is_transmitted(object: &Object, index: f64, ray: &Ray) -> Option<bool> {
     scene.materials = vec![Material::Phong(Phong { diffuse: Color::ZERO, ..glass })];
     let world = World::new(&scene, &[]).expect("a valid scene");
     let caster = Caster::new(&world, None).expect("no grid");
-    let hit = caster.closest(ray, &mut Quiet)?;
-    let surface = world.surface(ray, &hit);
+    caster.closest(ray, &mut Quiet)?;
     let effects = Effects { bounces: 1, shade_back: true, ..Effects::default() };
     let mut counts = Counts::default();
-    Tracer::new(&caster, effects).color_of(ray, Some(&surface), &mut Memory::default(), &mut counts);
+    Tracer::new(&caster, effects).color(ray, &mut Memory::default(), &mut counts);
     Some(counts.non_shadow_rays > 0)
 }
 

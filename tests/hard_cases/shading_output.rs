@@ -163,7 +163,7 @@ fn case_63_threads() {
 
 /// The film's mean of a pixel's samples.
 fn film_mean(values: &[f64]) -> f64 {
-    let mut film = Film::new(Filter::PIXEL, [1, 1]);
+    let mut film = Film::new(Filter::PIXEL, [1, 1], 0);
     let mut spread = Spread::new(Filter::PIXEL, instructions::available()[0], 0, [1, 1]);
     values.iter().for_each(|&v| spread.add(0, DVec2::ZERO, DVec3::splat(v), 1.0));
     let mut mean = f64::NAN;

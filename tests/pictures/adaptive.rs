@@ -8,7 +8,6 @@ use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::load::{self, LoadedScene};
-use raytracer::stats::Counts;
 use raytracer::trace::{Effects, Shadows};
 use std::fmt::Write;
 use std::ops::ControlFlow;
@@ -64,9 +63,9 @@ fn rendered(renderer: &Renderer, request: &Request) -> (Vec<Color>, f64) {
         colors.extend_from_slice(row);
         ControlFlow::Continue(())
     };
-    let counts: Counts =
+    let rendered =
         prepared.render_rows(request, &|_| ControlFlow::Continue(()), &mut take_row).expect("a picture");
-    (colors, counts.non_shadow_rays as f64 / (SIDE * SIDE) as f64)
+    (colors, rendered.counts.non_shadow_rays as f64 / (SIDE * SIDE) as f64)
 }
 
 /// The root mean square of the difference of pictures, in levels.

@@ -9,11 +9,10 @@ use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Camera;
 use raytracer::scene::load;
-use raytracer::stats::Counts;
 use raytracer::trace::{Effects, Shadows};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 const SIZE: [usize; 2] = [46, 34];
 
@@ -76,13 +75,13 @@ fn neither_grid_nor_counting_nor_threads_change_a_number() {
     let expected = glass().prepare(&request()).expect("no grid").render(&request()).expect("small pictures");
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let renderer = glass().on_threads(Arc::new(pool));
+        let renderer = glass();
         let grids = [Resolution::Auto, Resolution::Cells([6, 6, 6])].map(Structure::Grid);
         for structure in [Structure::List, grids[0], grids[1]] {
             for tracing in [Tracing::Fast, Tracing::Counted] {
                 let request = Request { structure, tracing, ..request() };
-                let prepared = renderer.prepare(&request).expect("a small grid");
-                assert!(prepared.render(&request).expect("small pictures") == expected);
+                let prepared = pool.install(|| renderer.prepare(&request)).expect("a small grid");
+                assert!(pool.install(|| prepared.render(&request)).expect("small pictures") == expected);
             }
         }
     }
@@ -145,7 +144,7 @@ fn progress_counts_every_row_once() {
         rows[layer] += 1;
         ControlFlow::Continue(())
     };
-    let counts: Counts = prepared.render_rows(&request, &watch, &mut take_row).expect("all rows");
+    let counts = prepared.render_rows(&request, &watch, &mut take_row).expect("all rows").counts;
     let mut done: Vec<usize> = told.into_inner().expect("no panic").iter().map(|p| p.done).collect();
     done.sort_unstable();
     assert_eq!(done, (1..=20).collect::<Vec<_>>());

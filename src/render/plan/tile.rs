@@ -3,7 +3,6 @@
 use super::{Band, Planner};
 use crate::picture::Color;
 use crate::render::row::Looked;
-use crate::render::tally::{Tally, in_parallel};
 use crate::render::tracing::PictureTracer;
 use crate::sampling::adaptive::{BRIGHTEST, Contents, Line, beyond, finite};
 use crate::sampling::allotment::{Find, Known, Tested, gain, own_and_random_error};
@@ -19,7 +18,6 @@ pub struct Tile<'t, 'a> {
     tracer: &'t PictureTracer<'t>,
     columns: Range<usize>,
     band: &'t mut Band,
-    tally: &'t Tally<'t>,
     corners: Vec<Corners>,
 }
 
@@ -43,14 +41,29 @@ const LEAST_GAIN: f64 = 1.0 / 16.0;
 /// Plans are tested if the tests may save this part of the samples.
 const WORTH_TESTING: f64 = 0.25;
 
-/// Returns the results of `work` for all rows, or `None` if the watch cancels the render.
-fn of_rows<T: Send>(
-    rows: &Range<usize>,
-    tally: &Tally,
-    work: impl Fn(usize) -> Option<T> + Sync,
-) -> Option<Vec<T>> {
-    let work = |j| if tally.asks(0) { None } else { work(j) };
-    in_parallel(rows.clone(), tally, work).into_iter().collect()
+/// Casts rays through the points of each line, and returns the colours. Lines are rows of the band, and the line after
+/// the last one, whose points belong to the last row. Returns `None` if the watch cancels the render.
+fn cast(
+    tracer: &PictureTracer,
+    band: &mut Band,
+    lines: Range<usize>,
+    places: impl Fn(usize) -> Places + Sync,
+) -> Option<Vec<(Places, Vec<Color>)>> {
+    let last = band.rows.end - 1;
+    let look = |line: usize| {
+        if tracer.tally.asks(0) {
+            return None;
+        }
+        let places = places(line);
+        Some((tracer.look(line.min(last), places.iter().copied())?, places))
+    };
+    let looked = tracer.tally.in_parallel(lines.clone(), look);
+    let count = |(line, looked): (usize, Option<(Looked, Places)>)| {
+        let (looked, places) = looked?;
+        band.add_counts(line.min(last), &looked, places.iter().map(|place| place.0));
+        Some((places, looked.colors))
+    };
+    lines.zip(looked).map(count).collect()
 }
 
 impl<'t, 'a> Tile<'t, 'a> {
@@ -61,28 +74,20 @@ impl<'t, 'a> Tile<'t, 'a> {
         tracer: &'t PictureTracer<'t>,
         columns: &Range<usize>,
         band: &'t mut Band,
-        tally: &'t Tally<'t>,
     ) -> Option<Self> {
-        // The last corners belong to the last pixels.
-        let of_corner = |k: usize, pixels: &Range<usize>| k.min(pixels.end - 1);
-        let rows = band.rows.clone();
-        let all = rows.start..rows.end + 1;
-        let looked = of_rows(&all, tally, |j| {
-            let row = of_corner(j, &rows);
-            let places = (columns.start..=columns.end).map(|corner| {
-                let column = of_corner(corner, columns);
-                (column, DVec2::new((corner - column) as f64, (j - row) as f64) - 0.5)
-            });
-            tracer.look(row, places)
+        let (rows, last) = (band.rows.clone(), columns.end - 1);
+        let corners = cast(tracer, band, rows.start..rows.end + 1, |line| {
+            // The last corners belong to the last pixels.
+            let up = (line - line.min(rows.end - 1)) as f64;
+            let corner = |k: usize| (k.min(last), DVec2::new((k - k.min(last)) as f64, up) - 0.5);
+            (columns.start..=columns.end).map(corner).collect()
         })?;
         let most = Vec3A::splat(if planner.request.has_floats { f32::MAX } else { BRIGHTEST });
-        let row = |(j, looked): (usize, Looked)| {
-            let columns = (columns.start..=columns.end).map(|corner| of_corner(corner, columns));
-            band.add_counts(of_corner(j, &rows), &looked, columns);
-            Corners::new(looked.colors.into_iter().map(|color| finite(color).min(most)).collect())
+        let row = |(_, colors): (Places, Vec<Color>)| {
+            Corners::new(colors.into_iter().map(|color| finite(color).min(most)).collect())
         };
-        let corners = all.zip(looked).map(row).collect();
-        Some(Self { planner, tracer, columns: columns.clone(), band, tally, corners })
+        let corners = corners.into_iter().map(row).collect();
+        Some(Self { planner, tracer, columns: columns.clone(), band, corners })
     }
 
     /// Returns the number of samples of each pixel, row by row, or `None` if the watch cancels the render.
@@ -141,19 +146,12 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Casts rays through the points of each row, and returns their pixels and colours.
     fn cast(&mut self, places: impl Fn(usize) -> Places + Sync) -> Option<Vec<(usize, Color)>> {
-        let (tracer, rows) = (self.tracer, self.band.rows.clone());
-        let look = |j| {
-            let places = places(j);
-            Some((tracer.look(j, places.iter().copied())?, places))
-        };
-        let mut seen = vec![];
-        for (j, (looked, places)) in rows.clone().zip(of_rows(&rows, self.tally, look)?) {
-            self.band.add_counts(j, &looked, places.iter().map(|place| place.0));
-            let first = (j - rows.start) * self.columns.len();
-            let pixels = places.iter().map(|place| first + place.0 - self.columns.start);
-            seen.extend(pixels.zip(looked.colors));
-        }
-        Some(seen)
+        let (start, width) = (self.columns.start, self.columns.len());
+        let rows = cast(self.tracer, self.band, self.band.rows.clone(), places)?;
+        let seen = rows.into_iter().enumerate().flat_map(|(row, (places, colors))| {
+            places.into_iter().zip(colors).map(move |(place, color)| (row * width + place.0 - start, color))
+        });
+        Some(seen.collect())
     }
 
     /// Returns the squared distance of a colour from the range of the colours at its pixel's corners.
@@ -167,8 +165,9 @@ impl<'t, 'a> Tile<'t, 'a> {
     /// Estimates the contents of the pixels, by the corners and by rays to small things.
     fn contents(&mut self) -> Option<Vec<Contents>> {
         let (rows, width) = (self.band.rows.clone(), self.columns.len());
-        let by_corners = of_rows(&(0..rows.len()), self.tally, |row| Some(contents(&self.corners, row)))?;
-        let mut contents = by_corners.concat();
+        let by_corners =
+            self.tracer.tally.in_parallel(0..rows.len(), |row| Some(contents(&self.corners, row)));
+        let mut contents = by_corners.into_iter().collect::<Option<Vec<_>>>()?.concat();
         let (specks, columns) =
             (self.planner.small_things.specks(&self.columns, &rows), self.columns.clone());
         let seen = self.cast(|j| {

@@ -23,14 +23,14 @@ pub(super) fn plots(request: &Request, is_shown: bool) -> Vec<(usize, usize)> {
 impl Painter<'_> {
     /// Adds the measurements at the centres of adjacent pixels to the layers.
     pub(super) fn measure(&mut self, centers: &[Sample]) {
-        let first = centers.first().map_or(0, |center| center.source.column);
+        let first = centers.first().map_or(0, |center| center.column);
         let place = |column: usize| column.saturating_sub(first).min(centers.len());
         let shown = &centers[place(self.shown.start)..place(self.shown.end)];
         let world = self.tracer.caster.world;
         let t = |center: &Sample| Some(world.hit(&center.ray, center.visible?).t);
         let normal = |center: &Sample| center.surface.map_or(DVec3::ZERO, |surface| surface.normal);
         let MeasureColors { depths, normals } = world.measure_colors;
-        for (layer, colors) in self.request.layers.iter().zip(&mut self.row.layers) {
+        for (layer, colors) in self.tracer.request.layers.iter().zip(&mut self.row.layers) {
             match *layer {
                 Layer::Depth { near, far } => {
                     let grey = |t: f64| depths.grey(t, [near, far]);
@@ -67,13 +67,36 @@ impl Painter<'_> {
             return;
         }
         for &(k, zoom) in &self.plots {
-            let enlarged = |base: usize, offset: f64| {
-                let coordinate = ((base as f64 + 0.5 + offset) * zoom as f64) as usize;
-                coordinate.clamp(base * zoom, base * zoom + zoom - 1)
-            };
-            let x = enlarged(i, offset.x) - self.shown.start * zoom;
-            let y = enlarged(self.row.j, offset.y) - self.row.j * zoom;
+            let x = (i - self.shown.start) * zoom + enlarged(i, offset.x, zoom);
+            let y = enlarged(self.row.j, offset.y, zoom);
             self.row.layers[k][y * self.shown.len() * zoom + x] = color;
         }
+    }
+}
+
+/// Returns the place of a sample in its enlarged pixel, along one axis.
+fn enlarged(pixel: usize, offset: f64, zoom: usize) -> usize {
+    let place = ((pixel as f64 + 0.5 + offset) * zoom as f64) as usize;
+    place.clamp(pixel * zoom, pixel * zoom + zoom - 1) - pixel * zoom
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sample whose position is rounded to the next pixel, or lies on the border, is plotted in its own pixel.
+    #[test]
+    fn a_sample_is_plotted_within_its_pixel() {
+        let offset = 0.5f64.next_down();
+        assert_eq!(5.5 + offset, 6.0);
+        assert_eq!([-0.5, 0.0, offset].map(|offset| enlarged(5, offset, 4)), [0, 2, 3]);
+    }
+
+    #[test]
+    fn rows_beside_the_strip_plot_no_samples() {
+        let request =
+            |zoom| Request { layers: vec![Layer::Color, Layer::Samples { zoom }], ..Request::new([9, 9]) };
+        assert_eq!(plots(&request(3), true), [(1, 3)]);
+        assert_eq!(plots(&request(3), false), []);
     }
 }

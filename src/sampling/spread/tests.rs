@@ -18,7 +18,7 @@ fn a_sample_counts_by_its_distance_from_each_pixel_s_centre() {
             // The support is two pixels along each axis.
             let weight = if column <= 3 { filter.weight(position) } else { 0.0 };
             let mut expected = Sum::default();
-            expected.add(weight, Color::splat(2.0));
+            expected.add(weight, Color::splat(2.0), 1.0);
             assert_eq!(*sum, expected, "{column} {row}");
         }
     }
@@ -60,7 +60,7 @@ fn check_row(filter: Filter, sampler: Sampler, row: usize, size: [usize; 2], exc
                     samples.iter().enumerate().filter(|(_, s)| reached(target_column, s.0))
                 {
                     let weight = weight_for([target_column, target_row], filter, [*x, row], *offset);
-                    expected.add(weight * area(k), color(k, exceptions));
+                    expected.add(weight * area(k), color(k, exceptions), 1.0);
                 }
                 assert_eq!(sum.bits(), expected.bits(), "{filter:?} {sampler:?} {size:?} {target_column}");
             }

@@ -70,8 +70,7 @@ impl<'a> Original<'a> {
         let (layers, tracing, draws_cells) = (vec![layer], Tracing::Fast, false);
         let request = Request { layers, tracing, draws_cells, structure, window: None, ..request.clone() };
         // The tracer casts all rays, even those that the renderer can skip.
-        let rays = request.camera_rays();
-        let prepared = renderer.prepare_as(structure, Rays::cast(rays), Tracing::Fast).ok()?;
+        let prepared = renderer.prepare_for(&request, Rays::cast(request.camera_rays())).ok()?;
         let colors = rendered(&prepared, &request, watch)?;
         Some(Self { prepared, watch, request, colors })
     }

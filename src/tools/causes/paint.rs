@@ -33,7 +33,7 @@ pub fn colors(
     let camera = &renderer.camera(request);
     let MeasureColors { depths, normals } = renderer.scene.measure_colors;
     let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
-    renderer.on_own_threads(|| match request.layers.first() {
+    match request.layers.first() {
         Some(&Layer::Depth { near, far }) => {
             let grey = |(t, _)| Color::splat(depths.grey(t, [near, far]));
             let depth = |ray: &Ray| student.seen(ray).map_or(Color::ZERO, grey);
@@ -44,7 +44,7 @@ pub fn colors(
             paint(camera, &centers(), shift, &|ray| normals.color(normal(ray)), is_over)
         }
         _ => paint(camera, request, shift, &|ray| student.color(ray), is_over),
-    })
+    }
 }
 
 /// The number of rows painted at a time. They are kept until the film has taken them.
@@ -85,7 +85,7 @@ pub fn paint(
     let mut picture = FloatPicture::with_room(request.window_size())?;
     let in_progress = ROWS.min(traced_rows.len()) * Spread::bytes(filter, size);
     memory::ask(in_progress as u64).map_err(|_| BadSize { width: columns.len(), height: rows.len() })?;
-    let mut film = Film::starting_at(filter, size, traced_rows.start);
+    let mut film = Film::new(filter, size, traced_rows.start);
     for start in traced_rows.clone().step_by(ROWS) {
         let spreads: Vec<_> = (start..traced_rows.end.min(start + ROWS)).into_par_iter().map(row).collect();
         for spread in spreads {

@@ -76,7 +76,7 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Speckle
             let ray = camera.ray(pixel, DVec2::ZERO);
             !original.is_cancelled() && is_made(student, &ray, colors(a)[at], rays)
         };
-        renderer.on_own_threads(|| looked_at.par_iter().filter(is_made).count()) as f64
+        looked_at.par_iter().filter(is_made).count() as f64
     };
     let found = count(SelfHitting::All);
     let min_share = if differing.mixed < MIXED { MIN_SHARE_OF_DENSE } else { MIN_SHARE };

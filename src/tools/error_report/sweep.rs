@@ -222,7 +222,7 @@ impl Sweep<'_> {
             bench_watch(SweepProgress { share: (done + part * work) / all, doing })
         };
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
-            Ok(counts) => Ok(Some((picture, counts.rays()))),
+            Ok(rendered) => Ok(Some((picture, rendered.counts.rays()))),
             Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
             Err(Stopped::Rays) => Err(Stopped::Rays.into()),
             Err(Stopped::Memory(_)) => {

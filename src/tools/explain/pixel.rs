@@ -63,7 +63,7 @@ impl Explainer<'_, '_> {
                     if stop.is_over() {
                         return Err(Diagnostic::error("the rays behind the pixel take too long"));
                     }
-                    row_sum.add_for(weight, color, part);
+                    row_sum.add(weight, color, part);
                     room -= rays.len();
                     lines = lines.saturating_sub(rays.iter().map(RayNode::lines).sum());
                     tree.left_out.rays += left_out.rays;
