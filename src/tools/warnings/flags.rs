@@ -32,24 +32,14 @@ pub fn sampling_without_effect(request: &Request) -> Vec<Diagnostic> {
 
 /// Warns about an edition's flags that affect colours, if the request shows no colours.
 pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Diagnostic> {
-    let Request { effects, sampler, adaptive, filter, .. } = *request;
+    let Request { effects, sampler, filter, .. } = *request;
     let Effects { shadows, shade_back, bounces, min_weight } = effects;
-    let samples = match (adaptive, sampler.pattern()) {
-        (Some(adaptive), _) => Some(format!("-adaptive_samples {} {}", adaptive.most, adaptive.error)),
-        (None, Pattern::Displaced) => Some("-jitter".into()),
-        (None, Pattern::Uniform) if sampler.is_center() => None,
-        (None, pattern) => Some(format!("-{} {}", pattern.flag(edition), sampler.count())),
-    };
     let flags = [
         shade_back.then(|| "-shade_back".into()),
-        match shadows {
-            Shadows::None => None,
-            Shadows::Opaque => Some("-shadows".into()),
-            Shadows::Transparent => Some("-transparent_shadows".into()),
-        },
+        shadows.flag().map(str::to_owned),
         (bounces > 0).then(|| format!("-bounces {bounces}")),
         (min_weight != edition.default_weight()).then(|| format!("-weight {min_weight}")),
-        samples,
+        (!sampler.is_center()).then(|| request.samples_flag(edition)),
         sampler.rng().seed().map(|seed| format!("-seed {seed}")),
         (filter != Filter::PIXEL && !shows_filter(request)).then(|| filter.flag()),
     ];

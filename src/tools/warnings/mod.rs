@@ -52,7 +52,6 @@ enum Warning {
     },
     NarrowFilter {
         flag: String,
-        lost: String,
         wide_enough: String,
     },
 }
@@ -95,10 +94,10 @@ impl From<Warning> for Diagnostic {
                     "the material transmits light, but without `-shade_back` it is black from inside";
                 located(at, message.into()).with_hint("add `-shade_back`")
             }
-            Warning::NarrowFilter { flag, lost, wide_enough } => {
-                Self::warning(format!("`{flag}` is too narrow for the samples: {lost}"))
-                    .with_hint(format!("`{wide_enough}` is wide enough"))
-            }
+            Warning::NarrowFilter { flag, wide_enough } => Self::warning(format!(
+                "`{flag}` is too narrow: pixels whose samples have no weight, or weights that nearly cancel, are wrong"
+            ))
+            .with_hint(format!("`{wide_enough}` is wide enough")),
         }
     }
 }
