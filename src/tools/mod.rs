@@ -6,6 +6,7 @@
 mod embedded;
 pub mod warnings;
 pub mod compare;
+#[doc(hidden)]
 pub mod explain;
 pub mod causes;
 pub mod grade;

@@ -44,6 +44,7 @@ impl Explainer<'_, '_> {
             pixel: [x, y],
             has_grid: self.prepared.cells().is_some(),
             highlight: scene.lighting.highlight,
+            has_cube_map: scene.cube_map.is_some(),
             samples: vec![],
             more_samples: 0,
             left_out: LeftOut::default(),

@@ -7,7 +7,6 @@ use super::tree::{CloseCall, CloseCallKind, Crossing, LeftOut, Lighting, NotFoll
 use crate::math::ray::{Hit, Ray};
 use crate::picture::Color;
 use crate::scene::material::Phong;
-use crate::scene::texels::{FACES, face};
 use crate::stats::{Counts, Probe};
 use crate::trace::{Event, Observer, is_critical};
 use crate::world::SurfacePoint;
@@ -43,7 +42,6 @@ impl RayNode {
             hit: None,
             counts: Counts::default(),
             surface: None,
-            cube_face: None,
             color: Color::ZERO,
             ends: vec![],
             children: vec![],
@@ -116,8 +114,6 @@ impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
         let counts = std::mem::take(&mut self.counts);
         let Some(node) = self.node() else { return };
         (node.hit, node.counts) = (hit, counts);
-        let has_map = explainer.prepared.renderer().scene.cube_map.is_some();
-        node.cube_face = (has_map && hit.is_none()).then(|| FACES[face(node.ray.direction).0]);
         if !stop.is_over() {
             let sees = hit.map(|hit| (hit.primitive, hit.t));
             node.close_calls = explainer.close_calls(&node.ray, node.leaves, sees);
