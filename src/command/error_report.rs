@@ -14,7 +14,7 @@ use raytracer::image_io::{check_distinct, put_in_place};
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::tools::error_report::{
-    Answer, Bench, Setting, SweepProgress, USUAL_TARGETS, csv, measure, page, separate, text,
+    Answer, Bench, Setting, SweepProgress, USUAL_TARGETS, csv, measure, page, text,
 };
 use raytracer::tools::warnings::no_lights;
 use std::fs;
@@ -100,7 +100,7 @@ fn command(options: &Options, setting: &Setting) -> Vec<String> {
     if setting.edition != Edition::default() {
         words.push(format!("-edition {}", setting.edition));
     }
-    words.extend(separate(&setting.flags().unwrap_or_default()));
+    words.extend(setting.flags().unwrap_or_default());
     words.extend(options.sampler.rng().seed().map(|seed| format!("-seed {seed}")));
     words
 }

@@ -22,7 +22,7 @@ pub use csv::csv;
 pub(crate) use numerical::single::SinglePrecision;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
-pub use setting::{Axis, SamplingKind, Setting, separate};
+pub use setting::{Axis, SamplingKind, Setting};
 pub use sweep::{Bench, SweepProgress, measure};
 pub use text::text;
 

@@ -1,6 +1,5 @@
 //! Writes a report for a terminal of 100 columns: the answer first, then the Pareto front.
 
-use super::setting::separate;
 use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
 use crate::base::shell::Shell;
 use crate::stats::RULE;
@@ -78,7 +77,8 @@ fn add_front(lines: &mut Vec<String>, report: &ErrorReport) {
 
 fn add_row(lines: &mut Vec<String>, start: &str, one: &Measurement) {
     let start = format!("{start} {:>9.5} {:>8.3}  ", one.least(), one.error);
-    let flags = separate(&one.setting.label_with_filter());
+    let mut flags = one.setting.label_parts();
+    flags.insert(1, one.setting.request.filter.flag());
     lines.extend(wrapped(&flags, &start, &" ".repeat(start.len()), ""));
 }
 
