@@ -48,19 +48,6 @@ impl RayNode {
             close_calls: vec![],
         }
     }
-
-    /// Notes an event that concerns this ray alone.
-    fn note(&mut self, event: Event) {
-        match event {
-            Event::NotFollowed { kind, end } => self.ends.push(NotFollowed { kind, end }),
-            Event::Refracting { direction, normal, indices } if is_critical(direction, normal, indices) => {
-                self.close_calls.insert(0, CloseCall::of(CloseCallKind::Critical));
-            }
-            Event::Ambient(color) => self.surface.iter_mut().for_each(|it| it.ambient = Some(color)),
-            Event::Shaded(color) => self.color = color,
-            _ => {}
-        }
-    }
 }
 
 impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
@@ -201,11 +188,19 @@ impl Observer for Recorder<'_, '_, '_> {
             Event::Light { incident, cosine, passed, parts } => {
                 self.light(Lighting { incident, cosine, passed, parts, shadow: None });
             }
-            event => {
-                if let Some(node) = self.node() {
-                    node.note(event);
-                }
+            Event::NotFollowed { kind, end } => {
+                self.node().into_iter().for_each(|node| node.ends.push(NotFollowed { kind, end }));
             }
+            Event::Refracting { direction, normal, indices } if is_critical(direction, normal, indices) => {
+                let call = CloseCall::of(CloseCallKind::Critical);
+                self.node().into_iter().for_each(|node| node.close_calls.insert(0, call.clone()));
+            }
+            Event::Refracting { .. } => {}
+            Event::Ambient(color) => {
+                let surface = self.node().and_then(|node| node.surface.as_mut());
+                surface.into_iter().for_each(|surface| surface.ambient = Some(color));
+            }
+            Event::Shaded(color) => self.node().into_iter().for_each(|node| node.color = color),
         }
     }
 }

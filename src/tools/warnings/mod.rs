@@ -8,10 +8,7 @@ mod flags;
 mod scene;
 mod view;
 
-pub use filter::narrow_filter;
-pub use flags::{
-    black_inside, colors_not_asked_for, rays_not_followed, rays_without_effect, sampling_without_effect,
-};
+pub use flags::{about_colors, colors_not_asked_for};
 pub use scene::{lights_without_effect, no_lights, triangles_without_area};
 pub use view::nothing_visible;
 
