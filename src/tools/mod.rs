@@ -10,5 +10,6 @@ pub mod compare;
 pub mod explain;
 pub mod causes;
 pub mod grade;
+#[doc(hidden)]
 pub mod error_report;
 pub mod standard_error;

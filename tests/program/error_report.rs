@@ -153,9 +153,7 @@ fn the_target_is_answered_first_by_a_command_line_to_copy() {
     assert_eq!(lines[1], "SPEED AGAINST ERROR");
     assert!(lines[2].starts_with("  an RMSE of 12 is reached in "), "{}", lines[2]);
     let (seconds, error) = (number_after(lines[2], " in "), number_after(lines[2], "with "));
-    let end = 4 + lines[3..].iter().position(|line| !line.ends_with('\\')).unwrap();
-    let command = lines[3..end].iter().map(|line| line.trim_end_matches('\\').trim());
-    let command = command.collect::<Vec<_>>().join(" ");
+    let command = lines[3];
     let table = table(folder, "r/report.csv");
     let column = |name: &str| table[0].iter().position(|other| other == name).unwrap();
     let [flags, time, rmse] = ["flags", "CPU seconds least", "RMSE in levels"].map(column);

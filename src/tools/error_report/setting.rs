@@ -9,21 +9,15 @@ use crate::trace::Effects;
 /// The kinds of sampling. Each has its own curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplingKind {
-    /// `-random_samples`.
     Random,
-    /// `-uniform_samples`.
     Uniform,
-    /// `-jittered_samples`.
     Jittered,
-    /// `-adaptive_samples`.
     Adaptive,
 }
 
 impl SamplingKind {
-    /// All kinds of sampling.
     pub const ALL: [Self; 4] = [Self::Random, Self::Uniform, Self::Jittered, Self::Adaptive];
 
-    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -37,18 +31,15 @@ impl SamplingKind {
 /// The parameter that a setting varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
-    /// The samples.
     Samples,
     /// Fewer bounces, or a larger weight.
     Secondary,
-    /// Fewer octaves of noise.
     Octaves,
     /// Another acceleration structure, which must not change the picture.
     Structure,
 }
 
 impl Axis {
-    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Samples => "samples",
@@ -62,7 +53,6 @@ impl Axis {
 /// A setting to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// The parameter that the setting varies.
     pub axis: Axis,
     /// The picture, with its samples, its filter, its effects and its acceleration structure.
     pub request: Request,
@@ -80,7 +70,6 @@ impl Setting {
         Self { axis: Axis::Samples, request, octaves: None, edition }
     }
 
-    /// Returns the kind of sampling.
     pub fn kind(&self) -> SamplingKind {
         match self.request.sampler.pattern() {
             _ if self.request.adaptive.is_some() => SamplingKind::Adaptive,
@@ -132,7 +121,6 @@ impl Setting {
         self.octaves.is_none().then_some(flags)
     }
 
-    /// Returns the flag for the samples.
     pub(super) fn samples_flag(&self) -> String {
         self.request.samples_flag(self.edition)
     }

@@ -19,9 +19,7 @@ use single::SinglePrecision;
 pub struct Numerical {
     /// The size of the part of the picture traced, in pixels.
     pub size: [usize; 2],
-    /// The number of jittered samples per pixel.
     pub samples: u32,
-    /// The errors of this program.
     pub program: Departure,
     /// The errors of a textbook's tracer in single precision.
     pub single: Departure,
