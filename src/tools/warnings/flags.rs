@@ -90,15 +90,19 @@ fn about_rays(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Di
         let why = " in this edition: surfaces look the same from both sides";
         found.push(without_effect("-shade_back", why));
     }
-    let not_followed = || used.iter().find(|it| it.reflected > 0.0 || it.refracted > 0.0);
-    let black = || used.iter().find(|it| it.refracted > min_weight);
-    let lacks = match bounces {
-        0 if says_no_bounces => None,
-        0 => not_followed().map(|it| Warning::NotFollowed { at: it.at, is_transparent: it.refracted > 0.0 }),
-        _ if shade_back || is_two_sided => None,
-        _ => black().map(|it| Warning::BlackInside { at: it.at }),
-    };
-    found.extend(lacks.map(Diagnostic::from));
+    if bounces == 0
+        && !says_no_bounces
+        && let Some(it) = used.iter().find(|it| it.reflected > 0.0 || it.refracted > 0.0)
+    {
+        let warning = Warning::NotFollowed { is_transparent: it.refracted > 0.0 };
+        found.push(Diagnostic::from(warning).at(it.at));
+    }
+    if bounces > 0
+        && !(shade_back || is_two_sided)
+        && let Some(it) = used.iter().find(|it| it.refracted > min_weight)
+    {
+        found.push(Diagnostic::from(Warning::BlackInside).at(it.at));
+    }
     found
 }
 
