@@ -338,7 +338,7 @@ mod tests {
     use crate::math::ray::Ray;
     use crate::picture::CHANNELS;
     use crate::shading::light::Incident;
-    use crate::tools::explain::LeftOut;
+    use crate::tools::explain::tree::LeftOut;
 
     #[test]
     fn nine_digits_are_shown_and_none_that_says_nothing() {

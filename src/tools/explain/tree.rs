@@ -184,27 +184,21 @@ pub struct MaterialPart {
     pub phong: Phong,
 }
 
-/// The kind of a close call.
+/// The kind of a close call, which the sentences of [`CloseCall`] describe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CloseCallKind {
-    /// The ray passes an edge of a triangle within the error bound of its edge function.
     Edge,
-    /// The ray is tangent to a sphere or an ellipsoid.
     Tangent,
-    /// The ray is parallel to a plane.
     Parallel,
-    /// The ray hits something at the same distance as the visible hit.
+    /// Something else is at the distance of the visible hit.
     SameT,
-    /// The ray hits something at its origin.
+    /// Something is at the ray's origin.
     Start,
-    /// The ray hits something at the light.
+    /// Something is at the light.
     End,
-    /// The cosine between a normal and a direction is about 0.
     Cosine,
-    /// The point lies on a boundary between a checkerboard's squares.
     Boundary,
-    /// The ray hits a surface at the critical angle of total internal reflection.
     Critical,
 }
 
