@@ -27,11 +27,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     let scene = &loaded.scene;
     let mut found = std::mem::take(&mut loaded.warnings);
     found.extend(loaded.choice.remark());
-    let no_lights = warnings::no_lights(scene);
-    found.extend(match options.strict {
-        true => no_lights.map(|_| Diagnostic::error("the scene has no lights")),
-        false => no_lights,
-    });
+    found.extend(warnings::no_lights(scene));
     if asks_for_nothing(options) {
         found.push(Diagnostic::warning("nothing is written: add `-output file.tga`"));
     }

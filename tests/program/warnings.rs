@@ -374,7 +374,7 @@ fn strict_takes_each_for_an_error_and_writes_nothing() {
     assert_eq!(message, "error: nothing is written: add `-output file.tga`\n");
     folder.write("s.txt", sphere().replace(LIGHT, ""));
     let message = folder.run("-input s.txt -output o.tga -strict").message(1);
-    assert_eq!(message, "error: the scene has no lights\n");
+    assert_eq!(message, "error: No lights specified\n");
 }
 
 #[test]
