@@ -6,7 +6,7 @@ use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::diagnostic::Diagnostic;
-use crate::picture::{BadSize, Color, FloatPicture, Picture};
+use crate::picture::{Color, FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Progress, Request, Stopped};
 use crate::sampling::filter::Filter;
@@ -214,11 +214,7 @@ impl Sweep<'_> {
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
             Ok(counts) => Ok(Some((picture, counts.rays()))),
             Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
-            Err(Stopped::Rays) => Err(Stopped::Rays.into()),
-            Err(Stopped::Memory(_)) => {
-                let [width, height] = request.window_size();
-                Err(BadSize { width, height }.into())
-            }
+            Err(stopped) => Err(stopped.into()),
         }
     }
 }

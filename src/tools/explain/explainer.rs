@@ -145,20 +145,21 @@ impl<'p, 'r> Explainer<'p, 'r> {
                 caster.nearest(&shadow.ray, RayOrigin::on(world, Some(leaves)), &mut Counts::default())?;
             Some(world.hit(&shadow.ray, visible))
         };
-        let first = shadow.crossed.first().map(|crossing| crossing.hit).or_else(nearest);
-        let sees = first.map(|hit| (hit.primitive, hit.t));
+        let sees = shadow.crossed.first().map(|crossing| crossing.hit).or_else(nearest);
         shadow.close_calls = self.close_calls(&shadow.ray, Some(leaves), sees);
         if shadow.crossed.is_empty() {
             // A light on a surface is behind it, even if rounding lets the ray miss the surface.
-            let at_light =
-                world.primitives_at_light(light).first().map(|place| (place.primitive, shadow.ray.t_max));
-            let blocker = sees.or(at_light);
-            shadow.blocker = blocker.map(|(primitive, t)| LightBlocker { object: self.object(primitive), t });
+            let at_light = || {
+                let place = world.primitives_at_light(light).first()?;
+                Some(Hit { primitive: place.primitive, t: shadow.ray.t_max })
+            };
+            let blocker = |Hit { primitive, t }| LightBlocker { object: self.object(primitive), t };
+            shadow.blocker = sees.or_else(at_light).map(blocker);
         }
     }
 
-    /// Returns the close calls of a ray that leaves a primitive and first hits another one, at its t.
-    pub fn close_calls(&self, ray: &Ray, leaves: Option<u32>, sees: Option<(u32, f64)>) -> Vec<CloseCall> {
+    /// Returns the close calls of a ray that leaves a primitive and first hits another one.
+    pub fn close_calls(&self, ray: &Ray, leaves: Option<u32>, sees: Option<Hit>) -> Vec<CloseCall> {
         let close = close_primitives(self.prepared.caster().world, ray, leaves, sees);
         close.into_iter().map(|(kind, id)| CloseCall { kind, object: self.object(id) }).collect()
     }

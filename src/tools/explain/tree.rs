@@ -66,14 +66,9 @@ pub struct RayNode {
     pub kind: Option<Secondary>,
     pub bounces: usize,
     pub ray: Ray,
-    /// The primitive at its origin.
-    #[serde(skip)]
-    pub leaves: Option<u32>,
     /// The factor of its colour in the picture.
     pub filter: Color,
     pub weight: f64,
-    #[serde(skip)]
-    pub hit: Option<Hit>,
     pub counts: Counts,
     pub surface: Option<Surface>,
     pub color: Color,
