@@ -5,7 +5,8 @@
 //!
 //! Mitchell's filter is negative beyond 4/7 of its radius. If the weights nearly cancel, the pixel is far outside the
 //! range of its samples' colours. Colours between 0 and 1 give a pixel between (1 - M) / 2 and (1 + M) / 2, where M is
-//! the sum of |w| divided by |the sum of w|. The pixels in the picture's middle stand for all.
+//! the sum of |w| divided by |the sum of w|. It takes the samples of neighbouring pixels to compute it, so the pixels in the
+//! picture's middle stand for all.
 
 use super::Warning;
 use crate::diagnostic::Diagnostic;
@@ -23,7 +24,8 @@ const WIDE_ENOUGH: f64 = 3.0;
 const WIDE_ENOUGH_FOR_MANY: f64 = 2.0;
 /// The largest M without a warning.
 const MOST_CANCELLED: f64 = 2.0;
-/// The columns and rows in the middle of a picture that are examined for weights that cancel.
+/// The columns and rows in the middle of a picture that stand for all if the filter is Mitchell's, or if all pixels have
+/// the same samples.
 const EXAMINED: usize = 64;
 
 /// Warns about a filter that is too narrow for the samples.
@@ -63,7 +65,8 @@ fn is_too_narrow(request: &Request) -> bool {
     let support = filter.support();
     let near = |at: usize, end: usize| at.saturating_sub(support)..(at + support + 1).min(end);
     let examined = |all: Range<usize>| {
-        let count = if is_negative { EXAMINED } else { all.len() };
+        let is_part = is_negative || sampler.pattern() == Pattern::Uniform;
+        let count = if is_part { EXAMINED } else { all.len() };
         let start = all.start + all.len().saturating_sub(count) / 2;
         start..all.end.min(start + count)
     };
