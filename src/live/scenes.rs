@@ -40,8 +40,7 @@ impl OpenScene {
     }
 
     pub fn primitives(&self) -> usize {
-        let world = self.renderer.world();
-        world.finite_count() + world.planes.len()
+        self.renderer.world().ids().len()
     }
 }
 

@@ -38,8 +38,8 @@ pub fn close_primitives(
     sees: Option<Hit>,
 ) -> Vec<(CloseCallKind, u32)> {
     let search = Search { world, ray, sees, shear: Shear::new(ray) };
-    let count = world.finite_count() + world.planes.len();
-    (0..count as u32)
+    world
+        .ids()
         .filter(|&id| leaves != Some(id))
         .filter_map(|id| search.close_call(id).map(|kind| (kind, id)))
         .take(MAX_CLOSE_CALLS)

@@ -18,7 +18,7 @@ pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> 
     let renderer = prepared.renderer();
     let (world, at) = (renderer.world(), renderer.scene.positions.camera);
     let warning = |(why, hint)| Some(Diagnostic::from(Warning::NothingVisible { why, hint }).at(at));
-    if world.finite_count() == 0 && world.planes.is_empty() {
+    if world.ids().is_empty() {
         return warning((": the scene has no objects", None));
     }
     let centers =

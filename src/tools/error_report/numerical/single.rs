@@ -72,10 +72,6 @@ impl SinglePrecision<'_> {
         };
         ray.covers(t).then_some((t, normal))
     }
-
-    fn ids(&self) -> impl Iterator<Item = u32> {
-        0..(self.world.finite_count() + self.world.planes.len()) as u32
-    }
 }
 
 impl Hits for SinglePrecision<'_> {
@@ -85,7 +81,7 @@ impl Hits for SinglePrecision<'_> {
 
     fn nearest(&self, ray: &Ray, _: Option<u32>) -> Option<Visible> {
         let ray = SingleRay::new(ray);
-        let hits = self.ids().filter_map(|id| Some((self.hit(&ray, id)?.0, id)));
+        let hits = self.world.ids().filter_map(|id| Some((self.hit(&ray, id)?.0, id)));
         let (t, primitive) = hits.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
         Some(Visible { primitive, t_bound: t.into() })
     }
