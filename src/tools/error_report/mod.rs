@@ -1,7 +1,7 @@
 //! Speed against error: measures the cost and the error of each setting of the renderer for a scene.
 //!
-//! [`measure`] renders a reference and then one setting after the other. Its [`ErrorReport`] is written as [`text`] for
-//! a terminal, as a table ([`csv`]) and as a [`page`].
+//! [`measure`] renders a reference and then one setting after the other. Its [`ErrorReport`] is written as `text` for
+//! a terminal, as a table (`csv`) and as a `page`.
 //!
 //! The converged picture of the request is the reference. Filters give different pictures, so each setting is compared
 //! with the reference for its own filter. An [`Answer`] chooses among all settings of all filters.
