@@ -107,7 +107,7 @@ fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
     let renderer = Renderer::new(load(&path)?, Meshes::Kept)?;
     let (many, one) = (ThreadPoolBuilder::new().build()?, ThreadPoolBuilder::new().num_threads(1).build()?);
     let clock = || ProcessTime::now().as_duration();
-    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &|_| ControlFlow::Continue(()) };
+    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &|_, _| ControlFlow::Continue(()) };
     let own = Setting::new(options.request(), Edition::default());
     Ok(error_report::measure(&renderer, &own, bench, false)?)
 }

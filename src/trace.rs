@@ -46,6 +46,17 @@ pub enum Shadows {
     Transparent,
 }
 
+impl Shadows {
+    /// Returns the flag that asks for them.
+    pub fn flag(self) -> Option<&'static str> {
+        match self {
+            Self::None => None,
+            Self::Opaque => Some("-shadows"),
+            Self::Transparent => Some("-transparent_shadows"),
+        }
+    }
+}
+
 /// The effects that are modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Effects {

@@ -145,6 +145,11 @@ impl World {
         Ok(builder.finish())
     }
 
+    /// Returns the ids of all primitives.
+    pub fn ids(&self) -> Range<u32> {
+        0..(self.finite_count() + self.planes.len()) as u32
+    }
+
     /// Returns the number of primitives with finite bounds: all except the planes.
     pub fn finite_count(&self) -> usize {
         self.triangles.len() + self.shapes.len()

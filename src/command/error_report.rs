@@ -13,9 +13,7 @@ use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{check_distinct, put_in_place};
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
-use raytracer::tools::error_report::{
-    Answer, Bench, Setting, SweepProgress, USUAL_TARGETS, csv, measure, page, separate, text,
-};
+use raytracer::tools::error_report::{Answer, Bench, Setting, USUAL_TARGETS, csv, measure, page, text};
 use raytracer::tools::warnings::no_lights;
 use std::fs;
 use std::path::Path;
@@ -48,8 +46,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let clock = || ProcessTime::now().as_duration();
     signals.note_first();
     let line = ProgressLine::new(options.progress);
-    let watch = |progress: SweepProgress| {
-        line.show(|passed| told(progress, passed));
+    let watch = |share: f64, doing: &str| {
+        line.show(|passed| told(share, doing, passed));
         signals.goes_on()
     };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
@@ -60,12 +58,10 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
 
     // Report.
     let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
-    let command = |setting: &Setting| command(options, setting);
-    let asked_for = command(&own).join(" ");
-    let command = |setting: &Setting| [command(setting), vec!["-output picture.png".into()]].concat();
+    let writing = |setting: &Setting| command(options, setting) + " -output picture.png";
     let answers: Vec<Answer> =
-        targets.iter().filter_map(|&target| Answer::new(&report, target, command)).collect();
-    let page_file = page_file.text(&page(&report, &asked_for, &answers))?;
+        targets.iter().filter_map(|&target| Answer::new(&report, target, writing)).collect();
+    let page_file = page_file.text(&page(&report, &command(options, &own), &answers))?;
     let csv_file = csv_file.text(&csv(&report))?;
     if page_file.is_stream() || csv_file.is_stream() {
         // The signal that has ended the measurements does not end this.
@@ -76,20 +72,19 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
         log.tell(Diagnostic::note("stopped: the report has the measurements made so far"));
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
-    let text = text(&report, &answers, Shell::OF_SYSTEM);
+    let text = text(&report, &answers);
     Ok(Outcome { passes, ..Outcome::new(text, reporting.report_files(), options.progress) })
 }
 
 /// Formats the progress of a sweep after this time, and how long the rest takes at this speed.
-fn told(progress: SweepProgress, elapsed: Duration) -> String {
-    let SweepProgress { share, doing } = progress;
+fn told(share: f64, doing: &str, elapsed: Duration) -> String {
     let left = elapsed.as_secs_f64() * (1.0 - share) / share;
     let left = if share > 0.0 { format!(", {left:.0} s left") } else { String::new() };
     format!("{:.0}%{left}: {doing}", (100.0 * share).floor())
 }
 
-/// The program, and the flags of a setting, each with its values.
-fn command(options: &Options, setting: &Setting) -> Vec<String> {
+/// Returns the command line of a setting.
+fn command(options: &Options, setting: &Setting) -> String {
     let input = options.input.as_deref().unwrap_or(Path::new(""));
     let [width, height] = options.size;
     let mut words = vec![
@@ -100,9 +95,9 @@ fn command(options: &Options, setting: &Setting) -> Vec<String> {
     if setting.edition != Edition::default() {
         words.push(format!("-edition {}", setting.edition));
     }
-    words.extend(separate(&setting.flags().unwrap_or_default()));
+    words.extend(setting.flags().unwrap_or_default());
     words.extend(options.sampler.rng().seed().map(|seed| format!("-seed {seed}")));
-    words
+    words.join(" ")
 }
 
 #[cfg(test)]
@@ -111,7 +106,7 @@ mod tests {
 
     #[test]
     fn the_time_left_is_that_of_the_rest() {
-        let after = |share, seconds| told(SweepProgress { share, doing: "x" }, Duration::from_secs(seconds));
+        let after = |share, seconds| told(share, "x", Duration::from_secs(seconds));
         assert_eq!([after(0.25, 10), after(0.999, 10)], ["25%, 30 s left: x", "99%, 0 s left: x"]);
         assert_eq!(after(0.0, 10), "0%: x");
     }

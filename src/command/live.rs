@@ -48,7 +48,6 @@ mod server {
     use std::process::{Command, Stdio};
     use std::sync::{Arc, Mutex, PoisonError};
     use std::thread;
-    use std::time::Duration;
     use tempfile::NamedTempFile;
 
     /// Serves the page, if there is one, until it is ended there.
@@ -57,57 +56,39 @@ mod server {
         if !is_shown(options) {
             return Ok(());
         }
-        let opened = Opened::default();
-        // A signal would leave the file behind.
-        let to_remove = opened.clone();
-        signals.before_end(move || to_remove.remove());
         let server = Server::open(options, input, page.port.unwrap_or(0))?;
         log.say(&format!("open {}  (Ctrl-C ends)", server.url));
+        let opened = Arc::new(Mutex::new(None));
+        let file = || opened.lock().unwrap_or_else(PoisonError::into_inner);
+        // A signal waits for the file, and removes it.
+        let to_remove = opened.clone();
+        signals.before_end(move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take()));
         if page.browser {
             // A browser that does not open is no error: the address stands on the terminal.
-            let _ = opened.open(&server.url);
+            let mut file = file();
+            *file = open(&server.url).ok().flatten();
         }
         server.run();
-        opened.remove();
+        drop(file().take());
         Ok(())
     }
 
-    /// The file from which the browser of the desktop comes to the page.
+    /// Opens the address in the browser, if there is a desktop. Returns the file that leads there.
     ///
-    /// Everybody on the machine can read the arguments of a process, so the key does not stand there: the browser
-    /// opens a file that only its owner can read, which leads to the page and is removed after a while.
-    #[derive(Clone, Default)]
-    struct Opened(Arc<Mutex<Option<NamedTempFile>>>);
-
-    impl Opened {
-        /// Opens the address in the browser, if there is a desktop.
-        fn open(&self, url: &str) -> io::Result<()> {
-            let Some(opener) = opener() else { return Ok(()) };
-            let page = format!(
-                "<!DOCTYPE html><title>raytracer</title><meta http-equiv=\"refresh\" content=\"0;url={url}\">\n"
-            );
-            // A signal waits for this lock, since it removes the file.
-            let file = {
-                let mut opened = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-                let mut file = tempfile::Builder::new().prefix("raytracer-").suffix(".html").tempfile()?;
-                file.write_all(page.as_bytes())?;
-                opened.insert(file).path().to_owned()
-            };
-            let mut command = Command::new(opener);
-            command.arg(file).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-            let (mut opening, own) = (command.spawn()?, self.clone());
-            const LOADING: Duration = Duration::from_secs(20);
-            let wait = move || {
-                let _ = opening.wait();
-                thread::sleep(LOADING);
-                own.remove();
-            };
-            thread::Builder::new().spawn(wait).map(drop)
-        }
-
-        fn remove(&self) {
-            self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
-        }
+    /// Everybody on the machine can read the arguments of a process, so the key does not stand there: the browser opens
+    /// a file that only its owner can read.
+    fn open(url: &str) -> io::Result<Option<NamedTempFile>> {
+        let Some(opener) = opener() else { return Ok(None) };
+        let page = format!(
+            "<!DOCTYPE html><title>raytracer</title><meta http-equiv=\"refresh\" content=\"0;url={url}\">\n"
+        );
+        let mut file = tempfile::Builder::new().prefix("raytracer-").suffix(".html").tempfile()?;
+        file.write_all(page.as_bytes())?;
+        let mut command = Command::new(opener);
+        command.arg(file.path()).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut opening = command.spawn()?;
+        thread::Builder::new().spawn(move || opening.wait())?;
+        Ok(Some(file))
     }
 
     /// Returns the program that opens a file on this desktop; `None` without a desktop.

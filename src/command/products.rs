@@ -7,8 +7,6 @@ use raytracer::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile
 use raytracer::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
 use raytracer::render::renderer::Prepared;
 use raytracer::render::{Cost, Layer, Request, Window};
-use raytracer::scene::Scene;
-use raytracer::scene::model::{NormalColors, Shows};
 use raytracer::tools::explain::CostMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -21,9 +19,9 @@ pub struct Products<'r> {
     layers: Vec<Product>,
     /// The time that was spent on taking rows.
     pub encoding: Duration,
-    /// For each layer the colour of a pixel that hits nothing. `None` if the layer or the scene has nothing to hit.
-    blank: Vec<Option<Color>>,
-    /// True if the pixels so far look as if no ray had hit anything.
+    /// The first colour of each layer.
+    first: Vec<Option<Color>>,
+    /// True if the scene's layers have one colour each so far, as if no ray had hit anything.
     pub is_blank: bool,
 }
 
@@ -65,24 +63,19 @@ impl<'r> Products<'r> {
                 }
             })
         };
-        let layers = request.layers.iter().map(begin).collect::<Result<_, Diagnostic>>()?;
-        let (scene, world) = (&prepared.renderer().scene, prepared.renderer().world());
-        let mut blank: Vec<_> = request.layers.iter().map(|layer| blank(layer, scene)).collect();
+        let layers = request.layers.iter().map(begin).collect::<Result<Vec<_>, Diagnostic>>()?;
         // A part of a picture may well show nothing.
-        let is_blank = request.window.is_none() && blank.iter().any(Option::is_some);
-        if world.finite_count() == 0 && world.planes.is_empty() {
-            blank.fill(None);
-        }
-        Ok(Self { prepared, request, layers, encoding: Duration::ZERO, blank, is_blank })
+        let is_blank = request.window.is_none() && request.layers.iter().any(shows_scene);
+        let first = vec![None; layers.len()];
+        Ok(Self { prepared, request, layers, encoding: Duration::ZERO, first, is_blank })
     }
 
     /// Takes the next row of a layer.
     pub fn take_row(&mut self, layer: usize, row: &[Color]) -> Result<(), Diagnostic> {
         let start = Instant::now();
-        if self.is_blank
-            && let Some(blank) = self.blank[layer]
-        {
-            self.is_blank = row.iter().all(|&color| color == blank);
+        if self.is_blank && shows_scene(&self.request.layers[layer]) {
+            let first = *self.first[layer].get_or_insert(row[0]);
+            self.is_blank = row.iter().all(|&color| color == first);
         }
         match &mut self.layers[layer] {
             Product::File(writer) => writer.row(row)?,
@@ -151,14 +144,7 @@ impl<'r> Products<'r> {
     }
 }
 
-/// The colour that a layer shows where nothing is hit.
-fn blank(layer: &Layer, scene: &Scene) -> Option<Color> {
-    match layer {
-        Layer::Color if scene.shows == Shows::Places => None,
-        Layer::Color => Some(scene.background.color).filter(|_| scene.cube_map.is_none()),
-        Layer::Normals if scene.measure_colors.normals == NormalColors::Shifted => Some(Color::splat(0.5)),
-        Layer::Depth { .. } | Layer::Normals | Layer::SignedNormals => Some(Color::ZERO),
-        Layer::Distance => Some(Color::INFINITY),
-        Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. } => None,
-    }
+/// Returns false for a layer that shows samples, costs or the filter.
+fn shows_scene(layer: &Layer) -> bool {
+    !matches!(layer, Layer::Samples { .. } | Layer::Cost(_) | Layer::Filter { .. })
 }

@@ -16,6 +16,7 @@ use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Rendered, Request, Stopped, Tracing};
 use raytracer::scene::edition::Edition;
+use raytracer::scene::model::Shows;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostMap, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::{has_standard_error, standard_error};
@@ -79,7 +80,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let rendering = lap() - products.encoding;
 
     // Finish.
-    if products.is_blank && !options.visualize_grid {
+    if products.is_blank && !options.visualize_grid && renderer.scene.shows == Shows::Scene {
         let watch = |_| signals.goes_on();
         warn(nothing_visible(&prepared, &request, &watch).into_iter().collect())?;
     }

@@ -25,20 +25,16 @@ pub fn say(all: Vec<Diagnostic>, options: &Options, source: &Source, log: &Log) 
 /// Returns the notes and warnings about a scene and the flags that it is rendered with.
 pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
     let scene = &loaded.scene;
-    // The user has not asked for the bounces of an edition.
-    let effects = &Effects { bounces: options.given.bounces.unwrap_or(0), ..options.effects };
     let mut found = std::mem::take(&mut loaded.warnings);
     found.extend(loaded.choice.remark());
-    let no_lights = warnings::no_lights(scene);
-    found.extend(match options.strict {
-        true => no_lights.map(|_| Diagnostic::error("the scene has no lights")),
-        false => no_lights,
-    });
+    found.extend(warnings::no_lights(scene));
     if asks_for_nothing(options) {
         found.push(Diagnostic::warning("nothing is written: add `-output file.tga`"));
     }
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
-    let request = Request { effects: *effects, ..options.request() };
+    // The user has not asked for the bounces of an edition.
+    let effects = Effects { bounces: options.given.bounces.unwrap_or(0), ..options.effects };
+    let request = Request { effects, ..options.request() };
     if !shows_colors(options) {
         found.extend(warnings::colors_not_asked_for(&request, options.edition.unwrap_or_default()));
         return found;
@@ -46,14 +42,7 @@ pub fn about_scene(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnosti
     // `-bounces 0` is meant. In later editions every material with a highlight can mirror, so not to bounce is no
     // mistake.
     let is_meant = options.given.bounces == Some(0) || options.edition.unwrap_or_default() != Edition::Y2004;
-    // No ray bounces if the cells of the grid are drawn.
-    if !options.visualize_grid {
-        found.extend(warnings::rays_without_effect(scene, effects, is_meant));
-        found.extend(warnings::rays_not_followed(scene, effects, is_meant));
-        found.extend(warnings::black_inside(scene, effects));
-    }
-    found.extend(warnings::sampling_without_effect(&request));
-    found.extend(warnings::narrow_filter(&request));
+    found.extend(warnings::about_colors(scene, &request, is_meant));
     found
 }
 

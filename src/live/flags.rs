@@ -6,36 +6,34 @@ use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options};
 use std::ffi::OsString;
 
-/// The amounts that a picture may ask for, the longer side first, unless the command line itself asks for more.
-const AMOUNTS: [(&str, usize); 5] = [
-    ("side", MAX_SIDE),
-    ("samples", 1024),
-    // Each may double the rays.
-    ("bounces", 16),
-    ("support", 16),
-    ("cells", 1 << 21),
-];
-
-/// Returns what a picture asks for, in the order of [`AMOUNTS`].
-fn amounts(options: &Options) -> [usize; 5] {
+/// Returns the amounts that a picture asks for, each with its name and with the most that any command line may ask for
+/// on a page. The longer side is the first.
+fn amounts(options: &Options) -> [(&'static str, usize, usize); 5] {
     let samples = options.adaptive.map_or(options.sampler.count(), |adaptive| adaptive.most);
     let cells = match options.structure {
         Structure::Grid(Resolution::Cells(cells)) => cells.into_iter().product(),
         _ => 0,
     };
     let side = options.request().size.into_iter().fold(0, usize::max);
-    [side, samples as usize, options.effects.bounces as usize, options.filter.support(), cells]
+    [
+        ("side", side, MAX_SIDE),
+        ("samples", samples as usize, 1024),
+        // Each may double the rays.
+        ("bounces", options.effects.bounces as usize, 16),
+        ("support", options.filter.support(), 16),
+        ("cells", cells, 1 << 21),
+    ]
 }
 
-/// The most that a picture may ask for, in the order of [`AMOUNTS`].
+/// The most that a picture may ask for, in the order of [`amounts`].
 pub struct Most(pub [usize; 5]);
 
 impl Most {
-    /// The limits for pages of this command line, which compares with a picture of this size.
+    /// The limits for pages of this command line, which may ask for more itself, and compares with a picture of this
+    /// size.
     pub fn of(line: &Options, compared: [usize; 2]) -> Self {
-        let mut most = amounts(line);
+        let mut most = amounts(line).map(|(_, asked, limit)| limit.max(asked));
         most[0] = most[0].max(compared[0]).max(compared[1]);
-        most.iter_mut().zip(AMOUNTS).for_each(|(most, (_, limit))| *most = limit.max(*most));
         Self(most)
     }
 
@@ -54,13 +52,13 @@ impl Most {
             }
             _ => return Err(Answer::text(422, "these flags cannot be given here")),
         };
-        for ((value, most), (name, _)) in amounts(&options).into_iter().zip(self.0).zip(AMOUNTS) {
-            if value > most {
-                let reason = format!("{name}: {value} is more than this page allows, {most}");
-                return Err(Answer::text(422, &reason));
+        match amounts(&options).into_iter().zip(self.0).find(|&((_, asked, _), most)| asked > most) {
+            Some(((name, asked, _), most)) => {
+                let reason = format!("{name}: {asked} is more than this page allows, {most}");
+                Err(Answer::text(422, &reason))
             }
+            None => Ok(options),
         }
-        Ok(options)
     }
 }
 

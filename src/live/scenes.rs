@@ -12,7 +12,7 @@ use crate::scene::load::{
 use crate::scene::mesh::ObjFile;
 use crate::scene::obj::{memory_for, read_obj};
 use crate::scene::texels::ImageFile;
-use crate::scene::{MeshFile, Object};
+use crate::scene::{MeshFile, Object, TRIANGLES_OF_BOX};
 use crate::tools::explain::Stop;
 use std::cell::Cell;
 use std::fs;
@@ -40,8 +40,7 @@ impl OpenScene {
     }
 
     pub fn primitives(&self) -> usize {
-        let world = self.renderer.world();
-        world.finite_count() + world.planes.len()
+        self.renderer.world().ids().len()
     }
 }
 
@@ -175,10 +174,9 @@ pub fn is_too_large<'s>(scenes: impl Iterator<Item = &'s Arc<OpenScene>>) -> boo
 
 /// Counts triangles, shapes and planes, before the meshes are copied to where they stand.
 fn primitives(LoadedScene { scene, meshes, .. }: &LoadedScene) -> usize {
-    const BOX: usize = 12;
     let count = |object: &Object| match object {
         Object::Mesh { mesh, .. } => meshes.get(*mesh).map_or(0, |mesh| mesh.triangles.len()),
-        Object::Box { .. } => BOX,
+        Object::Box { .. } => TRIANGLES_OF_BOX,
         Object::Grid { surface, .. } => surface.triangles.len(),
         _ => 1,
     };

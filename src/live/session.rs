@@ -117,8 +117,8 @@ impl Session {
             "/picture" => (Some("picture"), 60, 1, 0),
             "/compare" => (Some("picture"), 60, 2, 0),
             "/cause" => (Some("picture"), 60, 2, 2),
-            "/objects" => (Some("objects"), 20, 1, 1),
-            "/trace" => (Some("trace"), 20, 0, 1),
+            "/objects" => (Some("objects"), 20, 1, 0),
+            "/trace" => (Some("trace"), 20, 0, 0),
             // The command line may name pictures that no page would show.
             "/save" => (None, 600, 1, 0),
             _ => return Err(Answer::text(404, "there is nothing here")),

@@ -10,10 +10,11 @@ use crate::tools::explain::Stop;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::HashMap;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
-/// The interval at which a request looks whether its client still waits.
+/// The interval at which a request looks whether its client still waits, and whether there is memory.
 const LOOK: Duration = Duration::from_millis(20);
 /// The number of pairs of a page and a kind of question that are remembered.
 const MAX_TURNS: usize = 64;
@@ -22,7 +23,6 @@ pub struct Workers {
     /// The number of threads for each request.
     threads: usize,
     state: Mutex<State>,
-    freed: Condvar,
 }
 
 #[derive(Default)]
@@ -40,7 +40,7 @@ pub type Turn = (u64, &'static str, u64);
 
 impl Workers {
     pub fn new(threads: usize) -> Self {
-        Self { threads, state: Mutex::default(), freed: Condvar::new() }
+        Self { threads, state: Mutex::default() }
     }
 
     /// Notes that a page asks a question of a kind. Those with larger numbers come later.
@@ -88,7 +88,6 @@ impl Workers {
         state.taken -= bytes;
         state.idle.push(threads);
         drop(state);
-        self.freed.notify_all();
         // The result of stopped work is incomplete.
         match refusal.or_else(|| stop.is_over().then(gives_up).flatten()) {
             Some(answer) => Err(answer),
@@ -108,7 +107,8 @@ impl Workers {
             if bytes <= FEW_BYTES || state.taken == 0 || all <= MAX_BYTES {
                 break state;
             }
-            drop(self.freed.wait_timeout(state, LOOK));
+            drop(state);
+            thread::sleep(LOOK);
         };
         let build = || ThreadPoolBuilder::new().num_threads(self.threads).build();
         let threads = state.idle.pop().map_or_else(build, Ok);
@@ -125,7 +125,6 @@ impl Workers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::thread;
 
     fn busy(stop: &Stop) -> bool {
         while !stop.is_over() {

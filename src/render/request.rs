@@ -9,8 +9,9 @@ use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::reduced;
 use crate::sampling::filter::Filter;
 use crate::sampling::sample_packet::Stage;
-use crate::sampling::sampler::Sampler;
+use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene;
+use crate::scene::edition::Edition;
 use crate::scene::material::Material;
 use crate::trace::{Effects, Shadows};
 use crate::world::World;
@@ -112,6 +113,15 @@ impl Request {
     pub fn layer_size(&self, layer: &Layer) -> [usize; 2] {
         let size = layer.size(self.window_size());
         if self.reduces(layer) { reduced(size) } else { size }
+    }
+
+    /// Returns the flag that asks for its samples in an edition of the course.
+    pub fn samples_flag(&self, edition: Edition) -> String {
+        match (self.adaptive, self.sampler.pattern()) {
+            (Some(Adaptive { most, error }), _) => format!("-adaptive_samples {most} {error}"),
+            (None, Pattern::Displaced) => "-jitter".into(),
+            (None, pattern) => format!("-{} {}", pattern.flag(edition), self.sampler.count()),
+        }
     }
 
     /// Returns true if a layer's rows are reduced.

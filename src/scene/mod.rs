@@ -120,6 +120,9 @@ pub enum Object {
     },
 }
 
+/// The number of triangles that a box has in world space.
+pub const TRIANGLES_OF_BOX: usize = 12;
+
 impl Object {
     /// Returns the keyword that begins the object in the text.
     pub fn name(&self) -> &'static str {
@@ -138,18 +141,6 @@ impl Object {
     /// Returns the surface's material if the object is a primitive.
     pub fn material(&self) -> Option<MaterialId> {
         match *self {
-            Self::Group(_) | Self::Transform { .. } => None,
-            Self::Sphere { material, .. }
-            | Self::Plane { material, .. }
-            | Self::Triangle { material, .. }
-            | Self::Box { material, .. }
-            | Self::Grid { material, .. }
-            | Self::Mesh { material, .. } => Some(material),
-        }
-    }
-
-    pub fn material_mut(&mut self) -> Option<&mut MaterialId> {
-        match self {
             Self::Group(_) | Self::Transform { .. } => None,
             Self::Sphere { material, .. }
             | Self::Plane { material, .. }

@@ -6,8 +6,10 @@
 mod embedded;
 pub mod warnings;
 pub mod compare;
+#[doc(hidden)]
 pub mod explain;
 pub mod causes;
 pub mod grade;
+#[doc(hidden)]
 pub mod error_report;
 pub mod standard_error;

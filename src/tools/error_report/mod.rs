@@ -1,7 +1,7 @@
 //! Speed against error: measures the cost and the error of each setting of the renderer for a scene.
 //!
-//! [`measure`] renders a reference and then one setting after the other. Its [`ErrorReport`] is written as [`text`] for
-//! a terminal, as a table ([`csv`]) and as a [`page`].
+//! [`measure`] renders a reference and then one setting after the other. Its [`ErrorReport`] is written as `text` for
+//! a terminal, as a table (`csv`) and as a `page`.
 //!
 //! The converged picture of the request is the reference. Filters give different pictures, so each setting is compared
 //! with the reference for its own filter. An [`Answer`] chooses among all settings of all filters.
@@ -22,8 +22,8 @@ pub use csv::csv;
 pub(crate) use numerical::single::SinglePrecision;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
-pub use setting::{Axis, SamplingKind, Setting, separate};
-pub use sweep::{Bench, SweepProgress, measure};
+pub use setting::{Axis, SamplingKind, Setting};
+pub use sweep::{Bench, measure};
 pub use text::text;
 
 use crate::picture::Picture;
@@ -37,13 +37,11 @@ pub const LEVEL: f64 = 1.0;
 /// The measurements of a scene.
 #[derive(Clone, Debug)]
 pub struct ErrorReport {
-    /// Width and height of the pictures in pixels.
     pub size: [usize; 2],
     /// The measurements of each filter. The request's filter comes first.
     pub groups: Vec<MeasuredFilter>,
     /// The effect of rounding, apart from sampling. `None` if it was not measured.
     pub numerical: Option<Numerical>,
-    /// The number of planned settings.
     pub planned: usize,
     /// The stages and the time of each.
     pub stages: Vec<(&'static str, Duration)>,
@@ -52,20 +50,16 @@ pub struct ErrorReport {
 /// The measurements of one filter.
 #[derive(Clone, Debug)]
 pub struct MeasuredFilter {
-    /// The filter.
     pub filter: Filter,
-    /// The picture that the measurements are compared with.
     pub reference: Picture,
     /// The root mean square error of each half of the reference, in levels.
     pub noise: f64,
-    /// The measurements, in the order in which they were made.
     pub measurements: Vec<Measurement>,
 }
 
 /// The cost and the error of a setting.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// The setting.
     pub setting: Setting,
     /// The CPU times for rendering on one thread, one per repeat, sorted from the shortest.
     pub times: Vec<Duration>,
@@ -80,17 +74,14 @@ pub struct Measurement {
     /// For another structure, the number of pixels whose bytes differ from those with the requested structure. It must
     /// be zero.
     pub changed: Option<u64>,
-    /// The picture.
     pub picture: Picture,
 }
 
 impl Measurement {
-    /// Returns the shortest time in seconds.
     pub fn least(&self) -> f64 {
         self.times.first().map_or(0.0, Duration::as_secs_f64)
     }
 
-    /// Returns the median time in seconds.
     pub fn median(&self) -> f64 {
         self.times.get(self.times.len() / 2).map_or(0.0, Duration::as_secs_f64)
     }
@@ -116,7 +107,6 @@ impl Measurement {
         others.iter().any(|other| std::ptr::eq(*other, self))
     }
 
-    /// Returns the time and the error.
     fn point(&self) -> Point {
         [self.least(), self.error]
     }
@@ -154,7 +144,6 @@ impl MeasuredFilter {
     }
 }
 
-/// Returns the measurements on the Pareto front, fastest first.
 fn front_of<'a>(measurements: impl Iterator<Item = &'a Measurement>) -> Vec<&'a Measurement> {
     let all: Vec<&Measurement> = measurements.collect();
     let is_on = curve::front(&all.iter().map(|one| one.point()).collect::<Vec<Point>>());
@@ -172,7 +161,6 @@ impl ErrorReport {
         self.numerical.map_or([false; 2], |found| [found.program, found.single].map(is_more))
     }
 
-    /// Returns the number of settings measured.
     pub fn measured(&self) -> usize {
         self.groups.iter().map(|group| group.measurements.len()).sum()
     }
@@ -203,17 +191,13 @@ pub struct Answer<'a> {
     pub target: f64,
     /// The cheapest setting that reaches the target, or the nearest one if none does.
     pub chosen: &'a Measurement,
-    /// The command line of the setting: the program, then each flag with its values.
-    pub command: Vec<String>,
+    /// The command line of the setting.
+    pub command: String,
 }
 
 impl<'a> Answer<'a> {
     /// Chooses among all settings that flags can express, with any samples and filter. `None` if nothing was measured.
-    pub fn new(
-        report: &'a ErrorReport,
-        target: f64,
-        command: impl Fn(&Setting) -> Vec<String>,
-    ) -> Option<Self> {
+    pub fn new(report: &'a ErrorReport, target: f64, command: impl Fn(&Setting) -> String) -> Option<Self> {
         let cheaper = |a: &&Measurement, b: &&Measurement| a.least().total_cmp(&b.least());
         let nearer = |a: &&Measurement, b: &&Measurement| a.error.total_cmp(&b.error).then(cheaper(a, b));
         let cheapest = report.candidates().filter(|one| one.error <= target).min_by(cheaper);
@@ -221,7 +205,6 @@ impl<'a> Answer<'a> {
         Some(Self { target, chosen, command: command(&chosen.setting) })
     }
 
-    /// Returns true if the setting reaches the target.
     pub fn is_reached(&self) -> bool {
         self.chosen.error <= self.target
     }

@@ -16,7 +16,6 @@ pub fn samplers(measured: Drand48) -> [Sampler; 2] {
     [(); 2].map(|()| Sampler::new(Pattern::Jittered, SAMPLES, seeds.next().unwrap_or(measured)))
 }
 
-/// A picture used as a reference.
 #[derive(Clone, Debug)]
 pub struct Reference {
     halves: [FloatPicture; 2],

@@ -2,29 +2,22 @@
 
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request, Tracing};
-use crate::sampling::adaptive::Adaptive;
 use crate::sampling::sampler::Pattern;
 use crate::scene::edition::Edition;
-use crate::trace::{Effects, Shadows};
+use crate::trace::Effects;
 
 /// The kinds of sampling. Each has its own curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplingKind {
-    /// `-random_samples`.
     Random,
-    /// `-uniform_samples`.
     Uniform,
-    /// `-jittered_samples`.
     Jittered,
-    /// `-adaptive_samples`.
     Adaptive,
 }
 
 impl SamplingKind {
-    /// All kinds of sampling.
     pub const ALL: [Self; 4] = [Self::Random, Self::Uniform, Self::Jittered, Self::Adaptive];
 
-    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -38,18 +31,15 @@ impl SamplingKind {
 /// The parameter that a setting varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
-    /// The samples.
     Samples,
     /// Fewer bounces, or a larger weight.
     Secondary,
-    /// Fewer octaves of noise.
     Octaves,
     /// Another acceleration structure, which must not change the picture.
     Structure,
 }
 
 impl Axis {
-    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Samples => "samples",
@@ -63,7 +53,6 @@ impl Axis {
 /// A setting to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// The parameter that the setting varies.
     pub axis: Axis,
     /// The picture, with its samples, its filter, its effects and its acceleration structure.
     pub request: Request,
@@ -81,7 +70,6 @@ impl Setting {
         Self { axis: Axis::Samples, request, octaves: None, edition }
     }
 
-    /// Returns the kind of sampling.
     pub fn kind(&self) -> SamplingKind {
         match self.request.sampler.pattern() {
             _ if self.request.adaptive.is_some() => SamplingKind::Adaptive,
@@ -98,87 +86,71 @@ impl Setting {
 
     /// Returns the part of the setting that differs from others of its axis.
     pub fn label(&self) -> String {
-        let (samples, secondary) = (self.samples_flag(), self.secondary_flags());
+        self.label_parts().join(" ")
+    }
+
+    /// Returns the parts of the label: the samples first, then flags with their values, or words.
+    pub(super) fn label_parts(&self) -> Vec<String> {
+        let mut parts = vec![self.samples_flag()];
         match self.axis {
-            Axis::Samples => samples,
-            // This is often the default without bounces, and differs from the request.
-            Axis::Secondary if !secondary.starts_with(" -bounces") => {
-                format!("{samples} -bounces {}{secondary}", self.request.effects.bounces)
+            Axis::Samples => {}
+            Axis::Secondary => {
+                let Effects { bounces, .. } = self.request.effects;
+                // This is often the default without bounces, and differs from the request.
+                if bounces == self.edition.default_bounces() {
+                    parts.push(format!("-bounces {bounces}"));
+                }
+                parts.extend(self.secondary_flags());
             }
-            Axis::Secondary => format!("{samples}{secondary}"),
             Axis::Octaves => {
-                format!("{samples} with at most {} octaves in the scene", self.octaves.unwrap_or_default())
+                parts.push(format!("with at most {} octaves in the scene", self.octaves.unwrap_or_default()));
             }
-            Axis::Structure => format!("{samples}{}", structure_flag(self.request.structure)),
+            Axis::Structure => parts.extend(structure_flag(self.request.structure)),
         }
+        parts
     }
 
-    /// Returns the part of the setting that distinguishes it from all others, including the filter.
-    pub fn label_with_filter(&self) -> String {
-        let (label, samples) = (self.label(), self.samples_flag());
-        let rest = label.strip_prefix(&samples).unwrap_or_default();
-        format!("{samples} {}{rest}", self.request.filter.flag())
+    /// Returns all its flags, each with its values. `None` if flags cannot express it.
+    pub fn flags(&self) -> Option<Vec<String>> {
+        let Request { effects, filter, structure, .. } = &self.request;
+        let mut flags = vec![self.samples_flag(), filter.flag()];
+        flags.extend(effects.shadows.flag().map(str::to_owned));
+        flags.extend(effects.shade_back.then(|| "-shade_back".into()));
+        flags.extend(self.secondary_flags());
+        flags.extend(structure_flag(*structure));
+        self.octaves.is_none().then_some(flags)
     }
 
-    /// Returns all its flags, separated by spaces. `None` if flags cannot express it.
-    pub fn flags(&self) -> Option<String> {
-        let Effects { shadows, shade_back, .. } = self.request.effects;
-        let shadows = match shadows {
-            Shadows::None => "",
-            Shadows::Opaque => " -shadows",
-            Shadows::Transparent => " -transparent_shadows",
-        };
-        let back = if shade_back { " -shade_back" } else { "" };
-        let (samples, secondary) = (self.samples_flag(), self.secondary_flags());
-        let (filter, structure) = (self.request.filter.flag(), structure_flag(self.request.structure));
-        self.octaves.is_none().then(|| format!("{samples} {filter}{shadows}{back}{secondary}{structure}"))
-    }
-
-    /// Returns the flag for the samples.
     pub(super) fn samples_flag(&self) -> String {
-        let sampler = &self.request.sampler;
-        match self.request.adaptive {
-            Some(Adaptive { most, error }) => format!("-adaptive_samples {most} {error}"),
-            None => format!("-{} {}", sampler.pattern().flag(self.edition), sampler.count()),
-        }
+        self.request.samples_flag(self.edition)
     }
 
     /// Returns the flags for bounces and weight, except defaults.
-    fn secondary_flags(&self) -> String {
+    fn secondary_flags(&self) -> impl Iterator<Item = String> {
         let Effects { bounces, min_weight, .. } = self.request.effects;
-        let mut flags = String::new();
-        if bounces != self.edition.default_bounces() {
-            flags += &format!(" -bounces {bounces}");
-        }
-        if min_weight != self.edition.default_weight() {
-            flags += &format!(" -weight {min_weight}");
-        }
-        flags
+        let bounces = (bounces != self.edition.default_bounces()).then(|| format!("-bounces {bounces}"));
+        let weight = (min_weight != self.edition.default_weight()).then(|| format!("-weight {min_weight}"));
+        bounces.into_iter().chain(weight)
     }
 }
 
-/// Splits a string of flags. Each part is a flag with its values.
-pub fn separate(flags: &str) -> Vec<String> {
-    let mut parts = flags.split(" -");
-    let first = parts.next().map(str::to_owned);
-    first.into_iter().chain(parts.map(|part| format!("-{part}"))).collect()
-}
-
-fn structure_flag(structure: Structure) -> String {
+fn structure_flag(structure: Structure) -> Option<String> {
     match structure {
-        Structure::Any => String::new(),
-        Structure::List => " -grid none".into(),
-        Structure::Grid(Resolution::Auto) => " -grid auto".into(),
-        Structure::Grid(Resolution::Cells([x, y, z])) => format!(" -grid {x} {y} {z}"),
+        Structure::Any => None,
+        Structure::List => Some("-grid none".into()),
+        Structure::Grid(Resolution::Auto) => Some("-grid auto".into()),
+        Structure::Grid(Resolution::Cells([x, y, z])) => Some(format!("-grid {x} {y} {z}")),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::adaptive::Adaptive;
     use crate::sampling::drand48::Drand48;
     use crate::sampling::filter::Filter;
     use crate::sampling::sampler::Sampler;
+    use crate::trace::Shadows;
 
     fn setting(pattern: Pattern, effects: Effects, edition: Edition) -> Setting {
         let sampler = Sampler::new(pattern, 9, Drand48::UNSEEDED);
@@ -194,12 +166,11 @@ mod tests {
         found.request.structure = Structure::Grid(Resolution::Cells([3, 4, 5]));
         let flags =
             "-jittered_samples 9 -tent_filter 1.5 -shadows -shade_back -bounces 3 -weight 0.25 -grid 3 4 5";
-        assert_eq!(found.flags().as_deref(), Some(flags));
+        assert_eq!(found.flags().unwrap().join(" "), flags);
         assert_eq!(found.label(), "-jittered_samples 9 -bounces 3 -weight 0.25");
-        assert_eq!(found.label_with_filter(), "-jittered_samples 9 -tent_filter 1.5 -bounces 3 -weight 0.25");
         let mut plain = setting(Pattern::Uniform, Effects::default(), Edition::Y2004);
         plain.request.adaptive = Some(Adaptive { most: 64, error: 0.5 });
-        assert_eq!(plain.flags().as_deref(), Some("-adaptive_samples 64 0.5 -box_filter 0.5"));
+        assert_eq!(plain.flags().unwrap(), ["-adaptive_samples 64 0.5", "-box_filter 0.5"]);
         assert_eq!(Setting { octaves: Some(2), ..plain }.flags(), None);
     }
 
@@ -208,7 +179,7 @@ mod tests {
         let setting = |pattern, bounces, min_weight, edition| {
             setting(pattern, Effects { bounces, min_weight, ..Effects::default() }, edition)
         };
-        let flags = |setting: &Setting| setting.flags().unwrap_or_default().replace(" -box_filter 0.5", "");
+        let flags = |setting: &Setting| setting.flags().unwrap().join(" ").replace(" -box_filter 0.5", "");
         use Pattern::{Random, Uniform};
         assert_eq!(flags(&setting(Random, 0, 0.1, Edition::Aalto)), "-uniform_samples 9");
         assert_eq!(flags(&setting(Uniform, 0, 0.0, Edition::Aalto)), "-regular_samples 9 -weight 0");

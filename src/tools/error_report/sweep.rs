@@ -6,7 +6,7 @@ use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::diagnostic::Diagnostic;
-use crate::picture::{BadSize, Color, FloatPicture, Picture};
+use crate::picture::{Color, FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Progress, Request, Stopped};
 use crate::sampling::filter::Filter;
@@ -22,19 +22,9 @@ pub struct Bench<'a> {
     pub many: &'a ThreadPool,
     /// The single thread whose time is measured.
     pub one: &'a ThreadPool,
-    /// Returns the CPU time so far.
     pub clock: &'a (dyn Fn() -> Duration + Sync),
-    /// Receives the progress, and may end the sweep.
-    pub watch: &'a (dyn Fn(SweepProgress) -> ControlFlow<()> + Sync),
-}
-
-/// The progress of a sweep.
-#[derive(Clone, Copy, Debug)]
-pub struct SweepProgress<'a> {
-    /// The completed fraction, from 0 to 1.
-    pub share: f64,
-    /// The current activity.
-    pub doing: &'a str,
+    /// Receives the completed fraction, from 0 to 1, and the current activity. It may end the sweep.
+    pub watch: &'a (dyn Fn(f64, &str) -> ControlFlow<()> + Sync),
 }
 
 /// A setting is repeated until it has taken this time, but at least [`FEWEST`] and at most [`MOST`] times.
@@ -219,16 +209,12 @@ impl Sweep<'_> {
         let (done, all, bench_watch) = (self.done, self.all, self.bench.watch);
         let watch = |rows: Progress| {
             let part = rows.done as f64 / rows.rows.max(1) as f64;
-            bench_watch(SweepProgress { share: (done + part * work) / all, doing })
+            bench_watch((done + part * work) / all, doing)
         };
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
             Ok(rendered) => Ok(Some((picture, rendered.counts.rays()))),
             Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
-            Err(Stopped::Rays) => Err(Stopped::Rays.into()),
-            Err(Stopped::Memory(_)) => {
-                let [width, height] = request.window_size();
-                Err(BadSize { width, height }.into())
-            }
+            Err(stopped) => Err(stopped.into()),
         }
     }
 }

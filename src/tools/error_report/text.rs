@@ -1,8 +1,6 @@
 //! Writes a report for a terminal of 100 columns: the answer first, then the Pareto front.
 
-use super::setting::separate;
 use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
-use crate::base::shell::Shell;
 use crate::stats::RULE;
 use std::fmt::Write;
 
@@ -12,13 +10,13 @@ const MOST_ROWS: usize = 12;
 /// The largest number of columns in a line.
 const COLUMNS: usize = 100;
 
-/// Returns the answers and the front of all filters. One answer is written as a command for `shell`, several as rows.
-/// The page and the table have everything else.
-pub fn text(report: &ErrorReport, answers: &[Answer<'_>], shell: Shell) -> String {
+/// Returns the answers and the front of all filters. One answer is written as a command to paste, several as rows. The
+/// page and the table have everything else.
+pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
     let mut lines = vec![RULE.to_owned(), "SPEED AGAINST ERROR".to_owned()];
     match answers {
         [] => lines.push("  nothing was measured".into()),
-        [answer] => add_answer(&mut lines, answer, shell),
+        [answer] => add_answer(&mut lines, answer),
         several => add_answers(&mut lines, several),
     }
     add_front(&mut lines, report);
@@ -28,7 +26,7 @@ pub fn text(report: &ErrorReport, answers: &[Answer<'_>], shell: Shell) -> Strin
     lines.into_iter().map(|line| line + "\n").collect()
 }
 
-fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>, shell: Shell) {
+fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>) {
     let Answer { target, chosen, command } = answer;
     let (seconds, error) = (chosen.least(), chosen.error);
     lines.push(match answer.is_reached() {
@@ -39,16 +37,8 @@ fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>, shell: Shell) {
             )
         }
     });
-    lines.extend(to_paste(command, shell));
-}
-
-/// Returns the lines of a command in the syntax of `shell`.
-fn to_paste(command: &[String], shell: Shell) -> Vec<String> {
-    match shell {
-        Shell::Posix => wrapped(command, "    ", "      ", " \\"),
-        // cmd.exe and PowerShell have no common syntax for continued lines.
-        Shell::Windows => vec![command.join(" ")],
-    }
+    // Shells have no common syntax for a command that goes on in the next line.
+    lines.push(command.clone());
 }
 
 fn add_answers(lines: &mut Vec<String>, answers: &[Answer<'_>]) {
@@ -78,8 +68,9 @@ fn add_front(lines: &mut Vec<String>, report: &ErrorReport) {
 
 fn add_row(lines: &mut Vec<String>, start: &str, one: &Measurement) {
     let start = format!("{start} {:>9.5} {:>8.3}  ", one.least(), one.error);
-    let flags = separate(&one.setting.label_with_filter());
-    lines.extend(wrapped(&flags, &start, &" ".repeat(start.len()), ""));
+    let mut flags = one.setting.label_parts();
+    flags.insert(1, one.setting.request.filter.flag());
+    lines.extend(wrapped(&flags, start));
 }
 
 /// Describes the effect of rounding.
@@ -117,18 +108,15 @@ fn add_notes(lines: &mut Vec<String>, report: &ErrorReport) {
     );
 }
 
-/// Wraps words into lines. `first` and `next` are the indentation of the first and the other lines. `end` is appended
-/// to each continued line.
-fn wrapped(words: &[String], first: &str, next: &str, end: &str) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut line = first.to_owned();
-    for (index, word) in words.iter().enumerate() {
-        let is_last = index + 1 == words.len();
-        let room = COLUMNS - if is_last { 0 } else { end.len() };
-        let is_full = line.chars().count() + 1 + word.chars().count() > room;
-        if index > 0 && is_full {
-            lines.push(std::mem::replace(&mut line, next.to_owned()) + end);
-        } else if index > 0 {
+/// Wraps words into lines. The first begins with `start`, the others with spaces of this width.
+fn wrapped(words: &[String], start: String) -> Vec<String> {
+    let indent = start.len();
+    let mut lines = vec![];
+    let mut line = start;
+    for word in words {
+        if line.len() > indent && line.len() + 1 + word.len() > COLUMNS {
+            lines.push(std::mem::replace(&mut line, " ".repeat(indent)));
+        } else if line.len() > indent {
             line.push(' ');
         }
         line += word;
@@ -142,22 +130,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_command_goes_on_in_the_next_line_where_the_shells_have_a_sign_for_it() {
-        let command: Vec<String> = (0..30).map(|n| format!("-flag{n} {n}")).collect();
-        assert_eq!(to_paste(&command, Shell::Windows), [command.join(" ")]);
-        let lines = to_paste(&command, Shell::Posix);
-        let (last, others) = lines.split_last().unwrap();
-        assert!(others.len() > 1 && others.iter().all(|line| line.ends_with(" \\")) && !last.ends_with('\\'));
-    }
-
-    #[test]
     fn lines_end_before_the_last_column() {
         let words: Vec<String> = (0..30).map(|n| format!("-flag{n} {n}")).collect();
-        let lines = wrapped(&words, "  ", "    ", " \\");
-        assert!(lines.len() > 2 && lines.iter().all(|line| line.len() <= COLUMNS));
-        let (last, others) = lines.split_last().unwrap();
-        assert!(others.iter().all(|line| line.ends_with(" \\")) && !last.ends_with('\\'));
-        let joined: String = lines.join(" ").replace(" \\", "");
-        assert_eq!(joined.split_whitespace().collect::<Vec<_>>().join(" "), words.join(" "));
+        let lines = wrapped(&words, "  ".into());
+        assert!(lines.len() > 2 && lines.iter().all(|line| line.len() <= COLUMNS && line.starts_with("  -")));
+        assert_eq!(lines.join(" ").split_whitespace().collect::<Vec<_>>().join(" "), words.join(" "));
     }
 }

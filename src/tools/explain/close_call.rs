@@ -1,7 +1,7 @@
 //! Finds close calls: decisions that different rounding could reverse, so another correct tracer may differ.
 
 use super::tree::CloseCallKind;
-use crate::math::ray::Ray;
+use crate::math::ray::{Hit, Ray};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::edge_functions::Sides;
 use crate::world::shape::Shape;
@@ -30,16 +30,16 @@ pub fn is_about_zero(cosine: f64) -> bool {
 const MAX_CLOSE_CALLS: usize = 1 << 8;
 
 /// Returns the first primitives of the world with which a ray has a close call, except the one that it leaves. `sees`
-/// is the primitive that it hits first, and its t. Examines every primitive.
+/// is its first hit. Examines every primitive.
 pub fn close_primitives(
     world: &World,
     ray: &Ray,
     leaves: Option<u32>,
-    sees: Option<(u32, f64)>,
+    sees: Option<Hit>,
 ) -> Vec<(CloseCallKind, u32)> {
     let search = Search { world, ray, sees, shear: Shear::new(ray) };
-    let count = world.finite_count() + world.planes.len();
-    (0..count as u32)
+    world
+        .ids()
         .filter(|&id| leaves != Some(id))
         .filter_map(|id| search.close_call(id).map(|kind| (kind, id)))
         .take(MAX_CLOSE_CALLS)
@@ -49,14 +49,14 @@ pub fn close_primitives(
 struct Search<'a> {
     world: &'a World,
     ray: &'a Ray,
-    sees: Option<(u32, f64)>,
+    sees: Option<Hit>,
     shear: Shear<'a>,
 }
 
 impl Search<'_> {
     fn close_call(&self, id: u32) -> Option<CloseCallKind> {
         // The part of the line that the ray could reach with different rounding.
-        let far = self.sees.map_or(self.ray.t_max, |(_, t)| t);
+        let far = self.sees.map_or(self.ray.t_max, |hit| hit.t);
         let margin = self.roundings(START_ROUNDINGS, if far.is_finite() { far } else { 0.0 });
         let reach = Ray { t_min: self.ray.t_min - margin, t_max: far + margin, ..*self.ray };
         match self.world.primitive(id) {
@@ -96,9 +96,9 @@ impl Search<'_> {
     fn same_t(&self, t: f64, id: u32) -> Option<CloseCallKind> {
         let near = |other: f64, count: f64| (t - other).abs() <= self.roundings(count, t);
         match self.sees {
-            Some((sees, at)) if sees != id && near(at, SAME_T_ROUNDINGS) => Some(CloseCallKind::SameT),
+            Some(hit) if hit.primitive != id && near(hit.t, SAME_T_ROUNDINGS) => Some(CloseCallKind::SameT),
             _ if near(self.ray.t_min, START_ROUNDINGS) => Some(CloseCallKind::Start),
-            seen if near(self.ray.t_max, START_ROUNDINGS) && seen.is_none_or(|(sees, _)| sees == id) => {
+            seen if near(self.ray.t_max, START_ROUNDINGS) && seen.is_none_or(|hit| hit.primitive == id) => {
                 Some(CloseCallKind::End)
             }
             _ => None,

@@ -10,50 +10,57 @@ use crate::math::ray::{Hit, Ray};
 use crate::math::rounded::RoundedPoint;
 use crate::render::renderer::Prepared;
 use crate::scene::material::{Material, Paint, Pattern, Phong};
-use crate::scene::{MaterialId, Object, Position, Scene};
+use crate::scene::{MaterialId, Object, ObjectId, Position, Scene, TRIANGLES_OF_BOX};
 use crate::shading::texture::{first_weight, is_in_boundary};
 use crate::stats::Counts;
 use crate::world::{SurfacePoint, World};
 
 /// Looks up what a scene's text says about hits.
-///
-/// The numbering of primitives is internal to the world. So a second world is built from a copy of the scene in which
-/// the material of every object is the object's own id. Runs without lookups do not pay for it.
 #[derive(Debug)]
 pub struct Explainer<'p, 'r> {
     pub(super) prepared: &'p Prepared<'r>,
     scene: &'p Scene,
-    labelled: World,
+    /// The first primitive of each object.
+    objects: Vec<(u32, ObjectId)>,
 }
 
 impl<'p, 'r> Explainer<'p, 'r> {
     /// Creates an explainer for a scene whose renderer has kept its meshes.
     pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, Diagnostic> {
         let (renderer, scene) = (prepared.renderer(), &prepared.renderer().scene);
-        let is_lost =
-            |object: &Object| matches!(object, Object::Mesh { mesh, .. } if *mesh >= renderer.meshes().len());
-        if scene.objects.iter().any(is_lost) {
-            return Err(Diagnostic::error("the meshes were not kept"));
+        // The ids count triangles, shapes and planes, each in the order of the text, as the objects are.
+        let mut next = [0, renderer.world().triangles.len(), renderer.world().finite_count()];
+        let mut objects = [const { vec![] }; 3];
+        for (id, object) in scene.objects.iter().enumerate() {
+            let (kind, count) = match object {
+                Object::Group(_) | Object::Transform { .. } => continue,
+                Object::Triangle { .. } => (0, 1),
+                Object::Box { .. } => (0, TRIANGLES_OF_BOX),
+                Object::Grid { surface, .. } => (0, surface.triangles.len()),
+                Object::Mesh { mesh, .. } => match renderer.meshes().get(*mesh) {
+                    Some(mesh) => (0, mesh.triangles.len()),
+                    None => return Err(Diagnostic::error("the meshes were not kept")),
+                },
+                Object::Sphere { .. } => (1, 1),
+                Object::Plane { .. } => (2, 1),
+            };
+            objects[kind].push((next[kind] as u32, id));
+            next[kind] += count;
         }
-        let mut copy = scene.clone();
-        for (id, object) in copy.objects.iter_mut().enumerate() {
-            if let Some(material) = object.material_mut() {
-                *material = id;
-            }
-        }
-        Ok(Self { prepared, scene, labelled: World::new(&copy, renderer.meshes())? })
+        Ok(Self { prepared, scene, objects: objects.concat() })
     }
 
     /// Returns the object that a primitive belongs to.
     pub fn object(&self, primitive: u32) -> Option<ObjectPart> {
-        let (run, id) = self.labelled.material_run(primitive);
+        let next = self.objects.partition_point(|&(first, _)| first <= primitive);
+        let (first, id) = *self.objects.get(next.checked_sub(1)?)?;
         let object = self.scene.objects.get(id)?;
         let name = match object {
             Object::Mesh { mesh, .. } => format!("{} {}", object.name(), self.scene.meshes.get(*mesh)?.name),
             _ => object.name().into(),
         };
         let has_parts = matches!(object, Object::Box { .. } | Object::Grid { .. } | Object::Mesh { .. });
-        let triangle = has_parts.then(|| primitive - run.start);
+        let triangle = has_parts.then(|| primitive - first);
         Some(ObjectPart { name, at: *self.scene.positions.objects.get(id)?, triangle })
     }
 
@@ -145,20 +152,21 @@ impl<'p, 'r> Explainer<'p, 'r> {
                 caster.nearest(&shadow.ray, RayOrigin::on(world, Some(leaves)), &mut Counts::default())?;
             Some(world.hit(&shadow.ray, visible))
         };
-        let first = shadow.crossed.first().map(|crossing| crossing.hit).or_else(nearest);
-        let sees = first.map(|hit| (hit.primitive, hit.t));
+        let sees = shadow.crossed.first().map(|crossing| crossing.hit).or_else(nearest);
         shadow.close_calls = self.close_calls(&shadow.ray, Some(leaves), sees);
         if shadow.crossed.is_empty() {
             // A light on a surface is behind it, even if rounding lets the ray miss the surface.
-            let at_light =
-                world.primitives_at_light(light).first().map(|place| (place.primitive, shadow.ray.t_max));
-            let blocker = sees.or(at_light);
-            shadow.blocker = blocker.map(|(primitive, t)| LightBlocker { object: self.object(primitive), t });
+            let at_light = || {
+                let place = world.primitives_at_light(light).first()?;
+                Some(Hit { primitive: place.primitive, t: shadow.ray.t_max })
+            };
+            let blocker = |Hit { primitive, t }| LightBlocker { object: self.object(primitive), t };
+            shadow.blocker = sees.or_else(at_light).map(blocker);
         }
     }
 
-    /// Returns the close calls of a ray that leaves a primitive and first hits another one, at its t.
-    pub fn close_calls(&self, ray: &Ray, leaves: Option<u32>, sees: Option<(u32, f64)>) -> Vec<CloseCall> {
+    /// Returns the close calls of a ray that leaves a primitive and first hits another one.
+    pub fn close_calls(&self, ray: &Ray, leaves: Option<u32>, sees: Option<Hit>) -> Vec<CloseCall> {
         let close = close_primitives(self.prepared.caster().world, ray, leaves, sees);
         close.into_iter().map(|(kind, id)| CloseCall { kind, object: self.object(id) }).collect()
     }
@@ -170,5 +178,46 @@ fn pattern_name(pattern: Pattern) -> &'static str {
         Pattern::Noise { .. } => "Noise",
         Pattern::Marble { .. } => "Marble",
         Pattern::Wood { .. } => "Wood",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Request;
+    use crate::render::renderer::{Meshes, Renderer};
+    use crate::scene::MeshFile;
+    use crate::scene::load::{Hints, Readers, Source, load_text};
+    use crate::scene::texels::ImageFile;
+
+    #[test]
+    fn a_primitive_belongs_to_the_object_whose_material_it_has() {
+        // Each object has a line and a material of its own.
+        let text = "OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 2 }
+            Materials { numMaterials 7 Material {} Material {} Material {} Material {} Material {} Material {} Material {} }
+            Group { numObjects 6
+            MaterialIndex 0 Plane { normal 0 0 1 offset -5 }
+            MaterialIndex 1 Transform { Translate 1 0 0 Box { min 0 0 0 max 1 1 1 } }
+            MaterialIndex 2 Sphere { center 0 0 0 radius 1 }
+            MaterialIndex 3 Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }
+            Group { numObjects 2
+            MaterialIndex 4 Transform { Scale 1 2 3 Sphere { center 0 0 0 radius 1 } }
+            MaterialIndex 5 Box { min 3 3 3 max 4 4 4 } }
+            MaterialIndex 6 Plane { normal 0 1 0 offset -5 } }";
+        let source = Source { path: "s.txt".into(), text: text.into() };
+        let no_mesh = |_: &MeshFile, _, _| Err(Diagnostic::error("no mesh"));
+        let no_image = |_: &ImageFile, _| Err(Diagnostic::error("no picture"));
+        let readers = Readers { mesh: &no_mesh, image: &no_image };
+        let loaded = load_text(source, &Hints::default(), readers).unwrap();
+        let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
+        let prepared = renderer.prepare(&Request::new([2, 2])).unwrap();
+        let (explainer, world) = (Explainer::new(&prepared).unwrap(), renderer.world());
+        const LINES: [u32; 7] = [4, 5, 6, 7, 9, 10, 11];
+        assert_eq!(world.ids().len(), 12 + 1 + 12 + 2 + 2);
+        for id in world.ids() {
+            let found = explainer.object(id).unwrap();
+            assert_eq!(found.at.line, LINES[world.material_of(id)], "{id}: {found}");
+            assert!(found.triangle.is_none_or(|triangle| triangle < 12));
+        }
     }
 }

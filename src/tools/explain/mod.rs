@@ -12,8 +12,4 @@ mod tree;
 pub use cost_map::{CostMap, cubehelix};
 pub use explainer::Explainer;
 pub use stop::Stop;
-pub use text::Line;
-pub use tree::{
-    CloseCall, CloseCallKind, Crossing, LeftOut, LightBlocker, Lighting, MaterialPart, NotFollowed,
-    ObjectPart, PixelTree, RayNode, SampleTree, Shadow, Surface, TextureWeight,
-};
+pub use tree::{ObjectPart, PixelTree, RayNode};

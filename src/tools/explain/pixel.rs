@@ -5,7 +5,6 @@ use super::recorder::Recorder;
 use super::stop::Stop;
 use super::tree::{LeftOut, PixelTree, RayNode, SampleTree};
 use crate::diagnostic::Diagnostic;
-use crate::math::ray::Ray;
 use crate::picture::{CHANNELS, Color, RED_FIRST, truncate_to_bytes};
 use crate::render::{Progress, Request};
 use crate::sampling::spread::weight_for;
@@ -34,16 +33,19 @@ impl Explainer<'_, '_> {
             return Err(Diagnostic::error("outside the picture"));
         }
         let target = [x, height - 1 - y];
-        let camera = self.prepared.camera(request);
         let reached = |middle: usize, count: usize| -> RangeInclusive<usize> {
             let support = request.filter.support().min(width.max(height));
             middle.saturating_sub(support)..=(middle + support).min(count - 1)
         };
-        let scene = &self.prepared.renderer().scene;
+        let (watch, is_over) = (|progress: Progress| stop.watch(progress), |_| stop.is_over());
+        let (camera, scene) = (self.prepared.camera(request), &self.prepared.renderer().scene);
+        let tracer = Tracer::new(self.prepared.caster(), request.effects);
+        let mut memory = Memory::until(&is_over, scene.lights.len());
         let mut tree = PixelTree {
             pixel: [x, y],
             has_grid: self.prepared.cells().is_some(),
             highlight: scene.lighting.highlight,
+            has_cube_map: scene.cube_map.is_some(),
             samples: vec![],
             more_samples: 0,
             left_out: LeftOut::default(),
@@ -55,14 +57,26 @@ impl Explainer<'_, '_> {
         for row in reached(target[1], height) {
             let mut row_sum = Sum::default();
             for column in reached(x, width) {
-                for (number, offset, weight, part) in self.samples(request, [column, row], target, stop) {
+                let own = [column, row];
+                let samples = self.prepared.samples(request, own, &watch);
+                for (number, (offset, part)) in samples.into_iter().enumerate() {
+                    let weight = weight_for(target, request.filter, own, offset);
+                    if weight == 0.0 {
+                        continue;
+                    }
+
+                    // Trace the sample, and record its rays as long as there is room.
                     let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
                     let is_kept = tree.samples.len() < MAX_SAMPLES;
                     let kept = if is_kept { room.min(lines / (1 + scene.lights.len())) } else { 0 };
-                    let (color, rays, left_out) = self.trace(request, &ray, kept, stop);
+                    let mut recorder = Recorder::new(self, ray, kept, stop);
+                    let color = tracer.color(&ray, &mut memory, &mut recorder);
+                    let (rays, left_out) = recorder.finish();
                     if stop.is_over() {
                         return Err(Diagnostic::error("the rays behind the pixel take too long"));
                     }
+
+                    // Add it to the tree.
                     row_sum.add(weight, color, part);
                     room -= rays.len();
                     lines = lines.saturating_sub(rays.iter().map(RayNode::lines).sum());
@@ -70,15 +84,8 @@ impl Explainer<'_, '_> {
                     tree.left_out.counts = tree.left_out.counts.merge(left_out.counts);
                     if is_kept {
                         let (pixel, weight) = ([column, height - 1 - row], weight * part);
-                        tree.samples.push(SampleTree {
-                            pixel,
-                            number,
-                            offset,
-                            weight,
-                            color,
-                            rays,
-                            left_out,
-                        });
+                        let sample = SampleTree { pixel, number, offset, weight, color, rays, left_out };
+                        tree.samples.push(sample);
                     } else {
                         tree.more_samples += 1;
                     }
@@ -92,41 +99,5 @@ impl Explainer<'_, '_> {
         tree.color = sum.unwrap_or_default().color();
         truncate_to_bytes::<RED_FIRST>(&[tree.color], &mut tree.bytes);
         Ok(tree)
-    }
-
-    /// Returns the samples of the pixel `own` with nonzero weight for `target`: index, offset, filter weight, and the
-    /// part of the pixel that each represents. Rows count from the bottom.
-    fn samples(
-        &self,
-        request: &Request,
-        own: [usize; 2],
-        target: [usize; 2],
-        stop: &Stop,
-    ) -> impl Iterator<Item = (usize, DVec2, f64, f64)> {
-        let filter = request.filter;
-        let watch = |progress: Progress| stop.watch(progress);
-        let samples = self.prepared.samples(request, own, &watch).into_iter();
-        samples.enumerate().filter_map(move |(number, (offset, part))| {
-            let weight = weight_for(target, filter, own, offset);
-            (weight != 0.0).then_some((number, offset, weight, part))
-        })
-    }
-
-    /// Traces a camera ray and records its descendants as long as there is room.
-    fn trace(
-        &self,
-        request: &Request,
-        ray: &Ray,
-        room: usize,
-        stop: &Stop,
-    ) -> (Color, Vec<RayNode>, LeftOut) {
-        let mut recorder = Recorder::new(self, *ray, room, stop);
-        let is_over = |_| stop.is_over();
-        let lights = self.prepared.renderer().scene.lights.len();
-        let mut memory = Memory::until(&is_over, lights);
-        let tracer = Tracer::new(self.prepared.caster(), request.effects);
-        let color = tracer.color(ray, &mut memory, &mut recorder);
-        let (rays, left_out) = recorder.finish();
-        (color, rays, left_out)
     }
 }

@@ -6,11 +6,8 @@ use super::stop::Stop;
 use super::tree::{CloseCall, CloseCallKind, Crossing, LeftOut, Lighting, NotFollowed, RayNode, Shadow};
 use crate::math::ray::{Hit, Ray};
 use crate::picture::Color;
-use crate::scene::material::Phong;
-use crate::scene::texels::{FACES, face};
 use crate::stats::{Counts, Probe};
 use crate::trace::{Event, Observer, is_critical};
-use crate::world::SurfacePoint;
 
 /// Records the descendants of one camera ray while the tracer follows them, as long as there is room.
 pub struct Recorder<'e, 'p, 'r> {
@@ -21,9 +18,13 @@ pub struct Recorder<'e, 'p, 'r> {
     room: usize,
     /// The rays that are not kept.
     left_out: LeftOut,
-    /// The indices of pending rays, in the order of the tracer's pending rays. `None` for a ray that is not kept.
-    waiting: Vec<Option<usize>>,
+    /// The tracer's pending rays: the index of each, or `None` if it is not kept, and the primitive at its origin.
+    waiting: Vec<(Option<usize>, Option<u32>)>,
     current: Option<usize>,
+    /// The primitive at the current ray's origin.
+    leaves: Option<u32>,
+    /// The current ray's nearest hit.
+    hit: Option<Hit>,
     /// The work since the last ray was finished.
     counts: Counts,
     /// The last ray towards a light, until the light's contribution is known.
@@ -37,30 +38,14 @@ impl RayNode {
             kind: None,
             bounces: 0,
             ray,
-            leaves: None,
             filter: Color::ONE,
             weight: 1.0,
-            hit: None,
             counts: Counts::default(),
             surface: None,
-            cube_face: None,
             color: Color::ZERO,
             ends: vec![],
             children: vec![],
             close_calls: vec![],
-        }
-    }
-
-    /// Notes an event that concerns this ray alone.
-    fn note(&mut self, event: Event) {
-        match event {
-            Event::NotFollowed { kind, end } => self.ends.push(NotFollowed { kind, end }),
-            Event::Refracting { direction, normal, indices } if is_critical(direction, normal, indices) => {
-                self.close_calls.insert(0, CloseCall::of(CloseCallKind::Critical));
-            }
-            Event::Ambient(color) => self.surface.iter_mut().for_each(|it| it.ambient = Some(color)),
-            Event::Shaded(color) => self.color = color,
-            _ => {}
         }
     }
 }
@@ -68,11 +53,21 @@ impl RayNode {
 impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
     /// Starts with a camera ray. At most `room` rays are kept.
     pub fn new(explainer: &'e Explainer<'p, 'r>, ray: Ray, room: usize, stop: &'e Stop) -> Self {
-        let (rays, left_out, waiting, counts) = Default::default();
-        let mut recorder =
-            Self { explainer, stop, rays, room, left_out, waiting, current: None, counts, shadow: None };
+        let mut recorder = Self {
+            explainer,
+            stop,
+            rays: vec![],
+            room,
+            left_out: LeftOut::default(),
+            waiting: vec![],
+            current: None,
+            leaves: None,
+            hit: None,
+            counts: Counts::default(),
+            shadow: None,
+        };
         recorder.push(RayNode::new(ray));
-        recorder.current = recorder.waiting.pop().flatten();
+        recorder.pop();
         recorder.non_shadow_ray();
         recorder
     }
@@ -90,68 +85,24 @@ impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
         }
     }
 
-    fn node(&mut self) -> Option<&mut RayNode> {
-        self.rays.get_mut(self.current?)
-    }
-
     /// Adds a ray, unless there is no room or its parent was not kept.
     fn push(&mut self, ray: RayNode) {
         let place = self.rays.len();
         let is_kept = place < self.room && (ray.kind.is_none() || self.current.is_some());
         if is_kept {
-            self.node().iter_mut().for_each(|parent| parent.children.push(place));
+            if let Some(parent) = self.current {
+                self.rays[parent].children.push(place);
+            }
             self.rays.push(ray);
         } else {
             self.left_out.rays += 1;
         }
-        self.waiting.push(is_kept.then_some(place));
+        self.waiting.push((is_kept.then_some(place), self.hit.map(|hit| hit.primitive)));
     }
 
-    /// Notes what the current ray hits.
-    fn hit(&mut self, hit: Option<Hit>) {
-        let Self { explainer, stop, .. } = *self;
-        if self.current.is_none() {
-            return;
-        }
-        let counts = std::mem::take(&mut self.counts);
-        let Some(node) = self.node() else { return };
-        (node.hit, node.counts) = (hit, counts);
-        let has_map = explainer.prepared.renderer().scene.cube_map.is_some();
-        node.cube_face = (has_map && hit.is_none()).then(|| FACES[face(node.ray.direction).0]);
-        if !stop.is_over() {
-            let sees = hit.map(|hit| (hit.primitive, hit.t));
-            node.close_calls = explainer.close_calls(&node.ray, node.leaves, sees);
-        }
-    }
-
-    fn surface(&mut self, point: &SurfacePoint, material: &Phong) {
-        let explainer = self.explainer;
-        let Some(node) = self.node() else { return };
-        let Some(hit) = node.hit else { return };
-        let surface = explainer.surface(point, material, hit);
-        let is_grazing = is_about_zero(surface.point.normal.dot(node.ray.direction));
-        let is_in_boundary = explainer.is_in_boundary(&surface);
-        let found = [(is_grazing, CloseCallKind::Cosine), (is_in_boundary, CloseCallKind::Boundary)];
-        node.close_calls.extend(found.into_iter().filter(|(is, _)| *is).map(|(_, kind)| CloseCall::of(kind)));
-        node.surface = Some(surface);
-    }
-
-    fn light(&mut self, light: Lighting) {
-        let Self { explainer, stop, .. } = *self;
-        if self.current.is_none() {
-            return;
-        }
-        let counts = std::mem::take(&mut self.counts);
-        let mut shadow = self.shadow.take();
-        let Some(RayNode { surface: Some(surface), hit: Some(hit), .. }) = self.node() else { return };
-        if let Some(shadow) = shadow.as_mut().filter(|_| !stop.is_over()) {
-            shadow.counts = counts;
-            explainer.finish_shadow(shadow, surface.lights.len(), hit.primitive);
-            if is_about_zero(light.cosine) {
-                shadow.close_calls.push(CloseCall::of(CloseCallKind::Cosine));
-            }
-        }
-        surface.lights.push(Lighting { shadow, ..light });
+    /// Turns to the ray that was pushed last.
+    fn pop(&mut self) {
+        (self.current, self.leaves) = self.waiting.pop().unwrap_or_default();
     }
 }
 
@@ -177,39 +128,76 @@ impl Observer for Recorder<'_, '_, '_> {
     }
 
     fn observe<'e>(&mut self, event: impl FnOnce() -> Event<'e>) {
-        match event() {
+        let event = event();
+        match event {
             Event::Popped => {
                 self.leave_out();
-                self.current = self.waiting.pop().flatten();
+                self.pop();
+                return;
             }
-            Event::Met(hit) => self.hit(hit),
-            Event::Surface { point, material } => self.surface(point, material),
             Event::Pushed { kind, ray, filter, weight, .. } => {
-                let parent = self.node().map(|node| (node.bounces, node.hit));
-                let (bounces, hit) = parent.unwrap_or_default();
-                let leaves = hit.map(|hit| hit.primitive);
-                let (kind, bounces) = (Some(kind), bounces + 1);
-                self.push(RayNode { kind, bounces, leaves, filter, weight, ..RayNode::new(ray) });
+                let bounces = 1 + self.current.map_or(0, |parent| self.rays[parent].bounces);
+                self.push(RayNode { kind: Some(kind), bounces, filter, weight, ..RayNode::new(ray) });
+                return;
             }
+            _ => {}
+        }
+        // The other events concern the current ray.
+        let Self { explainer, stop, leaves, .. } = *self;
+        let Some(node) = self.current.map(|place| &mut self.rays[place]) else { return };
+        match event {
+            Event::Met(hit) => {
+                (self.hit, node.counts) = (hit, std::mem::take(&mut self.counts));
+                if !stop.is_over() {
+                    node.close_calls = explainer.close_calls(&node.ray, leaves, hit);
+                }
+            }
+            Event::Surface { point, material } => {
+                let Some(hit) = self.hit else { return };
+                let surface = explainer.surface(point, material, hit);
+                if is_about_zero(surface.point.normal.dot(node.ray.direction)) {
+                    node.close_calls.push(CloseCall::of(CloseCallKind::Cosine));
+                }
+                if explainer.is_in_boundary(&surface) {
+                    node.close_calls.push(CloseCall::of(CloseCallKind::Boundary));
+                }
+                node.surface = Some(surface);
+            }
+            Event::NotFollowed { kind, end } => node.ends.push(NotFollowed { kind, end }),
+            Event::Refracting { direction, normal, indices } => {
+                if is_critical(direction, normal, indices) {
+                    node.close_calls.insert(0, CloseCall::of(CloseCallKind::Critical));
+                }
+            }
+            Event::Ambient(color) => node.surface.iter_mut().for_each(|it| it.ambient = Some(color)),
             Event::ShadowRay(ray) => {
                 let (counts, crossed, close_calls) = Default::default();
-                self.shadow =
-                    self.current.map(|_| Shadow { ray, crossed, blocker: None, counts, close_calls });
+                self.shadow = Some(Shadow { ray, crossed, blocker: None, counts, close_calls });
             }
             Event::Crossed { hit, tint, leaves } => {
                 if let Some(shadow) = &mut self.shadow {
-                    let object = self.explainer.object(hit.primitive);
-                    shadow.crossed.push(Crossing { object, hit, tint, leaves });
+                    shadow.crossed.push(Crossing {
+                        object: explainer.object(hit.primitive),
+                        hit,
+                        tint,
+                        leaves,
+                    });
                 }
             }
             Event::Light { incident, cosine, passed, parts } => {
-                self.light(Lighting { incident, cosine, passed, parts, shadow: None });
-            }
-            event => {
-                if let Some(node) = self.node() {
-                    node.note(event);
+                let (Some(surface), Some(hit)) = (&mut node.surface, self.hit) else { return };
+                let (counts, mut shadow) = (std::mem::take(&mut self.counts), self.shadow.take());
+                if let Some(shadow) = shadow.as_mut().filter(|_| !stop.is_over()) {
+                    shadow.counts = counts;
+                    explainer.finish_shadow(shadow, surface.lights.len(), hit.primitive);
+                    if is_about_zero(cosine) {
+                        shadow.close_calls.push(CloseCall::of(CloseCallKind::Cosine));
+                    }
                 }
+                surface.lights.push(Lighting { incident, cosine, passed, parts, shadow });
             }
+            Event::Shaded(color) => node.color = color,
+            Event::Popped | Event::Pushed { .. } => {}
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::picture::Color;
 use crate::scene::MaterialId;
 use crate::scene::material::Phong;
 use crate::scene::model::Highlight;
+use crate::scene::texels::{FACES, face};
 use crate::shading::light::unit_or_zero;
 use crate::stats::{Counts, RULE};
 use crate::trace::{PathEnd, Secondary};
@@ -23,7 +24,6 @@ const SHOWN_SAMPLES: usize = 1024;
 /// A line of the text.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// The text, indented.
     pub text: String,
     /// The index of the first sample's ray that the line describes, and the index of a light if it is about one.
     pub about: Option<(usize, Option<usize>)>,
@@ -129,10 +129,13 @@ impl Text<'_> {
         });
         self.indent += 2;
         self.add(format!("from {} along {}", triple(ray.origin), triple(ray.direction)));
-        match (&node.surface, node.cube_face) {
-            (None, None) => self.add("sees nothing"),
-            (None, Some(face)) => self.add(format!("sees nothing but the face {face} of the cube map")),
-            (Some(surface), _) => self.surface(surface),
+        match &node.surface {
+            Some(surface) => self.surface(surface),
+            None if self.tree.has_cube_map => {
+                let face = FACES[face(ray.direction).0];
+                self.add(format!("sees nothing but the face {face} of the cube map"));
+            }
+            None => self.add("sees nothing"),
         }
         self.add(format!("counted {}", self.counted(node.counts)));
         node.close_calls.iter().for_each(|call| self.add(call));
@@ -335,7 +338,7 @@ mod tests {
     use crate::math::ray::Ray;
     use crate::picture::CHANNELS;
     use crate::shading::light::Incident;
-    use crate::tools::explain::LeftOut;
+    use crate::tools::explain::tree::LeftOut;
 
     #[test]
     fn nine_digits_are_shown_and_none_that_says_nothing() {
@@ -359,6 +362,7 @@ mod tests {
             pixel: [0; 2],
             has_grid: false,
             highlight: Highlight::Blinn,
+            has_cube_map: false,
             samples: vec![],
             more_samples: 0,
             left_out: LeftOut::default(),

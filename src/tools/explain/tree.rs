@@ -1,4 +1,5 @@
-//! The tree of a pixel: everything that contributes to it. `Display` prints it as text, serde as JSON.
+//! The tree of a pixel: everything that contributes to it. `Display` prints it as text, serde as JSON, whose members
+//! `docs/json.md` describes.
 
 use crate::base::escape::escape;
 use crate::diagnostic::Position;
@@ -19,22 +20,19 @@ use std::fmt;
 /// A pixel with everything that contributes to it.
 #[derive(Clone, Debug, Serialize)]
 pub struct PixelTree {
-    /// Column and row from the top left, (0, 0).
     pub pixel: [usize; 2],
-    /// True if there is a grid, whose cells are counted.
     pub has_grid: bool,
     /// The model of highlights, which decides what the scene's language calls the colours of a material.
     #[serde(skip)]
     pub highlight: Highlight,
+    #[serde(skip)]
+    pub has_cube_map: bool,
     /// The first samples with nonzero weight.
     pub samples: Vec<SampleTree>,
-    /// The number of further samples.
     pub more_samples: u64,
-    /// The rays of all samples that are not kept.
     pub left_out: LeftOut,
     /// The pixel's colour: the sum of the weighted colours over the sum of the weights.
     pub color: Color,
-    /// The bytes in the picture.
     pub bytes: [u8; CHANNELS],
 }
 
@@ -43,27 +41,21 @@ pub struct PixelTree {
 pub struct SampleTree {
     /// The pixel that contains the sample: column and row from the top left.
     pub pixel: [usize; 2],
-    /// The index of the sample in that pixel, from 0.
     pub number: usize,
     /// The offset from that pixel's centre to the right and up, in pixels.
     pub offset: DVec2,
-    /// Its weight in the sum.
     pub weight: f64,
-    /// The colour of the sample.
     pub color: Color,
     /// The camera ray and all its descendants. Each comes after its parent. If there are too many, only the first ones
     /// are kept.
     pub rays: Vec<RayNode>,
-    /// The rays that are not kept.
     pub left_out: LeftOut,
 }
 
 /// Rays that are counted but not kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
-    /// Reflected and refracted rays.
     pub rays: u64,
-    /// The work for them and their rays towards lights.
     pub counts: Counts,
 }
 
@@ -72,43 +64,23 @@ pub struct LeftOut {
 pub struct RayNode {
     /// How the ray left the surface at its origin. `None` for the camera ray.
     pub kind: Option<Secondary>,
-    /// The number of reflections and refractions between it and the camera.
     pub bounces: usize,
-    /// The ray.
     pub ray: Ray,
-    /// The primitive at its origin.
-    #[serde(skip)]
-    pub leaves: Option<u32>,
     /// The factor of its colour in the picture.
     pub filter: Color,
-    /// The weight of the ray.
     pub weight: f64,
-    /// The nearest hit.
-    #[serde(skip)]
-    pub hit: Option<Hit>,
-    /// The work of finding the hit.
     pub counts: Counts,
-    /// The surface at the hit. `None` if the ray reaches the background.
     pub surface: Option<Surface>,
-    /// The face of the cube map that the ray reaches if it hits nothing.
-    #[serde(skip)]
-    pub cube_face: Option<&'static str>,
-    /// The surface's own colour, or the background's.
     pub color: Color,
-    /// The secondary rays that were not followed.
     pub ends: Vec<NotFollowed>,
-    /// The indices of the rays that start at its hit.
     pub children: Vec<usize>,
-    /// Decisions about the ray that different rounding could reverse.
     pub close_calls: Vec<CloseCall>,
 }
 
 /// A secondary ray that was not followed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NotFollowed {
-    /// How the ray would have left the surface.
     pub kind: Secondary,
-    /// The reason why it was not followed.
     #[serde(flatten)]
     pub end: PathEnd,
 }
@@ -116,41 +88,31 @@ pub struct NotFollowed {
 /// A surface that a ray hits, and its lighting.
 #[derive(Clone, Debug, Serialize)]
 pub struct Surface {
-    /// The object with the surface.
     pub object: Option<ObjectPart>,
-    /// The position on the ray.
     pub t: f64,
-    /// The point in the world.
     pub point: SurfacePoint,
-    /// The position of its material in the scene's text.
     pub material_at: Option<Position>,
-    /// The material, with its textures evaluated.
     pub material: Phong,
     /// The source of the diffuse colour, if it is not the material itself.
     #[serde(skip)]
     pub paint: Option<String>,
     /// The textures with nonzero weight, outermost first.
     pub textures: Vec<TextureWeight>,
-    /// The materials mixed by the textures. Empty if there is only one.
     pub parts: Vec<MaterialPart>,
     /// The ambient part of the colour. `None` if the surface is seen from inside and black there.
     pub ambient: Option<Color>,
-    /// The lights, in the order of the scene.
     pub lights: Vec<Lighting>,
 }
 
 /// The contribution of a light to a surface's colour.
 #[derive(Clone, Debug, Serialize)]
 pub struct Lighting {
-    /// The light that arrives without obstruction.
     pub incident: Incident,
     /// The cosine between the normal on the viewer's side and the direction to the light.
     pub cosine: f64,
-    /// The fraction of the light that passes obstructions.
     pub passed: Color,
     /// The diffuse and the specular part for an unobstructed light.
     pub parts: [Color; 2],
-    /// The ray towards the light. `None` without shadows.
     pub shadow: Option<Shadow>,
 }
 
@@ -161,27 +123,21 @@ pub struct Shadow {
     pub ray: Ray,
     /// The surfaces that it crosses, as far as it was followed. Empty for opaque shadows.
     pub crossed: Vec<Crossing>,
-    /// The obstruction that ends an opaque shadow's ray.
     pub blocker: Option<LightBlocker>,
-    /// The work of finding the obstructions.
     pub counts: Counts,
-    /// Decisions about the ray that different rounding could reverse.
     pub close_calls: Vec<CloseCall>,
 }
 
 /// The obstruction that ends an opaque shadow's ray.
 #[derive(Clone, Debug, Serialize)]
 pub struct LightBlocker {
-    /// The obstructing object.
     pub object: Option<ObjectPart>,
-    /// The position on the ray.
     pub t: f64,
 }
 
 /// A surface between a point and a light.
 #[derive(Clone, Debug, Serialize)]
 pub struct Crossing {
-    /// The object with the surface.
     pub object: Option<ObjectPart>,
     /// The hit, with t measured from the last surface.
     #[serde(flatten)]
@@ -197,7 +153,6 @@ pub struct Crossing {
 pub struct ObjectPart {
     /// The keyword of the object, and the name of its file if it has one.
     pub name: String,
-    /// The position of the object.
     #[serde(flatten)]
     pub at: Position,
     /// The index of the triangle in the object. `None` if the object is a single primitive.
@@ -207,13 +162,9 @@ pub struct ObjectPart {
 /// How a texture mixes its two materials at a point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureWeight {
-    /// The texture's keyword.
     pub name: &'static str,
-    /// Its index among the scene's materials.
     pub material: MaterialId,
-    /// The position of the texture.
     pub at: Option<Position>,
-    /// The indices of its two materials.
     pub children: [MaterialId; 2],
     /// The weight of the first material. The second has the rest.
     pub first: f64,
@@ -222,46 +173,34 @@ pub struct TextureWeight {
 /// A material without parts, as a component of a mixture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialPart {
-    /// Its index among the scene's materials.
     pub material: MaterialId,
-    /// The position of the material.
     pub at: Option<Position>,
-    /// Its share of the mixture. All shares sum to 1.
     pub weight: f64,
-    /// The material itself.
     pub phong: Phong,
 }
 
-/// The kind of a close call.
+/// The kind of a close call, which the sentences of [`CloseCall`] describe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CloseCallKind {
-    /// The ray passes an edge of a triangle within the error bound of its edge function.
     Edge,
-    /// The ray is tangent to a sphere or an ellipsoid.
     Tangent,
-    /// The ray is parallel to a plane.
     Parallel,
-    /// The ray hits something at the same distance as the visible hit.
+    /// Something else is at the distance of the visible hit.
     SameT,
-    /// The ray hits something at its origin.
+    /// Something is at the ray's origin.
     Start,
-    /// The ray hits something at the light.
+    /// Something is at the light.
     End,
-    /// The cosine between a normal and a direction is about 0.
     Cosine,
-    /// The point lies on a boundary between a checkerboard's squares.
     Boundary,
-    /// The ray hits a surface at the critical angle of total internal reflection.
     Critical,
 }
 
 /// A decision that a few roundings could reverse.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CloseCall {
-    /// The kind.
     pub kind: CloseCallKind,
-    /// The object involved, if any.
     pub object: Option<ObjectPart>,
 }
 

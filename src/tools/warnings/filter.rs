@@ -1,19 +1,18 @@
 //! Warns about filters so narrow that pixels get no samples and are black, or get samples whose weights cancel.
 //!
-//! Only a pixel's own samples matter for the first, because those in its neighbours are farther away. Uniform samples
-//! have the same positions in every pixel. Jittered and adaptive samples have a known stratum, so the farthest point of
-//! the strata around the centre decides. Random samples may be anywhere, but at the same positions in each run. So they
-//! are examined one by one, which takes a small fraction of the time to trace them.
+//! Samples have the same positions in each run, so the weights w of each pixel's samples are summed. This takes a small
+//! fraction of the time to trace them. Adaptive samples are chosen by their colours, so the filter must cover the pixel.
 //!
-//! Mitchell's filter is negative beyond 4/7 of its radius. If the weights w of a pixel's samples nearly cancel, the
-//! pixel is far outside the range of their colours. Colours between 0 and 1 give a pixel between (1 - M) / 2 and (1 +
-//! M) / 2, where M is the sum of |w| divided by |the sum of w|. The pixels in the picture's middle stand for all.
+//! Mitchell's filter is negative beyond 4/7 of its radius. If the weights nearly cancel, the pixel is far outside the
+//! range of its samples' colours. Colours between 0 and 1 give a pixel between (1 - M) / 2 and (1 + M) / 2, where M is
+//! the sum of |w| divided by |the sum of w|. It takes the samples of neighbouring pixels to compute it, so the pixels in the
+//! picture's middle stand for all.
 
 use super::Warning;
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
 use crate::sampling::filter::Filter;
-use crate::sampling::sampler::{Pattern, Sampler};
+use crate::sampling::sampler::Pattern;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -25,21 +24,22 @@ const WIDE_ENOUGH: f64 = 3.0;
 const WIDE_ENOUGH_FOR_MANY: f64 = 2.0;
 /// The largest M without a warning.
 const MOST_CANCELLED: f64 = 2.0;
-/// The columns and rows in the middle of a picture that are examined for weights that cancel.
+/// The columns and rows in the middle of a picture that stand for all if the filter is Mitchell's, or if all pixels have
+/// the same samples.
 const EXAMINED: usize = 64;
 
 /// Warns about a filter that is too narrow for the samples.
 pub fn narrow_filter(request: &Request) -> Option<Diagnostic> {
-    let lost = lost(request)?;
-    let wide_enough = wide_enough(request).flag();
-    Some(Warning::NarrowFilter { flag: request.filter.flag(), lost, wide_enough }.into())
+    let warning =
+        || Warning::NarrowFilter { flag: request.filter.flag(), wide_enough: wide_enough(request).flag() };
+    is_too_narrow(request).then(|| warning().into())
 }
 
 /// Returns the smallest filter of this kind, in thousandths of a pixel, that is not too narrow.
 fn wide_enough(request: &Request) -> Filter {
     let of_size = |thousandths: u32| request.filter.with_size(f64::from(thousandths) / 1000.0);
     let is_enough =
-        |thousandths| lost(&Request { filter: of_size(thousandths), ..request.clone() }).is_none();
+        |thousandths| !is_too_narrow(&Request { filter: of_size(thousandths), ..request.clone() });
     let (mut narrow, mut wide) = ((1000.0 * request.filter.size()) as u32, (1000.0 * WIDE_ENOUGH) as u32);
     while narrow + 1 < wide {
         let middle = narrow.midpoint(wide);
@@ -48,42 +48,27 @@ fn wide_enough(request: &Request) -> Filter {
     of_size(wide)
 }
 
-/// Returns which pixels are wrong, as the end of a sentence, if the filter is too narrow.
-fn lost(request: &Request) -> Option<String> {
-    let Request { filter, sampler, .. } = *request;
-    let lost = match sampler.pattern() {
-        // Every pixel contains its sample.
-        Pattern::Displaced => return None,
-        Pattern::Uniform if !sampler.offsets(0).any(|offset| reaches(filter, offset)) => {
-            Some("no sample is within the filter, and every pixel is black".into())
-        }
-        Pattern::Jittered if !reaches(filter, surely_within(&sampler)) => {
-            Some("a pixel may have no sample within the filter, and is black then".into())
-        }
-        Pattern::Random if !reaches(filter, DVec2::splat(0.5)) => match lost_of_random(request) {
-            0 => None,
-            1 => Some("1 pixel has no sample within the filter, and is black".into()),
-            pixels => Some(format!("{pixels} pixels have no sample within the filter, and are black")),
-        },
-        _ => None,
-    };
-    let cancelled = "weights nearly cancel in some pixels, which are far too dark or too bright";
-    lost.or_else(|| cancels(request).then(|| cancelled.into()))
-}
-
-/// Returns true if the weights of Mitchell's filter nearly cancel in some pixel.
-fn cancels(request: &Request) -> bool {
+/// Returns true if a pixel has no samples with weight, or samples whose weights nearly cancel.
+fn is_too_narrow(request: &Request) -> bool {
     let Request { filter, sampler, adaptive, size: [width, height], .. } = *request;
-    let is_random = matches!(sampler.pattern(), Pattern::Random | Pattern::Jittered) && adaptive.is_none();
-    let wide_enough = if sampler.count() > 2 { WIDE_ENOUGH_FOR_MANY } else { WIDE_ENOUGH };
-    if !is_random || !matches!(filter, Filter::Mitchell { .. }) || filter.size() >= wide_enough {
+    let covers_pixel = has_weight(filter.weight(DVec2::splat(0.5)).abs());
+    let radius = if sampler.count() > 2 { WIDE_ENOUGH_FOR_MANY } else { WIDE_ENOUGH };
+    let is_negative = matches!(filter, Filter::Mitchell { .. });
+    let may_cancel = is_negative && filter.size() < radius && adaptive.is_none();
+    // Every pixel contains its displaced sample.
+    if sampler.pattern() == Pattern::Displaced || covers_pixel && !may_cancel {
         return false;
+    }
+    if adaptive.is_some() {
+        return true;
     }
     let support = filter.support();
     let near = |at: usize, end: usize| at.saturating_sub(support)..(at + support + 1).min(end);
-    let middle = |all: Range<usize>| {
-        let start = all.start + all.len().saturating_sub(EXAMINED) / 2;
-        start..all.end.min(start + EXAMINED)
+    let examined = |all: Range<usize>| {
+        let is_part = is_negative || sampler.pattern() == Pattern::Uniform;
+        let count = if is_part { EXAMINED } else { all.len() };
+        let start = all.start + all.len().saturating_sub(count) / 2;
+        start..all.end.min(start + count)
     };
     let is_wrong = |x: usize, y: usize| {
         let (mut sum, mut magnitude) = (0.0_f64, 0.0);
@@ -99,37 +84,14 @@ fn cancels(request: &Request) -> bool {
                 }
             }
         }
-        // A pixel whose weights have no sum is black.
-        sum == 0.0 || magnitude > MOST_CANCELLED * sum.abs()
+        !has_weight(magnitude) || magnitude > MOST_CANCELLED * sum.abs()
     };
-    middle(request.columns()).into_par_iter().any(|x| middle(request.rows()).any(|y| is_wrong(x, y)))
+    examined(request.columns()).into_par_iter().any(|x| examined(request.rows()).any(|y| is_wrong(x, y)))
 }
 
-/// Returns true if a sample at this position counts. The weights of a Gaussian end at subnormal numbers.
-fn reaches(filter: Filter, position: DVec2) -> bool {
-    filter.weight(position).abs() >= f64::MIN_POSITIVE
-}
-
-/// Returns the largest possible distance along each axis of the nearest jittered sample from the centre.
-fn surely_within(sampler: &Sampler) -> DVec2 {
-    let farthest = |strata: u32| {
-        // An odd number of strata includes a middle one.
-        let halves = if strata.is_multiple_of(2) { 2.0 } else { 1.0 };
-        halves / (2.0 * f64::from(strata))
-    };
-    DVec2::from_array(sampler.strata().map(farthest))
-}
-
-/// Returns the number of pixels without a random sample in the filter.
-fn lost_of_random(request: &Request) -> usize {
-    let Request { filter, sampler, size: [_, height], .. } = *request;
-    let rows = request.rows();
-    let lost_in = |column: usize| {
-        let mut pixels = sampler.pixels((column * height + rows.start) as u64, 1);
-        let is_lost = |_: &usize| !pixels.next_offsets().any(|offset| reaches(filter, offset));
-        rows.clone().filter(is_lost).count()
-    };
-    request.columns().map(lost_in).sum()
+/// Returns true if a weight counts. The weights of a Gaussian end at subnormal numbers.
+fn has_weight(weight: f64) -> bool {
+    weight >= f64::MIN_POSITIVE
 }
 
 #[cfg(test)]
@@ -137,6 +99,7 @@ mod tests {
     use super::*;
     use crate::render::Window;
     use crate::sampling::drand48::Drand48;
+    use crate::sampling::sampler::Sampler;
 
     const FILTERS: [fn(f64) -> Filter; 4] = [
         |radius| Filter::Box { radius },
@@ -153,7 +116,7 @@ mod tests {
     /// Returns the size suggested for a filter that is far too narrow.
     fn named(pattern: Pattern, count: u32, filter: fn(f64) -> Filter) -> f64 {
         let request = request(pattern, count, filter(1e-5));
-        assert!(lost(&request).is_some());
+        assert!(is_too_narrow(&request));
         wide_enough(&request).size()
     }
 
@@ -169,31 +132,35 @@ mod tests {
                     continue;
                 }
                 let size = named(pattern, count, filter);
-                let warns = |size: f64| lost(&request(pattern, count, filter(size))).is_some();
+                let warns = |size: f64| is_too_narrow(&request(pattern, count, filter(size)));
                 assert!(!warns(size) && warns(size - 0.001), "{pattern:?} {count} {size}");
             }
         }
     }
 
     #[test]
-    fn sizes_for_uniform_and_jittered_samples_by_geometry() {
+    fn sizes_for_uniform_samples_by_geometry() {
         // Four uniform samples are a quarter of a pixel from the centre along both axes.
         assert_eq!(FILTERS.map(|filter| named(Pattern::Uniform, 4, filter)), [0.25, 0.354, 0.01, 0.251]);
-        // One of four jittered samples is at most as far as a corner of the pixel.
-        let [square, disk, ..] = FILTERS;
-        assert_eq!([square, disk].map(|filter| named(Pattern::Jittered, 4, filter)), [0.5, 0.708]);
-        // Nine jittered samples have one in the middle stratum. Eight have none there along one axis.
-        assert_eq!([8, 9].map(|count| named(Pattern::Jittered, count, square)), [0.5, 0.167]);
-        assert_eq!(lost(&request(Pattern::Uniform, 9, Filter::Tent { radius: 1e-6 })), None);
+        assert!(!is_too_narrow(&request(Pattern::Uniform, 9, Filter::Tent { radius: 1e-6 })));
     }
 
     #[test]
     fn the_default_filter_is_wide_enough_for_any_samples() {
         for pattern in [Pattern::Uniform, Pattern::Jittered, Pattern::Random] {
-            assert!((1..70).all(|count| lost(&request(pattern, count, Filter::PIXEL)).is_none()));
+            assert!((1..70).all(|count| !is_too_narrow(&request(pattern, count, Filter::PIXEL))));
         }
-        let adaptive = Sampler::of_adaptive(Drand48::UNSEEDED);
-        assert_eq!(lost(&Request { sampler: adaptive, ..Request::new([9, 9]) }), None);
+    }
+
+    #[test]
+    fn a_filter_for_adaptive_samples_covers_the_pixel() {
+        let adaptive = Some(crate::sampling::adaptive::Adaptive { most: 16, error: 2.0 });
+        let sampler = Sampler::of_adaptive(Drand48::UNSEEDED);
+        let warns = |filter| is_too_narrow(&Request { filter, sampler, adaptive, ..Request::new([40, 30]) });
+        let [square, disk, _, cubic] = FILTERS;
+        assert_eq!([0.499, 0.5].map(|radius| warns(square(radius))), [true, false]);
+        assert_eq!([0.707, 0.708].map(|radius| warns(disk(radius))), [true, false]);
+        assert_eq!([0.5, 0.501, 0.8].map(|radius| warns(cubic(radius))), [true, false, false]);
     }
 
     /// Returns the sum of the magnitudes of the weights of a pixel's samples, divided by the magnitude of their sum.
@@ -210,10 +177,14 @@ mod tests {
     }
 
     #[test]
-    fn weights_cancel_where_their_sum_is_below_half_of_their_magnitudes() {
+    fn a_pixel_is_wrong_where_the_sum_of_weights_is_zero_or_below_half_of_their_magnitudes() {
         let window = Some(Window { x: 3, y: 4, width: 5, height: 7 });
         let mut found = [0; 2];
-        for radius in [0.45, 0.7, 0.9, 1.0, 1.1, 1.3, 1.6, 1.95, 2.4, 2.9] {
+        let [square, disk, _, cubic] = FILTERS;
+        let cubic = [0.45, 0.7, 0.9, 1.0, 1.1, 1.3, 1.6, 1.95, 2.4, 2.9].map(cubic);
+        let others =
+            [0.2, 0.3, 0.4, 0.45, 0.48, 0.55, 0.6, 0.65].map(|radius| [square(radius), disk(radius)]);
+        for filter in cubic.into_iter().chain(others.into_iter().flatten()) {
             for (pattern, count) in [
                 (Pattern::Random, 1),
                 (Pattern::Random, 3),
@@ -221,15 +192,16 @@ mod tests {
                 (Pattern::Jittered, 1),
                 (Pattern::Jittered, 4),
                 (Pattern::Jittered, 9),
+                (Pattern::Uniform, 4),
+                (Pattern::Uniform, 6),
             ] {
                 for window in [None, window] {
-                    let all = Request { window, ..request(pattern, count, Filter::Mitchell { radius }) };
-                    let all = Request { size: [12, 14], ..all };
+                    let all = Request { window, size: [12, 14], ..request(pattern, count, filter) };
                     let pixels = all.columns().flat_map(|x| all.rows().map(move |y| [x, y]));
                     let worst = pixels
                         .map(|pixel| amplification(&all, pixel))
                         .fold(0.0, |worst: f64, x| if x.is_nan() { f64::INFINITY } else { worst.max(x) });
-                    assert_eq!(cancels(&all), worst > 2.0, "{radius} {pattern:?} {count} {worst}");
+                    assert_eq!(is_too_narrow(&all), worst > 2.0, "{filter:?} {pattern:?} {count} {worst}");
                     found[usize::from(worst > 2.0)] += 1;
                 }
             }
@@ -241,45 +213,10 @@ mod tests {
     fn the_named_radius_has_weights_that_do_not_cancel() {
         for (pattern, count) in [(Pattern::Random, 1), (Pattern::Random, 4), (Pattern::Jittered, 4)] {
             let of = |radius: f64| request(pattern, count, Filter::Mitchell { radius });
-            assert!(lost(&of(0.9)).is_some_and(|lost| lost.starts_with("weights nearly cancel")));
+            assert!(is_too_narrow(&of(0.9)));
             let radius = wide_enough(&of(0.9)).size();
-            assert!(lost(&of(radius)).is_none() && (0.9..=3.0).contains(&radius));
-            assert!(lost(&of(radius - 0.001)).is_some(), "{radius}");
-        }
-        let none = [
-            (Pattern::Uniform, 1, 0.6),
-            (Pattern::Uniform, 4, 0.8),
-            (Pattern::Random, 4, 2.0),
-            (Pattern::Jittered, 16, 1.0),
-        ];
-        for (pattern, count, radius) in none {
-            assert_eq!(
-                lost(&request(pattern, count, Filter::Mitchell { radius })),
-                None,
-                "{pattern:?} {count}"
-            );
-        }
-        let adaptive = Sampler::of_adaptive(Drand48::UNSEEDED);
-        let request =
-            Request { filter: Filter::Mitchell { radius: 0.8 }, sampler: adaptive, ..Request::new([40, 30]) };
-        let adaptive = Some(crate::sampling::adaptive::Adaptive { most: 16, error: 2.0 });
-        assert_eq!(lost(&Request { adaptive, ..request }), None);
-    }
-
-    #[test]
-    fn random_pixels_are_counted_whose_samples_have_no_weight() {
-        for filter in
-            [Filter::Box { radius: 0.3 }, Filter::Tent { radius: 0.6 }, Filter::Gaussian { sigma: 0.01 }]
-        {
-            let request = request(Pattern::Random, 2, filter);
-            let is_lost = |pixel: &u64| {
-                request.sampler.offsets(*pixel).all(|offset| filter.weight(offset) < f64::MIN_POSITIVE)
-            };
-            assert_eq!(lost_of_random(&request), (0..1200).filter(is_lost).count());
-            // The pixels of one column and five rows.
-            let window = Some(Window { x: 7, y: 3, width: 1, height: 5 });
-            let expected = (7 * 30 + 22..7 * 30 + 27).filter(is_lost).count();
-            assert_eq!(lost_of_random(&Request { window, ..request }), expected);
+            assert!(!is_too_narrow(&of(radius)) && (0.9..=3.0).contains(&radius));
+            assert!(is_too_narrow(&of(radius - 0.001)), "{radius}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Warns about flags without effect, and about materials that need other flags.
 
 use super::Warning;
+use super::filter::narrow_filter;
 use crate::diagnostic::{Diagnostic, Position};
 use crate::render::{Layer, Request};
 use crate::sampling::filter::Filter;
@@ -12,13 +13,22 @@ use crate::scene::model::Highlight;
 use crate::trace::{Effects, Shadows};
 use glam::DVec2;
 
+/// Warns about the flags of a picture of colours. `says_no_bounces` is true if no bounces are meant, as by an explicit
+/// `-bounces 0`, which the course's commands combine with `-weight`.
+pub fn about_colors(scene: &Scene, request: &Request, says_no_bounces: bool) -> Vec<Diagnostic> {
+    // No ray bounces if the cells of the grid are drawn.
+    let rays =
+        if request.draws_cells { vec![] } else { about_rays(scene, &request.effects, says_no_bounces) };
+    rays.into_iter().chain(samples_without_effect(request)).chain(narrow_filter(request)).collect()
+}
+
 fn without_effect(flag: impl Into<String>, why: impl Into<String>) -> Diagnostic {
     Warning::FlagsWithoutEffect { flags: vec![flag.into()], why: why.into() }.into()
 }
 
 /// Warns about `-seed` without random numbers, and about a filter that weighs only one sample. A picture of the filter
 /// still shows it.
-pub fn sampling_without_effect(request: &Request) -> Vec<Diagnostic> {
+fn samples_without_effect(request: &Request) -> impl Iterator<Item = Diagnostic> {
     let Request { sampler, filter, .. } = *request;
     let seed = sampler.rng().seed().filter(|_| sampler.pattern() == Pattern::Uniform);
     let seed = seed
@@ -27,29 +37,19 @@ pub fn sampling_without_effect(request: &Request) -> Vec<Diagnostic> {
     let is_idle = filter != Filter::PIXEL && sampler.is_center() && weighs_one && !shows_filter(request);
     let filter =
         is_idle.then(|| without_effect(filter.flag(), ": it weighs only the sample at the pixel's centre"));
-    seed.into_iter().chain(filter).collect()
+    seed.into_iter().chain(filter)
 }
 
 /// Warns about an edition's flags that affect colours, if the request shows no colours.
 pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Diagnostic> {
-    let Request { effects, sampler, adaptive, filter, .. } = *request;
+    let Request { effects, sampler, filter, .. } = *request;
     let Effects { shadows, shade_back, bounces, min_weight } = effects;
-    let samples = match (adaptive, sampler.pattern()) {
-        (Some(adaptive), _) => Some(format!("-adaptive_samples {} {}", adaptive.most, adaptive.error)),
-        (None, Pattern::Displaced) => Some("-jitter".into()),
-        (None, Pattern::Uniform) if sampler.is_center() => None,
-        (None, pattern) => Some(format!("-{} {}", pattern.flag(edition), sampler.count())),
-    };
     let flags = [
         shade_back.then(|| "-shade_back".into()),
-        match shadows {
-            Shadows::None => None,
-            Shadows::Opaque => Some("-shadows".into()),
-            Shadows::Transparent => Some("-transparent_shadows".into()),
-        },
+        shadows.flag().map(str::to_owned),
         (bounces > 0).then(|| format!("-bounces {bounces}")),
         (min_weight != edition.default_weight()).then(|| format!("-weight {min_weight}")),
-        samples,
+        (!sampler.is_center()).then(|| request.samples_flag(edition)),
         sampler.rng().seed().map(|seed| format!("-seed {seed}")),
         (filter != Filter::PIXEL && !shows_filter(request)).then(|| filter.flag()),
     ];
@@ -62,13 +62,12 @@ fn shows_filter(request: &Request) -> bool {
     request.layers.iter().any(|layer| matches!(layer, Layer::Filter { .. }))
 }
 
-/// Warns about `-bounces` and `-weight` that affect no ray, transparent shadows that nothing tints, and `-shade_back`
-/// where light from behind is shown anyway. `says_no_bounces` is true for an explicit `-bounces 0`, because the
-/// course's commands combine it with `-weight`.
-pub fn rays_without_effect(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Diagnostic> {
+/// Warns about flags that affect no ray, and about materials whose rays are not followed or are black from inside.
+fn about_rays(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Diagnostic> {
     let Effects { bounces, min_weight, shadows, shade_back } = *effects;
     let used = used(scene);
     let heaviest = used.iter().map(|it| it.reflected.max(it.refracted)).fold(0.0, f64::max);
+    let is_two_sided = scene.lighting.highlight == Highlight::Phong;
     let mut found = vec![];
     match bounces {
         0 if min_weight > 0.0 && !says_no_bounces => {
@@ -87,30 +86,24 @@ pub fn rays_without_effect(scene: &Scene, effects: &Effects, says_no_bounces: bo
         let why = " beyond that of `-shadows`: no object transmits light";
         found.push(without_effect("-transparent_shadows", why));
     }
-    if shade_back && scene.lighting.highlight == Highlight::Phong {
+    if shade_back && is_two_sided {
         let why = " in this edition: surfaces look the same from both sides";
         found.push(without_effect("-shade_back", why));
     }
+    if bounces == 0
+        && !says_no_bounces
+        && let Some(it) = used.iter().find(|it| it.reflected > 0.0 || it.refracted > 0.0)
+    {
+        let warning = Warning::NotFollowed { is_transparent: it.refracted > 0.0 };
+        found.push(Diagnostic::from(warning).at(it.at));
+    }
+    if bounces > 0
+        && !(shade_back || is_two_sided)
+        && let Some(it) = used.iter().find(|it| it.refracted > min_weight)
+    {
+        found.push(Diagnostic::from(Warning::BlackInside).at(it.at));
+    }
     found
-}
-
-/// Warns about the first material that reflects or transmits light, if no ray is followed without `-bounces`.
-pub fn rays_not_followed(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Option<Diagnostic> {
-    if effects.bounces > 0 || says_no_bounces {
-        return None;
-    }
-    let material = used(scene).into_iter().find(|it| it.reflected > 0.0 || it.refracted > 0.0)?;
-    Some(Warning::NotFollowed { at: material.at, is_transparent: material.refracted > 0.0 }.into())
-}
-
-/// Warns about the first material that transmits light and is black from inside because `-shade_back` is missing.
-pub fn black_inside(scene: &Scene, effects: &Effects) -> Option<Diagnostic> {
-    let is_lit_as_outside = effects.shade_back || scene.lighting.highlight == Highlight::Phong;
-    if effects.bounces == 0 || is_lit_as_outside {
-        return None;
-    }
-    let material = used(scene).into_iter().find(|it| it.refracted > effects.min_weight)?;
-    Some(Warning::BlackInside { at: material.at }.into())
 }
 
 /// The secondary rays at a material: the lengths of its reflective and its transparent colour, by which they multiply

@@ -8,97 +8,64 @@ mod flags;
 mod scene;
 mod view;
 
-pub use filter::narrow_filter;
-pub use flags::{
-    black_inside, colors_not_asked_for, rays_not_followed, rays_without_effect, sampling_without_effect,
-};
+pub use flags::{about_colors, colors_not_asked_for};
 pub use scene::{lights_without_effect, no_lights, triangles_without_area};
 pub use view::nothing_visible;
 
-use crate::diagnostic::{Diagnostic, Position, Severity};
+use crate::diagnostic::{Diagnostic, Severity};
 
-/// A probable mistake. Positions refer to the scene's text; the caller adds the file.
+/// A probable mistake, without its place.
 enum Warning {
     NoLights,
-    LightWithoutEffect {
-        at: Position,
-        why: &'static str,
-    },
-    FlatTriangles {
-        at: Position,
-        count: usize,
-    },
-    FlatTrianglesOfMesh {
-        at: Position,
-        count: usize,
-        all: usize,
-    },
-    NothingVisible {
-        at: Position,
-        why: &'static str,
-        hint: Option<String>,
-    },
-    /// `why` is the end of the sentence, with its punctuation.
-    FlagsWithoutEffect {
-        flags: Vec<String>,
-        why: String,
-    },
-    NotFollowed {
-        at: Position,
-        is_transparent: bool,
-    },
-    BlackInside {
-        at: Position,
-    },
-    NarrowFilter {
-        flag: String,
-        lost: String,
-        wide_enough: String,
-    },
+    LightWithoutEffect { why: &'static str },
+    FlatTriangles { count: usize },
+    FlatTrianglesOfMesh { count: usize, all: usize },
+    NothingVisible { why: &'static str, hint: Option<String> },
+    FlagsWithoutEffect { flags: Vec<String>, why: String },
+    NotFollowed { is_transparent: bool },
+    BlackInside,
+    NarrowFilter { flag: String, wide_enough: String },
 }
 
 impl From<Warning> for Diagnostic {
     fn from(warning: Warning) -> Self {
         let have = |count: usize| if count == 1 { "has" } else { "have" };
-        let located = |at: Position, message: String| Self::warning(message).at(at);
-        let flat = "no ray hits a triangle whose corners lie on one line";
-        match warning {
+        let flat = Some("no ray hits a triangle whose corners lie on one line".to_owned());
+        let (message, hint) = match warning {
             // In the words of the course's program.
             Warning::NoLights => {
-                Self { severity: Severity::CourseWarning, ..Self::warning("No lights specified") }
+                return Self { severity: Severity::CourseWarning, ..Self::warning("No lights specified") };
             }
-            Warning::LightWithoutEffect { at, why } => located(at, format!("the light has no effect: {why}")),
-            Warning::FlatTriangles { at, count: 1 } => {
-                located(at, "the triangle has no area".into()).with_hint(flat)
+            Warning::LightWithoutEffect { why } => (format!("the light has no effect: {why}"), None),
+            Warning::FlatTriangles { count: 1 } => ("the triangle has no area".into(), flat),
+            Warning::FlatTriangles { count } => {
+                (format!("{count} triangles have no area; this is the first"), flat)
             }
-            Warning::FlatTriangles { at, count } => {
-                located(at, format!("{count} triangles have no area; this is the first")).with_hint(flat)
+            Warning::FlatTrianglesOfMesh { count, all } => {
+                (format!("{count} of the {all} triangles of the mesh {} no area", have(count)), flat)
             }
-            Warning::FlatTrianglesOfMesh { at, count, all } => {
-                let message = format!("{count} of the {all} triangles of the mesh {} no area", have(count));
-                located(at, message).with_hint(flat)
-            }
-            Warning::NothingVisible { at, why, hint } => {
-                Self { hint, ..located(at, format!("no ray hits anything{why}")) }
-            }
+            Warning::NothingVisible { why, hint } => (format!("no ray hits anything{why}"), hint),
             Warning::FlagsWithoutEffect { flags, why } => {
                 let named: Vec<String> = flags.iter().map(|flag| format!("`{flag}`")).collect();
-                Self::warning(format!("{} {} no effect{why}", named.join(", "), have(flags.len())))
+                (format!("{} {} no effect{why}", named.join(", "), have(flags.len())), None)
             }
-            Warning::NotFollowed { at, is_transparent } => {
+            Warning::NotFollowed { is_transparent } => {
                 let way = if is_transparent { "transmits" } else { "reflects" };
-                located(at, format!("the material {way} light, but without `-bounces` no ray is followed"))
-                    .with_hint("add `-bounces 5`, or `-bounces 0` if that is meant")
+                let hint = "add `-bounces 5`, or `-bounces 0` if that is meant";
+                let problem = format!("the material {way} light, but without `-bounces` no ray is followed");
+                (problem, Some(hint.into()))
             }
-            Warning::BlackInside { at } => {
-                let message =
+            Warning::BlackInside => {
+                let problem =
                     "the material transmits light, but without `-shade_back` it is black from inside";
-                located(at, message.into()).with_hint("add `-shade_back`")
+                (problem.into(), Some("add `-shade_back`".into()))
             }
-            Warning::NarrowFilter { flag, lost, wide_enough } => {
-                Self::warning(format!("`{flag}` is too narrow for the samples: {lost}"))
-                    .with_hint(format!("`{wide_enough}` is wide enough"))
+            Warning::NarrowFilter { flag, wide_enough } => {
+                let wrong = "pixels whose samples have no weight, or weights that nearly cancel, are wrong";
+                let problem = format!("`{flag}` is too narrow: {wrong}");
+                (problem, Some(format!("`{wide_enough}` is wide enough")))
             }
-        }
+        };
+        Self { hint, ..Self::warning(message) }
     }
 }

@@ -31,7 +31,7 @@ pub fn lights_without_effect(scene: &Scene, world: &World, effects: &Effects) ->
             _ => return None,
         };
         let at = scene.positions.lights.get(index).copied().unwrap_or_default();
-        Some(Warning::LightWithoutEffect { at, why }.into())
+        Some(Diagnostic::from(Warning::LightWithoutEffect { why }).at(at))
     };
     limited(scene.lights.iter().enumerate().filter_map(warning).collect())
 }
@@ -42,13 +42,15 @@ pub fn triangles_without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Diagnostic>
     let is_flat_object =
         |object: &Object| matches!(object, Object::Triangle { vertices, .. } if is_flat(vertices.each_ref()));
     let own: Vec<usize> = (0..scene.objects.len()).filter(|&id| is_flat_object(&scene.objects[id])).collect();
-    let at = |id: &usize| scene.positions.objects.get(*id).copied().unwrap_or_default();
-    let own = own.first().map(|first| Warning::FlatTriangles { at: at(first), count: own.len() });
+    let first = own.first().map(|&first| {
+        let at = scene.positions.objects.get(first).copied().unwrap_or_default();
+        Diagnostic::from(Warning::FlatTriangles { count: own.len() }).at(at)
+    });
     let of_meshes = scene.meshes.iter().zip(meshes).filter_map(|(file, mesh)| {
         let (count, all) = (flat_count(mesh), mesh.triangles.len());
-        (count > 0).then_some(Warning::FlatTrianglesOfMesh { at: file.at, count, all })
+        (count > 0).then(|| Diagnostic::from(Warning::FlatTrianglesOfMesh { count, all }).at(file.at))
     });
-    limited(own.into_iter().chain(of_meshes).map(Diagnostic::from).collect())
+    limited(first.into_iter().chain(of_meshes).collect())
 }
 
 fn flat_count(mesh: &Mesh) -> usize {

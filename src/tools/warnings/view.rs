@@ -17,8 +17,8 @@ use std::ops::ControlFlow;
 pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> Option<Diagnostic> {
     let renderer = prepared.renderer();
     let (world, at) = (renderer.world(), renderer.scene.positions.camera);
-    let warning = |(why, hint)| Some(Warning::NothingVisible { at, why, hint }.into());
-    if world.finite_count() == 0 && world.planes.is_empty() {
+    let warning = |(why, hint)| Some(Diagnostic::from(Warning::NothingVisible { why, hint }).at(at));
+    if world.ids().is_empty() {
         return warning((": the scene has no objects", None));
     }
     let centers =

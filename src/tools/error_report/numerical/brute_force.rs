@@ -14,13 +14,12 @@ impl BruteForce<'_> {
     /// Returns all hits along a ray, each with its primitive.
     fn hits<'r>(&'r self, ray: &'r Ray, exclude: Option<u32>) -> impl Iterator<Item = (f64, u32)> + 'r {
         let (shear, world) = (Shear::new(ray), self.world);
-        let all = 0..(world.finite_count() + world.planes.len()) as u32;
         let hit = move |id| match world.primitive(id) {
             Primitive::Triangle(i) => shear.intersect(world.corners_in_place(i)).filter(|&t| ray.covers(t)),
             Primitive::Shape(i) => world.shapes[i].intersect(ray),
             Primitive::Plane(i) => world.planes[i].intersect(ray),
         };
-        all.filter(move |&id| Some(id) != exclude).filter_map(move |id| Some((hit(id)?, id)))
+        world.ids().filter(move |&id| Some(id) != exclude).filter_map(move |id| Some((hit(id)?, id)))
     }
 }
 

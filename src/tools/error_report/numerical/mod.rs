@@ -19,9 +19,7 @@ use single::SinglePrecision;
 pub struct Numerical {
     /// The size of the part of the picture traced, in pixels.
     pub size: [usize; 2],
-    /// The number of jittered samples per pixel.
     pub samples: u32,
-    /// The errors of this program.
     pub program: Departure,
     /// The errors of a textbook's tracer in single precision.
     pub single: Departure,
@@ -76,7 +74,7 @@ fn affordable(renderer: &Renderer, request: &Request) -> Request {
     let rays = 1 + world.lights.len() + request.effects.bounces as usize;
     let tests = |samples: u32| {
         let [width, height] = request.size.map(|side| side as f64);
-        width * height * f64::from(samples) * rays as f64 * (world.finite_count() + world.planes.len()) as f64
+        width * height * f64::from(samples) * rays as f64 * world.ids().len() as f64
     };
     let samples = if tests(4) <= MOST_TESTS { 4 } else { 1 };
     let share = (MOST_TESTS / tests(samples)).sqrt().min(1.0);

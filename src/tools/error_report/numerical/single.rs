@@ -3,10 +3,11 @@
 
 use crate::math::ray::{Ray, Visible};
 use crate::tools::causes::student::Hits;
+use crate::world::plane::Plane;
 use crate::world::shape::Shape;
 use crate::world::sphere::Sphere;
 use crate::world::{Primitive, SurfacePoint, World};
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 
 /// The smallest t of a hit, so that a ray does not hit the surface that it leaves.
 const EPSILON: f32 = 1e-4;
@@ -45,53 +46,31 @@ impl SingleRay {
 }
 
 impl SinglePrecision<'_> {
-    fn hit(&self, ray: &SingleRay, id: u32) -> Option<f32> {
-        let t = match self.world.primitive(id) {
-            Primitive::Triangle(i) => triangle(ray, self.world.corners(i).map(|corner| corner.as_vec3())),
+    /// Returns the t and the flat normal of the first intersection with a primitive.
+    fn hit(&self, ray: &SingleRay, id: u32) -> Option<(f32, Vec3)> {
+        let (t, normal) = match self.world.primitive(id) {
+            Primitive::Triangle(i) => triangle(ray, self.world.corners(i).map(|corner| corner.as_vec3()))?,
             Primitive::Shape(i) => match &self.world.shapes[i] {
                 Shape::Sphere(Sphere { center, radius }) => {
-                    quadratic(ray, ray.origin - center.as_vec3(), ray.direction, *radius as f32)
+                    let center = center.as_vec3();
+                    let t = quadratic(ray, ray.origin - center, ray.direction, *radius as f32)?;
+                    (t, (ray.at(t) - center).normalize_or_zero())
                 }
                 shape => {
                     let (center, _, inverse) = shape.form().unit_sphere_maps()?;
                     let (center, inverse) = (center.as_vec3(), inverse.as_mat3());
-                    quadratic(ray, inverse * (ray.origin - center), inverse * ray.direction, 1.0)
+                    let t = quadratic(ray, inverse * (ray.origin - center), inverse * ray.direction, 1.0)?;
+                    let normal = inverse.transpose() * (inverse * (ray.at(t) - center));
+                    (t, normal.normalize_or_zero())
                 }
             },
             Primitive::Plane(i) => {
-                let (normal, offset) =
-                    (self.world.planes[i].normal.as_vec3(), self.world.planes[i].offset as f32);
-                Some((offset - normal.dot(ray.origin)) / normal.dot(ray.direction))
+                let Plane { normal, offset } = &self.world.planes[i];
+                let (normal, offset) = (normal.as_vec3(), *offset as f32);
+                ((offset - normal.dot(ray.origin)) / normal.dot(ray.direction), normal)
             }
         };
-        t.filter(|&t| ray.covers(t))
-    }
-
-    fn normal(&self, position: Vec3, id: u32) -> Vec3 {
-        match self.world.primitive(id) {
-            Primitive::Triangle(i) => {
-                let [a, b, c] = self.world.corners(i).map(|corner| corner.as_vec3());
-                (b - a).cross(c - a).normalize_or_zero()
-            }
-            Primitive::Shape(i) => {
-                match (&self.world.shapes[i], self.world.shapes[i].form().unit_sphere_maps()) {
-                    (Shape::Sphere(Sphere { center, .. }), _) => {
-                        (position - center.as_vec3()).normalize_or_zero()
-                    }
-                    (_, Some((center, _, inverse))) => {
-                        let inverse: Mat3 = inverse.as_mat3();
-                        let on_sphere = inverse * (position - center.as_vec3());
-                        (inverse.transpose() * on_sphere).normalize_or_zero()
-                    }
-                    (_, None) => Vec3::ZERO,
-                }
-            }
-            Primitive::Plane(i) => self.world.planes[i].normal.as_vec3(),
-        }
-    }
-
-    fn ids(&self) -> impl Iterator<Item = u32> {
-        0..(self.world.finite_count() + self.world.planes.len()) as u32
+        ray.covers(t).then_some((t, normal))
     }
 }
 
@@ -102,7 +81,7 @@ impl Hits for SinglePrecision<'_> {
 
     fn nearest(&self, ray: &Ray, _: Option<u32>) -> Option<Visible> {
         let ray = SingleRay::new(ray);
-        let hits = self.ids().filter_map(|id| Some((self.hit(&ray, id)?, id)));
+        let hits = self.world.ids().filter_map(|id| Some((self.hit(&ray, id)?.0, id)));
         let (t, primitive) = hits.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
         Some(Visible { primitive, t_bound: t.into() })
     }
@@ -112,10 +91,11 @@ impl Hits for SinglePrecision<'_> {
     }
 
     fn surface(&self, ray: &Ray, Visible { primitive, t_bound: t }: Visible) -> SurfacePoint {
-        let position = SingleRay::new(ray).at(t as f32);
+        let ray = SingleRay::new(ray);
+        let normal = self.hit(&ray, primitive).map_or(Vec3::ZERO, |(_, normal)| normal);
         let flat = SurfacePoint {
-            position: position.as_dvec3(),
-            normal: self.normal(position, primitive).as_dvec3(),
+            position: ray.at(t as f32).as_dvec3(),
+            normal: normal.as_dvec3(),
             extent: self.world.max_abs_coord,
             material: self.world.material_of(primitive),
             primitive: None,
@@ -126,7 +106,8 @@ impl Hits for SinglePrecision<'_> {
     }
 }
 
-fn triangle(ray: &SingleRay, [a, b, c]: [Vec3; 3]) -> Option<f32> {
+/// Returns the t and the normal of the intersection with a triangle, wherever it lies on the ray's line.
+fn triangle(ray: &SingleRay, [a, b, c]: [Vec3; 3]) -> Option<(f32, Vec3)> {
     let (e1, e2) = (b - a, c - a);
     let p = ray.direction.cross(e2);
     let determinant = e1.dot(p);
@@ -137,7 +118,8 @@ fn triangle(ray: &SingleRay, [a, b, c]: [Vec3; 3]) -> Option<f32> {
     let u = s.dot(p) / determinant;
     let q = s.cross(e1);
     let v = ray.direction.dot(q) / determinant;
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| e2.dot(q) / determinant)
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0)
+        .then(|| (e2.dot(q) / determinant, e1.cross(e2).normalize_or_zero()))
 }
 
 /// Returns the first intersection with a sphere around the origin that lies on the ray.
