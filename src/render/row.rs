@@ -159,7 +159,9 @@ impl PictureTracer<'_> {
         let is_over = |waiting| self.tally.asks(waiting);
         let mut memory = Memory::until(&is_over, self.caster.world.lights.len());
         let mut looked = Looked { colors: vec![], counts: Counts::default(), costs: vec![] };
-        let (mut packet, cost) = (SamplePacket::default(), self.request.cost());
+        // In a tuple, the packet would be copied.
+        let mut packet = SamplePacket::default();
+        let cost = self.request.cost();
         let at_once = if cost.is_some() { 1 } else { SamplePacket::SIZE };
         loop {
             places.by_ref().take(at_once).for_each(|(column, offset)| packet.push(column, offset, false));
