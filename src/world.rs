@@ -25,12 +25,12 @@ mod runs;
 mod surface;
 pub(crate) mod triangle4;
 
+use crate::base::memory;
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
 use crate::picture::Color;
-use crate::scene::limits;
 use crate::scene::mesh::{Corners, Mesh};
 use crate::scene::model::{Lighting, MeasureColors};
 use crate::scene::texels::Texels;
@@ -41,7 +41,6 @@ use plane::{PlacedPlane, Plane};
 use point_error::{BoundaryWidth, PlacementError};
 use runs::Runs;
 use shape::Shape;
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -114,20 +113,15 @@ pub enum Primitive {
 }
 
 impl World {
+    /// Builds the world of a scene as [`World::of_meshes`] does, and keeps the meshes.
+    pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, Diagnostic> {
+        memory::ask(meshes.iter().map(Mesh::bytes).sum())?;
+        Self::of_meshes(scene, meshes.to_vec())
+    }
+
     /// Builds the world of a scene. `meshes` are the meshes that the scene names, in its order. Returns an error if an
     /// object cannot be placed in world space, or if there is too little memory for the copies of the meshes.
-    pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, Diagnostic> {
-        Self::build(scene, meshes.iter().map(Cow::Borrowed).collect())
-    }
-
-    /// Builds the world of a scene as [`World::new`] does, but takes over meshes instead of copying them where
-    /// possible.
     pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, Diagnostic> {
-        Self::build(scene, meshes.into_iter().map(Cow::Owned).collect())
-    }
-
-    fn build(scene: &Scene, meshes: Vec<Cow<Mesh>>) -> Result<Self, Diagnostic> {
-        limits::check(scene)?;
         let world = Self {
             materials: scene.materials.clone(),
             lights: scene.lights.iter().map(|&l| with_unit_direction(l)).collect(),

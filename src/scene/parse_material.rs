@@ -126,7 +126,11 @@ fn parse_texture(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Texture> {
         let mut world_to_texture = parse_texture_map(reader)?;
         let children = [parse_child(reader, own)?, parse_child(reader, own)?];
         if name == "Checkerboard" {
+            let at = reader.peek().at;
             world_to_texture = parse_square_size(reader)? * world_to_texture;
+            if !world_to_texture.is_finite() {
+                return Err(Diagnostic::error("the squares are too small after the transformation").at(at));
+            }
             return Ok(Texture { pattern: Pattern::Checkerboard, world_to_texture, children });
         }
         let octaves = parse_octaves(reader.keyword("octaves")?)?;

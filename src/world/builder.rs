@@ -18,13 +18,12 @@ use crate::world::shape::Shape;
 use crate::world::{ellipsoid::Ellipsoid, sphere::Sphere, triangle};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::mem;
 
 /// A world under construction. Materials and errors are recorded per kind of primitive, because the ids of the
 /// primitives are known only when all objects have been placed.
 pub struct Builder<'a> {
-    meshes: Vec<Cow<'a, Mesh>>,
+    meshes: Vec<Mesh>,
     scene: &'a Scene,
     /// For each mesh, the number of objects still to be placed that use it.
     uses: Vec<usize>,
@@ -38,15 +37,14 @@ pub struct Builder<'a> {
 impl<'a> Builder<'a> {
     /// Starts from a world without objects. `meshes` are the meshes that the scene names, in its order. Returns an
     /// error if there is too little memory for the copies of the meshes.
-    pub fn new(world: World, scene: &'a Scene, meshes: Vec<Cow<'a, Mesh>>) -> Result<Self, NoMemory> {
+    pub fn new(world: World, scene: &'a Scene, meshes: Vec<Mesh>) -> Result<Self, NoMemory> {
         let (mut uses, mut copied) = (vec![0; meshes.len()], 0);
         for object in &scene.objects {
             match object {
                 Object::Mesh { mesh, .. } => {
                     uses[*mesh] += 1;
                     // A single use may take over the lists.
-                    let is_copied = uses[*mesh] > 1 || matches!(meshes[*mesh], Cow::Borrowed(_));
-                    copied += if is_copied { meshes[*mesh].bytes() } else { 0 };
+                    copied += if uses[*mesh] > 1 { meshes[*mesh].bytes() } else { 0 };
                 }
                 Object::Grid { surface, .. } => copied += surface.bytes(),
                 _ => {}
@@ -108,23 +106,19 @@ impl<'a> Builder<'a> {
         self.appearance(id, &mesh, placement);
         self.uses[id] = self.uses[id].saturating_sub(1);
         let is_last = self.uses[id] == 0;
-        match mesh {
-            Cow::Owned(mesh) if is_last && self.world.vertices.is_empty() => {
-                let error = PlacementError::new(placement, &mesh.vertices);
-                (self.world.vertices, self.world.triangles) = (mesh.vertices, mesh.triangles);
-                if placement.transform.is_some() {
-                    self.world.vertices.iter_mut().for_each(|v| *v = placement.world_point(*v));
-                }
-                self.finish_triangles([0, 0], placement, error)
+        if is_last && self.world.vertices.is_empty() {
+            let error = PlacementError::new(placement, &mesh.vertices);
+            (self.world.vertices, self.world.triangles) = (mesh.vertices, mesh.triangles);
+            if placement.transform.is_some() {
+                self.world.vertices.iter_mut().for_each(|v| *v = placement.world_point(*v));
             }
-            mesh => {
-                let result = self.triangles(&mesh.vertices, &mesh.triangles, placement);
-                if !is_last {
-                    self.meshes[id] = mesh;
-                }
-                result
-            }
+            return self.finish_triangles([0, 0], placement, error);
         }
+        let result = self.triangles(&mesh.vertices, &mesh.triangles, placement);
+        if !is_last {
+            self.meshes[id] = mesh;
+        }
+        result
     }
 
     /// Records the normals of a mesh's vertices and the texture coordinates of its triangles, if the scene has them.

@@ -176,16 +176,13 @@ impl World {
         })
     }
 
-    /// Returns true if two shapes have the same surface. For images of the unit sphere, each must be the unit sphere in
-    /// the space of the other. Other shapes must be equal.
+    /// Returns true if two shapes have the same surface: each is the unit sphere in the space of the other.
     fn shapes_coincide(&self, shapes: [&Shape; 2], ids: [u32; 2]) -> bool {
         let moved = ids.map(|id| self.flattening_error(id, DVec3::ZERO));
         if let [Shape::Sphere(one), Shape::Sphere(other)] = shapes {
             return spheres_coincide([one, other], moved[0] + moved[1]);
         }
-        let [Some(maps), Some(other_maps)] = shapes.map(|shape| shape.form().unit_sphere_maps()) else {
-            return shapes[0] == shapes[1];
-        };
+        let [maps, other_maps] = shapes.map(|shape| shape.form().unit_sphere_maps());
         let error = |(center, linear, _): (DVec3, DMat3, DMat3), moved: DVec3| {
             let size = linear.x_axis.length() + linear.y_axis.length() + linear.z_axis.length();
             let rounding = 16.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * (center.abs().max_element() + size);

@@ -115,8 +115,8 @@ impl Form for Ellipsoid {
         [dot(on_sphere, on_sphere) - Dd::from(1.0), slope + slope]
     }
 
-    fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
-        Some((self.center, self.linear, self.inverse))
+    fn unit_sphere_maps(&self) -> (DVec3, DMat3, DMat3) {
+        (self.center, self.linear, self.inverse)
     }
 }
 

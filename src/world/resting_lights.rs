@@ -76,7 +76,7 @@ fn normal_at(point: DVec3, shape: &Shape, moved: f64) -> Option<DVec3> {
     /// The number of steps. A step ends beside a flat shape if the point is beyond its rim, however close to its plane.
     const STEPS: usize = 3;
     let margin = margin(point, shape.form().extent()) + moved;
-    let (center, _, inverse) = shape.form().unit_sphere_maps()?;
+    let (center, _, inverse) = shape.form().unit_sphere_maps();
     let (mut place, mut outward) = (point, DVec3::ZERO);
     for _ in 0..STEPS {
         // The length is 1 on the surface, and the gradient gives the distance to it.

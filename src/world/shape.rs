@@ -30,15 +30,11 @@ pub trait Form {
     /// direction.
     fn height_and_slope(&self, point: [Dd; 3], direction: [Dd; 3]) -> [Dd; 2];
 
-    /// Returns both t at which the line of a ray crosses the shape, in order; `None` unless there are two.
-    fn roots(&self, _ray: &Ray) -> Option<[f64; 2]> {
-        None
-    }
+    /// Returns both t at which the line of a ray crosses the shape, in order.
+    fn roots(&self, ray: &Ray) -> Option<[f64; 2]>;
 
-    /// Returns the centre, and the maps from the unit sphere and back, if the shape is the image of the unit sphere.
-    fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
-        None
-    }
+    /// Returns the centre, and the maps from the unit sphere, whose image the shape is, and back.
+    fn unit_sphere_maps(&self) -> (DVec3, DMat3, DMat3);
 }
 
 /// A primitive that is neither a triangle nor a plane. Large variants are boxed, so that many spheres take little

@@ -185,9 +185,9 @@ impl Form for Sphere {
         [dot(from_center, from_center) - radius * radius, slope + slope]
     }
 
-    fn unit_sphere_maps(&self) -> Option<(DVec3, DMat3, DMat3)> {
+    fn unit_sphere_maps(&self) -> (DVec3, DMat3, DMat3) {
         let scale = |factor: f64| DMat3::from_diagonal(DVec3::splat(factor));
-        Some((self.center, scale(self.radius), scale(1.0 / self.radius)))
+        (self.center, scale(self.radius), scale(1.0 / self.radius))
     }
 }
 

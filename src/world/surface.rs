@@ -3,6 +3,7 @@
 use super::{Primitive, World};
 use crate::math::double_double::{Dd, SquaredSine, cross, difference};
 use crate::math::ray::{Hit, Ray, Visible};
+use crate::math::vector::Vector;
 use crate::scene::MaterialId;
 use crate::world::shape::Shape;
 use crate::world::triangle;
@@ -50,7 +51,7 @@ impl World {
                     Some(weights) => triangle::point(corners, weights),
                     None => ray.at(t),
                 };
-                (triangle::normal(corners), position, triangle::extent(corners))
+                (triangle::normal(corners), position, triangle::largest_coordinate(corners.map(Vector::from)))
             }
             Primitive::Shape(i) => self.shapes[i].surface(ray, t),
             Primitive::Plane(i) => {

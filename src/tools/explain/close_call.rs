@@ -117,7 +117,7 @@ impl Search<'_> {
 
 /// Returns the t at which the line of a ray with a unit direction is tangent to a shape within roundings.
 fn tangent_at(shape: &Shape, ray: &Ray) -> Option<f64> {
-    let (center, _, inverse) = shape.form().unit_sphere_maps()?;
+    let (center, _, inverse) = shape.form().unit_sphere_maps();
     let (o, d) = (inverse * (ray.origin - center), inverse * ray.direction);
     let (moment, length) = (o.cross(d).length(), d.length());
     let is_tangent =

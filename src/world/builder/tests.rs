@@ -19,18 +19,21 @@ fn a_mesh_taken_over_is_the_mesh_copied() {
         [mirrored, mirrored],
         ["TriangleMesh { obj_file b.obj }", mirrored],
     ] {
-        let text = format!(
-            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-             Group {{ numObjects 2 Material {{ }} {} {} }}",
-            objects[0], objects[1]
-        );
-        let scene = parse(&text).unwrap();
-        let meshes = vec![mesh.clone(); scene.meshes.len()];
-        let copied = World::new(&scene, &meshes).unwrap();
-        let taken = World::of_meshes(&scene, meshes).unwrap();
-        let copied_count = copied.triangles.len();
-        assert_eq!((taken.vertices, taken.triangles), (copied.vertices, copied.triangles), "{objects:?}");
-        assert_eq!(taken.bounds, copied.bounds);
+        let world = |objects: &[&str]| {
+            let text = format!(
+                "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+                 Group {{ numObjects {} Material {{ }} {} }}",
+                objects.len(),
+                objects.concat()
+            );
+            let scene = parse(&text).unwrap();
+            World::new(&scene, &vec![mesh.clone(); scene.meshes.len()]).unwrap()
+        };
+        // Behind another object, no mesh is taken over.
+        let (taken, copied) = (world(&objects), world(&[triangle, objects[0], objects[1]]));
+        let copied_triangles: Vec<_> = copied.triangles[1..].iter().map(|ids| ids.map(|id| id - 3)).collect();
+        let copied_count = copied_triangles.len();
+        assert_eq!((taken.vertices.as_slice(), taken.triangles), (&copied.vertices[3..], copied_triangles));
         let count = |text: &str| {
             let of = |name, count| if text.contains(name) { count } else { 0 };
             of("Mesh", 2) + of("vertex0", 1)
