@@ -109,14 +109,10 @@ pub(super) struct PlacedPlane {
     pub error: PlaneError,
     /// The number of triangles that precede the plane in the scene.
     pub triangles_before: u32,
-    written: WrittenPlane,
-}
-
-/// A plane in object space, and the transforms around it.
-#[derive(Clone, Copy, Debug)]
-struct WrittenPlane {
+    /// The plane in object space.
+    written: Plane,
+    /// The product of the transforms around it.
     matrix: Option<DAffine3>,
-    plane: Plane,
 }
 
 impl PlacedPlane {
@@ -128,14 +124,19 @@ impl PlacedPlane {
         earlier: &[Self],
     ) -> Result<Self, Diagnostic> {
         let matrix = placement.transform.map(|_| placement.matrix);
-        let mut written = WrittenPlane { matrix, plane: Plane { normal: robust::unit(normal), offset } };
-        let with_same_matrix = || earlier.iter().map(|it| &it.written).filter(|it| it.matrix == matrix);
-        let parallel = with_same_matrix().find_map(|earlier| written.aligned_with(&earlier.plane));
-        written.plane = parallel.unwrap_or(written.plane);
-        let same = with_same_matrix().find_map(|earlier| written.united_with(&earlier.plane));
-        written.plane = same.unwrap_or(written.plane);
-        let mut placed = Self { triangles_before, ..written.placed(placement, normal)? };
-        let mut others = earlier.iter().filter(|earlier| earlier.written.matrix != matrix);
+        let mut written = Plane { normal: robust::unit(normal), offset };
+        let with_same_matrix = || earlier.iter().filter(|it| it.matrix == matrix).map(|it| it.written);
+        let parallel = with_same_matrix().find(|plane| is_parallel(plane.normal, written.normal));
+        written.normal = parallel.map_or(written.normal, |plane| facing(plane, written.normal).normal);
+        let same = with_same_matrix().map(|plane| facing(plane, written.normal)).find(|plane| {
+            let apart = (written.offset - plane.offset).abs();
+            plane.normal == written.normal && apart <= WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * plane.offset.abs()
+        });
+        written = same.unwrap_or(written);
+        let (plane, direction, error) = placed(written, placement, normal)?;
+        let mut placed =
+            Self { plane, direction: robust::rescaled(direction), error, triangles_before, written, matrix };
+        let mut others = earlier.iter().filter(|earlier| earlier.matrix != matrix);
         if let Some(united) = others.find(|earlier| placed.coincides(earlier)) {
             placed.plane = facing(united.plane, placed.plane.normal);
         }
@@ -154,47 +155,33 @@ impl PlacedPlane {
     }
 }
 
-impl WrittenPlane {
-    /// Returns the plane with the normal of an earlier one, if they are parallel.
-    fn aligned_with(&self, earlier: &Plane) -> Option<Plane> {
-        let Plane { normal, offset } = self.plane;
-        let normal_of_both = facing(*earlier, normal).normal;
-        let is_parallel = normal.cross(normal_of_both).length() <= PARALLEL_SINE;
-        is_parallel.then_some(Plane { normal: normal_of_both, offset })
-    }
+/// Returns true if two unit normals may have been written as parallel.
+fn is_parallel(one: DVec3, other: DVec3) -> bool {
+    one.cross(other).length() <= PARALLEL_SINE
+}
 
-    /// Returns an earlier plane with the same normal, if it may have been written with the same offset.
-    fn united_with(&self, earlier: &Plane) -> Option<Plane> {
-        let earlier = facing(*earlier, self.plane.normal);
-        let apart = (self.plane.offset - earlier.offset).abs();
-        let is_same = earlier.normal == self.plane.normal
-            && apart <= WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * earlier.offset.abs();
-        is_same.then_some(earlier)
+/// Returns a plane under the transforms around it, a vector along its normal, and its error. `normal` is the normal in
+/// the text, of any length.
+fn placed(
+    written: Plane,
+    placement: &Placement,
+    normal: DVec3,
+) -> Result<(Plane, DVec3, PlaneError), Diagnostic> {
+    if placement.transform.is_none() {
+        return Ok((written, normal, PlaneError::as_written(normal)));
     }
-
-    /// Returns the plane under the transforms around it. `normal` is the normal in the text, of any length.
-    fn placed(self, placement: &Placement, normal: DVec3) -> Result<PlacedPlane, Diagnostic> {
-        let plane = self.plane;
-        let placed = |plane, direction, error| {
-            let direction = robust::rescaled(direction);
-            Ok(PlacedPlane { plane, direction, error, triangles_before: 0, written: self })
-        };
-        if placement.transform.is_none() {
-            return placed(plane, normal, PlaneError::as_written(normal));
-        }
-        placement.check_regular()?;
-        let in_world =
-            |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
-        let world_normal = robust::unit(in_world(plane.normal));
-        // The terms of the offset may be far larger than the offset itself.
-        let offset = Dd::from(plane.offset);
-        let foot = plane.normal.to_array().map(|x| offset * Dd::from(x));
-        let foot = robust::transformed_precisely(&placement.matrix, foot);
-        let world_offset = dot(world_normal.to_array().map(Dd::from), foot).value();
-        let foot = DVec3::from_array(foot.map(Dd::value));
-        let error = PlaneError::transformed(placement, (normal, plane.offset), (world_normal, foot));
-        placed(Plane { normal: world_normal, offset: world_offset }, in_world(normal), error)
-    }
+    placement.check_regular()?;
+    let in_world =
+        |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
+    let world_normal = robust::unit(in_world(written.normal));
+    // The terms of the offset may be far larger than the offset itself.
+    let offset = Dd::from(written.offset);
+    let foot = written.normal.to_array().map(|x| offset * Dd::from(x));
+    let foot = robust::transformed_precisely(&placement.matrix, foot);
+    let world_offset = dot(world_normal.to_array().map(Dd::from), foot).value();
+    let foot = DVec3::from_array(foot.map(Dd::value));
+    let error = PlaneError::transformed(placement, (normal, written.offset), (world_normal, foot));
+    Ok((Plane { normal: world_normal, offset: world_offset }, in_world(normal), error))
 }
 
 /// Returns the plane with its normal on the side to which `direction` points.
