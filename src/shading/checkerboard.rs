@@ -1,12 +1,11 @@
 //! The cells of a checkerboard: unit cubes in the texture's space that alternate between two materials.
 
-use super::perlin::wrapped;
 use crate::math::instructions::Level;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::rounded::{IMAGE_ROUNDINGS, RoundedAffine, RoundedPoint, absolute};
-use crate::math::simd::{FourLanes, Number};
-use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
-use glam::{DAffine3, DMat3, DVec3};
+use crate::math::simd::ROUND_TO_INTEGER;
+use fearless_simd::dispatch;
+use glam::{DMat3, DVec3};
 
 /// Returns true if a point is in a cell whose indices have an odd sum. Cells are half open: a boundary belongs to the
 /// cell above it.
@@ -16,23 +15,24 @@ use glam::{DAffine3, DMat3, DVec3};
 /// errors of the point, of the map and of the coordinate itself (`proofs/checkerboard.g`).
 #[inline(always)]
 pub fn is_in_odd_cell(map: &RoundedAffine, point: &RoundedPoint, level: Level) -> bool {
-    dispatch!(level, simd => is_in_odd_cell_at(simd, map, point))
+    dispatch!(level, _simd => is_in_odd_cell_at(map, point))
 }
 
 #[inline(always)]
-fn is_in_odd_cell_at<S: Simd>(simd: S, map: &RoundedAffine, point: &RoundedPoint) -> bool {
-    /// The conversion to integers is exact up to this.
-    const LARGEST_INDEX: f64 = i32::MAX as f64;
-    let values = coordinates(simd, &map.map, point.position);
-    let below = fearless_simd::SimdFloat::floor(values);
-    let to_next = below + below.broadcast(1.0) - values;
-    let is_between = below.broadcast(point.boundary_width).le_mask(to_next) & 7 == 7;
-    if !is_between || below.abs().le_mask(below.broadcast(LARGEST_INDEX)) & 7 != 7 {
+fn is_in_odd_cell_at(map: &RoundedAffine, point: &RoundedPoint) -> bool {
+    let values = map.map.transform_point3(point.position);
+    let below = values.floor();
+    let to_next = below + 1.0 - values;
+    let is_between = to_next.cmpge(DVec3::splat(point.boundary_width)).all();
+    if !is_between || !below.abs().cmple(DVec3::splat(LARGEST_INDEX)).all() {
         return is_in_odd_cell_exactly(map, point);
     }
-    let [x, y, z, _] = below.to_i32();
+    let [x, y, z] = (below + ROUND_TO_INTEGER).to_array().map(f64::to_bits);
     (x ^ y ^ z) & 1 != 0
 }
+
+/// The largest index that [`ROUND_TO_INTEGER`] keeps.
+const LARGEST_INDEX: f64 = (1u64 << 50) as f64;
 
 /// Returns the result of [`is_in_odd_cell`] if a boundary may be close, or an index does not fit into an `i32` or is
 /// NaN.
@@ -43,9 +43,9 @@ fn is_in_odd_cell_exactly(map: &RoundedAffine, point: &RoundedPoint) -> bool {
     let cell = |axis: usize| {
         let below = values[axis].floor();
         let is_on_next = below + 1.0 - values[axis] <= error_bounds[axis];
-        wrapped(if is_on_next { below + 1.0 } else { below }, 2)
+        (if is_on_next { below + 1.0 } else { below }).rem_euclid(2.0)
     };
-    (cell(0) + cell(1) + cell(2)) % 2 != 0
+    (cell(0) + cell(1) + cell(2)) % 2.0 == 1.0
 }
 
 /// Returns true if a point lies in a boundary within its error bounds.
@@ -62,21 +62,6 @@ pub fn error_bounds_to_boundary(map: &RoundedAffine, point: &RoundedPoint) -> DV
 fn to_boundaries(map: &RoundedAffine, point: &RoundedPoint) -> DVec3 {
     let values = map.map.transform_point3(point.position);
     (values - values.round()).abs()
-}
-
-/// Returns the coordinates of a point in the texture's space, with the same bits as `map.transform_point3(point)`.
-#[inline(always)]
-fn coordinates<S: Simd>(simd: S, map: &DAffine3, point: DVec3) -> f64x4<S> {
-    // The fourth number of each column is the first of the next column, so that columns are loaded as a whole.
-    let [ax, ay, az, bx, by, bz, cx, cy, cz, tx, ty, tz] = map.to_cols_array();
-    let columns = [[ax, ay, az, bx], [bx, by, bz, cx], [cx, cy, cz, tx]];
-    let [a, b, c] = [
-        f64x4::simd_from(simd, columns[0]),
-        f64x4::simd_from(simd, columns[1]),
-        f64x4::simd_from(simd, columns[2]),
-    ];
-    let translation = f64x4::simd_from(simd, [tx, ty, tz, tz]);
-    a * a.broadcast(point.x) + b * b.broadcast(point.y) + c * c.broadcast(point.z) + translation
 }
 
 /// The error bound of a coordinate that depends on only one coordinate of the point, in place of [`IMAGE_ROUNDINGS`].
@@ -106,7 +91,7 @@ fn roundings(rows: DMat3) -> DVec3 {
 mod tests {
     use super::*;
     use crate::math::instructions;
-    use glam::DQuat;
+    use glam::{DAffine3, DQuat};
 
     /// Returns the result of [`is_in_odd_cell`], one axis after the other.
     fn is_odd_by_axes(map: &DAffine3, point: DVec3, error: f64) -> bool {
@@ -118,9 +103,9 @@ mod tests {
             let bound = roundings * UNIT_ROUNDOFF * (row.abs().dot(point.abs()) + translation.abs())
                 + error * row.abs().element_sum();
             let below = q[axis].floor();
-            wrapped(if below + 1.0 - q[axis] <= bound { below + 1.0 } else { below }, 2)
+            (if below + 1.0 - q[axis] <= bound { below + 1.0 } else { below }).rem_euclid(2.0)
         };
-        (cell(0) + cell(1) + cell(2)) % 2 != 0
+        (cell(0) + cell(1) + cell(2)) % 2.0 == 1.0
     }
 
     fn maps() -> Vec<DAffine3> {
