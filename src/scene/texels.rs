@@ -50,29 +50,14 @@ impl Texels {
         let Some([red, green, blue, ..]) = self.rgb.get(3 * (j * self.size[0] + i)..) else {
             return Vec3::ZERO;
         };
-        let channel = |byte: &u8| if self.divides_last { (*byte).into() } else { PARTS[usize::from(*byte)] };
-        Vec3::new(channel(red), channel(green), channel(blue))
+        let texel = Vec3::new((*red).into(), (*green).into(), (*blue).into());
+        if self.divides_last { texel } else { texel / 255.0 }
     }
 }
 
-/// The bytes divided by 255, precomputed because divisions are slow.
-static PARTS: [f32; 256] = {
-    let mut parts = [0.0; 256];
-    let mut byte = 0;
-    while byte < 256 {
-        parts[byte] = byte as f32 / 255.0;
-        byte += 1;
-    }
-    parts
-};
-
 /// Returns the two texels around a coordinate, of `count` along an axis, and the distance from the first.
 fn neighbours(at: f32, count: usize) -> ([usize; 2], f32) {
-    /// From here on all numbers are integers.
-    const WHOLE: f32 = (1 << f32::MANTISSA_DIGITS) as f32;
-    let last = count.saturating_sub(1);
-    // Equals `trunc`, which is a function call on many processors.
-    let first = if at.abs() < WHOLE { at as i32 as f32 } else { at };
+    let (last, first) = (count.saturating_sub(1), at.trunc());
     // The conversion maps negative numbers and NaN to 0.
     ([first, first + 1.0].map(|place| (place as usize).min(last)), at - first)
 }
