@@ -1,0 +1,114 @@
+//! Reads elements of the grammar, and explains faulty ones.
+
+use super::*;
+
+fn reader(text: &str) -> Reader<'_> {
+    Reader::new(Edition::Y2004, text)
+}
+
+#[test]
+fn numbers_are_read_as_scanf_reads_them() {
+    let good =
+        [("1", 1.0), ("+1", 1.0), ("-.3", -0.3), ("0.", 0.0), ("1e-3", 1e-3), (".5E2", 50.0), ("-0", 0.0)];
+    for (word, value) in good {
+        assert_eq!(reader(word).number().unwrap(), value, "{word}");
+    }
+}
+
+#[test]
+fn other_words_are_not_numbers() {
+    for word in
+        ["", "}", ".", "+", "-", "e5", "1e", "inf", "-inf", "nan", "NaN", "+nan", "0x10", "1,5", "1f", "--1"]
+    {
+        assert!(reader(word).number().is_err(), "{word}");
+    }
+}
+
+#[test]
+fn numbers_beyond_the_largest_are_refused() {
+    for word in ["1e999", "-1e999", "1.01e100", "-1.01e100"] {
+        let error = reader(word).number().unwrap_err();
+        assert!(error.message.contains(word) && error.message.contains("too large"), "{error}");
+    }
+    assert_eq!(reader("1e100").number().unwrap(), 1e100);
+    assert_eq!(reader("1e-999").number().unwrap(), 0.0);
+}
+
+#[test]
+fn whole_numbers() {
+    for (word, value) in [("0", 0), ("+7", 7), ("007", 7), ("18446744073709551615", u64::MAX)] {
+        assert_eq!(reader(word).whole().unwrap(), value, "{word}");
+    }
+    let error = reader("18446744073709551616").whole().unwrap_err().to_string();
+    assert!(error.contains("must be below 2^64"), "{error}");
+    let error = reader("x").whole().unwrap_err().to_string();
+    assert!(error.contains("expected a whole"), "{error}");
+}
+
+#[test]
+fn a_word_that_causes_an_error_is_not_taken() {
+    let mut reader = reader("radius }");
+    assert!(reader.keyword("center").is_err() && reader.number().is_err());
+    assert!(reader.accept("radius"));
+}
+
+#[test]
+fn a_comment_stuck_to_a_number_is_explained() {
+    let error = reader("1#one").number().unwrap_err();
+    assert!(error.hint.unwrap().contains("comment"));
+}
+
+#[test]
+fn numbers_as_other_languages_write_them_are_explained() {
+    let hint = |text| {
+        let text = format!("center {text}");
+        reader(&text).keyword("center").unwrap().vector().unwrap_err().hint.unwrap()
+    };
+    assert!(["0, 1.5, 8", "0,1.5,8", "0 1,5 8"].map(hint).iter().all(|hint| hint.contains("no commas")));
+    assert_eq!([hint("1.0f 2 3"), hint("1 -2F 3")], ["write `1.0`", "write `-2`"]);
+    assert!(["/* x */ 1", "0 /*x*/"].map(hint).iter().all(|hint| hint.starts_with("a comment starts")));
+}
+
+#[test]
+fn a_number_after_the_last_one_of_its_field_is_explained() {
+    let hint = |text, keyword| {
+        let mut reader = reader(text);
+        reader.keyword("center").and_then(Reader::vector).unwrap();
+        reader.keyword(keyword).map(|_| ()).unwrap_err().hint
+    };
+    assert_eq!(
+        hint("center 1 2 3 4", "radius"),
+        Some("`center` takes 3 numbers, and this is one more".into())
+    );
+    assert_eq!(hint("center 1 2 3 radios", "radius"), Some("did you mean `radius`?".into()));
+    let mut reader = reader("radius 1 2");
+    reader.keyword("radius").and_then(Reader::number).unwrap();
+    assert_eq!(
+        reader.close("Sphere").unwrap_err().hint,
+        Some("`radius` takes one number, and this is one more".into())
+    );
+}
+
+#[test]
+fn where_several_words_are_possible_they_are_named() {
+    let hint = |keywords| reader("0").unexpected("a word", keywords).hint;
+    assert_eq!((hint(&[]), hint(&["center"])), (None, None));
+    assert_eq!(hint(&["center", "radius"]), Some("possible here: center, radius".into()));
+}
+
+#[test]
+fn fractional_and_negative_numbers_have_different_errors() {
+    let message = |word| reader(word).whole().unwrap_err().message;
+    assert!(["-1", "-0.5"].iter().all(|word| message(word).contains("negative")));
+    assert!(["0.0", "-0", "2.5"].iter().all(|word| message(word).contains("whole number")));
+}
+
+#[test]
+fn a_vector_keeps_the_hint_of_its_number_if_there_is_one() {
+    let hint = |text| {
+        let text = format!("center {text}");
+        reader(&text).keyword("center").unwrap().vector().unwrap_err().hint.unwrap()
+    };
+    assert_eq!(hint("1 2 }"), "`center` takes three numbers");
+    assert!(hint("1 2#3").contains("comment"));
+}
