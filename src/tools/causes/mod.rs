@@ -81,7 +81,7 @@ impl<'a> Original<'a> {
         (self.watch)(Progress { done: 0, rows: 0, rays: 0 }).is_break()
     }
 
-    /// Returns the picture with the mistake. `None` if this scene or request cannot show the mistake.
+    /// Returns the picture with the mistake. `None` if it cannot be made.
     pub fn picture(&self, mistake: Mistake) -> Option<Picture> {
         Some(self.made(&[mistake], None)?.to_picture())
     }
