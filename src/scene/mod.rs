@@ -40,7 +40,7 @@ use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
 
 /// A scene: the contents of its file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub camera: Camera,
     pub background: Background,

@@ -282,11 +282,7 @@ fn broken_rules_are_named() {
         ),
         (FLAGS, Mistake::NormalsOfObjectSpace, "with normals that are not transformed"),
         (FLAGS, Mistake::CheckerboardCut, "with checkerboards whose coordinates are cut instead of floored"),
-        (
-            FLAGS,
-            Mistake::Epsilon { distance: 0.3 },
-            "with an epsilon of 0.3 for secondary rays, which is too large",
-        ),
+        (FLAGS, Mistake::Epsilon { distance: 0.3 }, "with an epsilon of 0.3 for secondary rays"),
         (
             FLAGS,
             Mistake::Shifted { half_pixels: [-1, -1] },

@@ -7,7 +7,7 @@ mod changes;
 mod finding;
 mod mistakes;
 mod object_space;
-mod paint;
+pub(crate) mod paint;
 mod search;
 mod speckles;
 pub(crate) mod student;
@@ -26,15 +26,15 @@ use crate::picture::{Color, FloatPicture, Picture, Window};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Progress, Request, Tracing, Watch};
 use crate::tools::compare::colors;
-use mistakes::{Make, Setting};
+use mistakes::Make;
 use object_space::ObjectSpaces;
 use search::{Made, Search, try_all};
-use speckles::{Speckles, can_show, speckles};
+use speckles::speckles;
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 use student::{MAX_BOUNCES, Student};
-use window::{part, part_of_colors, telling_windows};
+use window::{part_of_colors, telling_windows};
 
 /// Upper bounds on the camera rays in the windows of successive searches.
 const RAYS_OF_WINDOWS: [usize; 2] = [1 << 11, 1 << 15];
@@ -80,49 +80,30 @@ impl<'a> Original<'a> {
         (self.watch)(Progress { done: 0, rows: 0, rays: 0 }).is_break()
     }
 
-    /// Returns the picture with the mistake. `None` if this scene or request cannot show the mistake.
+    /// Returns the picture with the mistake. `None` if it cannot be made.
     pub fn picture(&self, mistake: Mistake) -> Option<Picture> {
         Some(self.made(&[mistake], None)?.to_picture())
     }
 
-    /// Returns the colours of a window with all of these mistakes. `None` if this scene or request cannot show one.
+    /// Returns the colours of a window with all of these mistakes. `None` if they cannot be made together.
     fn made(&self, mistakes: &[Mistake], window: Option<Window>) -> Option<FloatPicture> {
-        if self.is_cancelled() || !mistakes.iter().all(|mistake| mistake.shows_in(self.layer())) {
+        if self.is_cancelled() {
             return None;
         }
-        let part = |colors| {
-            window.map_or(Cow::Borrowed(colors), |window| Cow::Owned(part_of_colors(colors, window)))
-        };
-        let moves = mistakes.iter().any(|mistake| matches!(mistake.make(), Some(Make::Pixels(_))));
-        if mistakes.iter().all(|mistake| mistake.is_of_pixels()) {
-            return Some(match moves {
-                true => part(&finished(mistakes, self.colors.clone())).into_owned(),
-                false => finished(mistakes, part(&self.colors).into_owned()),
-            });
-        }
         // Pixels may move into the window.
+        let moves = mistakes.iter().any(|mistake| matches!(mistake.make(), Make::Pixels(_)));
+        let of_window = |colors: &FloatPicture| {
+            window.map_or_else(|| colors.clone(), |window| part_of_colors(colors, window))
+        };
         let request = Request { window: window.filter(|_| !moves), ..self.request.clone() };
         let changed = Changed::new(self.renderer(), &request, mistakes)?;
-        let prepared = match &changed.renderer {
-            Some(renderer) => &renderer.prepare(&changed.request).ok()?,
-            None => &self.prepared,
+        let mut colors = match changed.is_unchanged(&request) {
+            true if moves => self.colors.clone(),
+            true => of_window(&self.colors),
+            false => changed.render(self)?,
         };
-        let colors = match changed.switch {
-            Some(mistake) => {
-                let hits = prepared.caster();
-                let spaces =
-                    &ObjectSpaces::new(&prepared.renderer().scene, self.renderer().meshes(), hits.world);
-                let student = Student {
-                    mistake: Some(mistake),
-                    ..Student::new(prepared.renderer(), hits, changed.request.effects, spaces)
-                };
-                paint::colors(&student, prepared.renderer(), &changed.request, &|| self.is_cancelled())
-                    .ok()?
-            }
-            None => rendered(prepared, &changed.request, self.watch)?,
-        };
-        let colors = finished(mistakes, colors);
-        Some(if moves { part(&colors).into_owned() } else { colors })
+        finish(mistakes, &mut colors);
+        Some(if moves { of_window(&colors) } else { colors })
     }
 
     /// Finds why the picture `a` differs from the reference `b`. Both have the original's size.
@@ -141,51 +122,41 @@ impl<'a> Original<'a> {
         let search = |wrong| Search::new(Cow::Borrowed(wrong), made.clone());
         let mut searches: Vec<Search> = wrong.iter().map(search).collect();
         let first = &first[..first.len().min(MAX_GROUNDS)];
-        let all: Vec<Mistake> = Mistake::all().collect();
+        let singles: Vec<Vec<Mistake>> = Mistake::all().map(|mistake| vec![mistake]).collect();
         self.try_all(None, first.chunks(1), searches.iter_mut());
         for rays in RAYS_OF_WINDOWS {
-            self.search(reference, &all.chunks(1).collect::<Vec<_>>(), rays, &mut searches);
-            let open = searches.iter().filter(|search| !search.is_settled());
-            let mut grounds: Vec<Mistake> =
-                open.filter_map(Search::best).chain(first.iter().copied()).collect();
-            grounds.dedup();
-            grounds.truncate(MAX_GROUNDS);
-            let pairs = grounds.iter().flat_map(|&ground| all[1..].iter().map(move |&other| [ground, other]));
-            let pairs: Vec<[Mistake; 2]> = pairs.filter(|[one, other]| !one.is_akin(*other)).collect();
-            self.search(
-                reference,
-                &pairs.iter().map(<[_; 2]>::as_slice).collect::<Vec<_>>(),
-                rays,
-                &mut searches,
-            );
+            self.search(reference, &singles, rays, &mut searches);
+            let pairs = pairs(&searches, first);
+            self.search(reference, &pairs, rays, &mut searches);
             if self.request.camera_rays() <= rays {
                 break;
             }
         }
-        searches
-            .iter()
-            .zip(wrong)
-            .map(|(search, wrong)| self.or_speckles(search.finding(), wrong, b))
-            .collect()
+        let finding = |(search, wrong): (&Search, _)| match search.finding() {
+            Finding::Unknown { tried } => speckles(self, wrong, b).unwrap_or(Finding::Unknown { tried }),
+            found => found,
+        };
+        searches.iter().zip(wrong).map(finding).collect()
     }
 
     /// Tries mistakes in windows of at most `rays` camera rays, and the likely ones on the whole picture.
-    fn search(&self, reference: &FloatPicture, all: &[&[Mistake]], rays: usize, searches: &mut [Search]) {
+    fn search(&self, reference: &FloatPicture, all: &[Vec<Mistake>], rays: usize, searches: &mut [Search]) {
+        let all = || all.iter().map(Vec::as_slice);
         let mut open: Vec<&mut Search> = searches.iter_mut().filter(|search| !search.is_settled()).collect();
         // A reduced picture needs the pixels around the window.
         if self.request.camera_rays() <= rays || self.request.is_reduced {
-            return self.try_all(None, all.iter().copied(), open.into_iter());
+            return self.try_all(None, all(), open.into_iter());
         }
         let pixels = rays / self.request.sampler.count() as usize;
-        for (window, pictures) in telling_windows(&open, self.request.size, pixels) {
+        let differences: Vec<&[u8]> = open.iter().map(|search| search.differences()).collect();
+        for (window, pictures) in telling_windows(&differences, self.request.size, pixels) {
             let made = Rc::new(Made::new(&part_of_colors(reference, window)));
-            let in_window =
-                |&at: &usize| Search::new(Cow::Owned(part(open[at].wrong(), window)), made.clone());
-            let mut parts: Vec<Search> = pictures.iter().map(in_window).collect();
-            self.try_all(Some(window), all.iter().copied(), parts.iter_mut());
+            let mut parts: Vec<Search> =
+                pictures.iter().map(|&at| open[at].in_window(window, made.clone())).collect();
+            self.try_all(Some(window), all(), parts.iter_mut());
             for (&at, part) in pictures.iter().zip(&parts) {
                 self.try_all(None, part.likely(), std::iter::once(&mut *open[at]));
-                open[at].count_tried(part);
+                part.tried().iter().for_each(|&mistake| open[at].add_tried(mistake));
             }
         }
     }
@@ -199,17 +170,6 @@ impl<'a> Original<'a> {
         try_all(all, |mistakes| self.made(mistakes, window), &mut searches.collect::<Vec<_>>());
     }
 
-    /// Returns the finding, or speckles if nothing was found. The pictures are whole.
-    fn or_speckles(&self, found: Finding, a: &Picture, b: &Picture) -> Finding {
-        let Finding::Unknown { tried } = found else { return found };
-        let tried = tried + usize::from(can_show(self));
-        let found = speckles(self, a, b);
-        found.map_or(Finding::Unknown { tried }, |Speckles { pixels, rays }| Finding::Speckles {
-            pixels,
-            rays,
-        })
-    }
-
     fn layer(&self) -> Layer {
         self.request.layers.first().copied().unwrap_or(Layer::Color)
     }
@@ -217,6 +177,19 @@ impl<'a> Original<'a> {
     fn renderer(&self) -> &Renderer {
         self.prepared.renderer()
     }
+}
+
+/// Returns pairs of mistakes to try: the best ones of unexplained pictures and the `first` ones, each with all others
+/// that show.
+fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
+    let open = || searches.iter().filter(|search| !search.is_settled());
+    let mut grounds: Vec<Mistake> = open().filter_map(Search::best).chain(first.iter().copied()).collect();
+    grounds.dedup();
+    grounds.truncate(MAX_GROUNDS);
+    let shows = |mistake: &Mistake| open().any(|search| search.tried().contains(mistake));
+    let others: Vec<Mistake> = Mistake::all().skip(1).filter(shows).collect();
+    let pairs = grounds.iter().flat_map(|&ground| others.iter().map(move |&other| vec![ground, other]));
+    pairs.filter(|pair| !pair[0].is_akin(pair[1])).collect()
 }
 
 /// The changes that mistakes make before a picture is rendered.
@@ -229,51 +202,60 @@ struct Changed {
 }
 
 impl Changed {
-    /// Makes these mistakes. `None` if the scene or the request cannot show one of them.
+    /// Makes these mistakes. `None` if one tracer cannot make them.
     fn new(original: &Renderer, request: &Request, mistakes: &[Mistake]) -> Option<Self> {
-        let (mut scene, mut request, mut switch) = (Cow::Borrowed(&original.scene), request.clone(), None);
+        let (mut scene, mut request, mut switch) = (original.scene.clone(), request.clone(), None);
         for &mistake in mistakes {
-            match mistake.make()? {
+            match mistake.make() {
                 Make::Levels(_) | Make::Pixels(_) => {}
-                Make::Camera(change) => {
-                    let camera = request.camera.unwrap_or(scene.camera);
-                    request.camera = Some(change(camera, scene.screen, request.size)?);
-                }
-                Make::Effects(change) => {
-                    let before = request.effects;
-                    change(&mut request.effects, &scene);
-                    (request.effects != before).then_some(())?;
-                }
-                Make::Scene(change) => change(scene.to_mut()).then_some(())?,
-                Make::Text(change) => scene = Cow::Owned(change(&scene, &original.source.text)?),
-                Make::Student(shows) => {
-                    let setting = Setting { scene: &scene, request: &request };
-                    (setting.bounces() <= MAX_BOUNCES && shows(&setting)).then_some(())?;
-                    switch.replace(mistake).is_none().then_some(())?;
-                }
+                Make::Request(change) => change(&mut request, &scene),
+                Make::Scene(change) => change(&mut scene),
+                Make::Text(change) => change(&mut scene, &original.source.text),
+                Make::Student if switch.is_some() => return None,
+                Make::Student => switch = Some(mistake),
             }
         }
-        let renderer = match scene {
-            Cow::Owned(scene) => Some(original.with_scene(scene).ok()?),
-            Cow::Borrowed(_) => None,
-        };
+        if switch.is_some() && request.effects.bounces > MAX_BOUNCES && has_secondary_rays(&scene) {
+            return None;
+        }
+        let is_changed = scene != original.scene;
+        let renderer = is_changed.then(|| original.with_scene(scene)).transpose().ok()?;
         Some(Self { renderer, request, switch })
+    }
+
+    fn is_unchanged(&self, request: &Request) -> bool {
+        self.renderer.is_none() && self.switch.is_none() && self.request == *request
+    }
+
+    /// Renders the picture. `None` if it is cancelled, or memory is too small.
+    fn render(&self, original: &Original) -> Option<FloatPicture> {
+        let prepared = match &self.renderer {
+            Some(renderer) => &renderer.prepare(&self.request).ok()?,
+            None => &original.prepared,
+        };
+        if self.switch.is_none() {
+            return rendered(prepared, &self.request, original.watch);
+        }
+        let (renderer, hits) = (prepared.renderer(), prepared.caster());
+        let spaces = &ObjectSpaces::new(&renderer.scene, original.renderer().meshes(), hits.world);
+        let student = Student::new(renderer, hits, self.request.effects);
+        let student = Student { mistake: self.switch, spaces: Some(spaces), ..student };
+        paint::colors(&student, &self.request, &|| original.is_cancelled()).ok()
     }
 }
 
 /// Makes the mistakes of these that change finished pictures.
-fn finished(mistakes: &[Mistake], mut picture: FloatPicture) -> FloatPicture {
+fn finish(mistakes: &[Mistake], picture: &mut FloatPicture) {
     for mistake in mistakes {
         match mistake.make() {
-            Some(Make::Levels(change)) => {
+            Make::Levels(change) => {
                 let changed = |color: &mut Color| *color = (255.0 * *color).map(change) / 255.0;
                 picture.colors.iter_mut().for_each(changed);
             }
-            Some(Make::Pixels(change)) => change(&mut picture.colors, picture.size[0]),
+            Make::Pixels(change) => change(&mut picture.colors, picture.size[0]),
             _ => {}
         }
     }
-    picture
 }
 
 /// Returns colours that are cut to these bytes. Halfway between two bytes, no rounding changes them.
@@ -295,7 +277,11 @@ pub fn explain_finished(
     let mut searches: Vec<Search> =
         wrong.iter().map(|wrong| Search::new(Cow::Borrowed(wrong), made.clone())).collect();
     let all: Vec<Mistake> = Mistake::of_pixels(rendered.is_some()).collect();
-    let make = |mistakes: &[Mistake]| Some(finished(mistakes, colors.clone().into_owned()));
+    let make = |mistakes: &[Mistake]| {
+        let mut colors = colors.clone().into_owned();
+        finish(mistakes, &mut colors);
+        Some(colors)
+    };
     try_all(all.chunks(1), make, &mut searches.iter_mut().collect::<Vec<_>>());
     searches.iter().map(Search::finding).collect()
 }

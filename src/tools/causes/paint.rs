@@ -3,59 +3,48 @@
 use super::mistakes::Mistake;
 use super::student::Student;
 use crate::base::memory;
-use crate::camera::Camera;
 use crate::math::instructions;
 use crate::math::ray::Ray;
 use crate::picture::{BadSize, Color, FloatPicture};
-use crate::render::renderer::Renderer;
 use crate::render::{Layer, Request};
 use crate::sampling::blur::{Blur, reduced};
 use crate::sampling::film::Film;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::Sampler;
 use crate::sampling::spread::Spread;
-use crate::scene::model::MeasureColors;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Renders the request's first layer with a student's tracer. Pixels are black after `is_over` returns true.
-pub fn colors(
-    student: &Student,
-    renderer: &Renderer,
-    request: &Request,
-    is_over: &(dyn Fn() -> bool + Sync),
-) -> Result<FloatPicture, BadSize> {
-    let shift = match student.mistake {
-        Some(Mistake::Shifted { half_pixels: [x, y] }) => 0.5 * DVec2::new(x.into(), y.into()),
-        _ => DVec2::ZERO,
-    };
-    let camera = &renderer.camera(request);
-    let MeasureColors { depths, normals } = renderer.scene.measure_colors;
-    let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
-    match request.layers.first() {
-        Some(&Layer::Depth { near, far }) => {
-            let grey = |(t, _)| Color::splat(depths.grey(t, [near, far]));
-            let depth = |ray: &Ray| student.seen(ray).map_or(Color::ZERO, grey);
-            paint(camera, &centers(), shift, &depth, is_over)
-        }
-        Some(Layer::Normals) => {
-            let normal = |ray: &Ray| student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
-            paint(camera, &centers(), shift, &|ray| normals.color(normal(ray)), is_over)
-        }
-        _ => paint(camera, request, shift, &|ray| student.color(ray), is_over),
-    }
-}
-
 /// The number of rows painted at a time. They are kept until the film has taken them.
 const ROWS: usize = 64;
 
-/// Paints the window of a picture. The rays pass through points `shift` pixels to the right of the samples and above
-/// them. Pixels are black after `is_over` returns true.
-pub fn paint(
-    camera: &Camera,
+/// Renders the request's first layer with a student's tracer. Pixels are black after `is_over` returns true.
+pub fn colors(
+    student: &Student,
     request: &Request,
-    shift: DVec2,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> Result<FloatPicture, BadSize> {
+    let measures = student.renderer.scene.measure_colors;
+    let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
+    match request.layers.first() {
+        Some(&Layer::Depth { near, far }) => {
+            let grey = |(t, _)| Color::splat(measures.depths.grey(t, [near, far]));
+            let color = |ray: &Ray| student.seen(ray).map_or(Color::ZERO, grey);
+            paint(student, &centers(), &color, is_over)
+        }
+        Some(Layer::Normals) => {
+            let normal = |ray: &Ray| student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
+            paint(student, &centers(), &|ray| measures.normals.color(normal(ray)), is_over)
+        }
+        _ => paint(student, request, &|ray| student.color(ray), is_over),
+    }
+}
+
+/// Paints the window of a picture.
+fn paint(
+    student: &Student,
+    request: &Request,
     color: &(dyn Fn(&Ray) -> Color + Sync),
     is_over: &(dyn Fn() -> bool + Sync),
 ) -> Result<FloatPicture, BadSize> {
@@ -64,18 +53,25 @@ pub fn paint(
     let (columns, rows) = (request.columns(), request.rows());
     let traced_columns = with_border(&columns, filter.support(), width);
     let traced_rows = with_border(&rows, filter.support(), height);
-    let level = instructions::available()[0];
-    let color = |ray: &Ray| if is_over() { Color::ZERO } else { color(ray) };
+    let (camera, level) = (student.renderer.camera(request), instructions::available()[0]);
+    // From the samples to the points that the rays pass through, in pixels to the right and up.
+    let shift = match student.mistake {
+        Some(Mistake::Shifted { half_pixels: [x, y] }) => 0.5 * DVec2::new(x.into(), y.into()),
+        _ => DVec2::ZERO,
+    };
     let row = |j: usize| {
         let mut spread = Spread::new(filter, level, j, size);
         let mut c_rand = sampler.c_rand([traced_columns.start, j], width);
         for i in traced_columns.clone() {
-            let ray = |offset| camera.ray(DVec2::new(i as f64, j as f64), offset + shift);
+            let color = |offset| match is_over() {
+                true => Color::ZERO,
+                false => color(&camera.ray(DVec2::new(i as f64, j as f64), offset + shift)),
+            };
             match &mut c_rand {
-                Some(c_rand) => spread.add(i, DVec2::ZERO, color(&ray(c_rand.next_offset())), 1.0),
+                Some(c_rand) => spread.add(i, DVec2::ZERO, color(c_rand.next_offset()), 1.0),
                 None => {
                     for offset in sampler.offsets((i * height + j) as u64) {
-                        spread.add(i, offset, color(&ray(offset)), 1.0);
+                        spread.add(i, offset, color(offset), 1.0);
                     }
                 }
             }
@@ -87,7 +83,8 @@ pub fn paint(
     memory::ask(in_progress as u64).map_err(|_| BadSize { width: columns.len(), height: rows.len() })?;
     let mut film = Film::new(filter, size, traced_rows.start);
     for start in traced_rows.clone().step_by(ROWS) {
-        let spreads: Vec<_> = (start..traced_rows.end.min(start + ROWS)).into_par_iter().map(row).collect();
+        let end = traced_rows.end.min(start + ROWS);
+        let spreads: Vec<_> = (start..end).into_par_iter().map(row).collect();
         for spread in spreads {
             let mut finish = |j: usize, colors: &mut dyn Iterator<Item = Color>| {
                 if rows.contains(&j) {
@@ -97,7 +94,9 @@ pub fn paint(
             film.add(spread, &mut finish);
         }
     }
-    turn_over(&mut picture.colors, columns.len());
+    // The film's rows run upwards.
+    picture.colors.reverse();
+    picture.colors.chunks_exact_mut(columns.len()).for_each(<[Color]>::reverse);
     Ok(if request.is_reduced { blurred(&picture) } else { picture })
 }
 
@@ -117,23 +116,16 @@ fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize>
     range.start.saturating_sub(support)..(range.end + support).min(end)
 }
 
-/// Reverses the order of the rows.
-fn turn_over(colors: &mut [Color], width: usize) {
-    colors.reverse();
-    colors.chunks_exact_mut(width).for_each(<[Color]>::reverse);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::caster::choose::Structure;
     use crate::picture::Picture;
     use crate::render::Window;
-    use crate::render::renderer::Meshes;
+    use crate::render::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, sampler};
     use crate::scene::load;
-    use crate::tools::causes::student::ObjectSpaces;
-    use crate::tools::causes::window::part;
+    use crate::tools::causes::window::part_of_colors;
     use crate::tools::causes::{Mistake, Original};
     use crate::trace::{Effects, Shadows};
     use std::path::Path;
@@ -143,9 +135,8 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
         let original = Original::new(&renderer, Structure::Any, request).unwrap();
-        let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
-        let student = Student::new(&renderer, original.prepared.caster(), request.effects, spaces);
-        let painted = colors(&student, &renderer, request, &|| false).unwrap();
+        let student = Student::new(&renderer, original.prepared.caster(), request.effects);
+        let painted = colors(&student, request, &|| false).unwrap();
         [original.colors, painted].map(|colors| colors.to_picture())
     }
 
@@ -182,7 +173,7 @@ mod tests {
             let original = Original::new(&renderer, Structure::Any, &request).unwrap();
             for cause in Mistake::all() {
                 let [whole, found] = [None, Some(window)].map(|window| original.made(&[cause], window));
-                let expected = whole.map(|whole| part(&whole.to_picture(), window));
+                let expected = whole.map(|whole| part_of_colors(&whole, window).to_picture());
                 assert!(found.map(|found| found.to_picture()) == expected, "{cause:?} {filter:?}");
             }
         }

@@ -6,7 +6,8 @@
 
 use super::finding::Finding;
 use super::mistakes::Mistake;
-use crate::picture::{Color, FloatPicture, Picture};
+use super::window::part;
+use crate::picture::{Color, FloatPicture, Picture, Window};
 use crate::tools::compare::{EdgeMap, Rgb, Tolerance, colors, largest_channel_difference};
 use std::borrow::Cow;
 use std::rc::Rc;
@@ -21,23 +22,18 @@ const ELSEWHERE: f64 = 0.001;
 const BY_A_LEVEL: f64 = 0.01;
 /// The largest such share if a mistake explains the other differences. Other tracers compute their own way.
 const BY_A_LEVEL_AND_MISTAKE: f64 = 0.2;
-/// The smallest share of the wrong pixels that a mistake makes right. The first is for pixels that differ by more than
-/// rounding, the second for those that differ by one level more. A change of brightness moves many colours by a level.
-const MIN_SHARE: [f64; 2] = [0.9, 0.6];
-/// The smallest share of the pixels changed by a mistake that it makes right. A change that is only similar to the
-/// mistake leaves an error in the same pixels.
-const MIN_PRECISION: f64 = 0.75;
-/// The smallest share of the visibly wrong pixels that a mistake makes right if it makes nearly all right that it
-/// changes. Then other mistakes show in the rest.
-const MIN_SHARE_IF_PRECISE: f64 = 1.0 / 3.0;
-/// The smallest share of the changed pixels that are right for that.
-const PRECISE: f64 = 0.98;
+/// The smallest share of the wrong pixels that a mistake makes right, and the smallest share of the pixels changed by
+/// it. A change that is only similar to the mistake leaves an error in the same pixels.
+const MIN_SHARES: [f64; 2] = [0.6, 0.75];
+/// The smallest such shares of a mistake that makes nearly all right that it changes. Other mistakes show in the rest.
+const MIN_SHARES_IF_PRECISE: [f64; 2] = [1.0 / 3.0, 0.98];
+/// The smallest such shares if hardly any pixel is visibly wrong. Many mistakes make half of the pixels right that are
+/// wrong by a level.
+const MIN_SHARES_BY_A_LEVEL: [f64; 2] = [0.9, 0.75];
 /// The largest share of the pixels changed by a mistake that may be right without it. A mistake shows where it can.
 const MAX_CONTRADICTED: f64 = 0.03;
 /// The largest such share for rays that hit the surface that they leave. Rounding spares some of them.
 const MAX_CONTRADICTED_BY_ROUNDING: f64 = 0.2;
-/// The largest share of all pixels that contradict a mistake because of rounding at edges.
-const CONTRADICTED_AT_EDGES: f64 = 0.001;
 /// Every mistake of another kind must leave at least this many times as many wrong pixels.
 const MIN_LEAD: f64 = 2.0;
 
@@ -66,7 +62,8 @@ impl Made {
         levels(0).max(levels(1)).max(levels(2))
     }
 
-    fn all_levels(&self, picture: &Picture) -> Vec<u8> {
+    /// Returns the levels by which the pixels of a picture differ by more than rounding.
+    pub fn all_levels(&self, picture: &Picture) -> Vec<u8> {
         colors(picture).iter().enumerate().map(|(at, &pixel)| self.levels(at, pixel)).collect()
     }
 
@@ -107,67 +104,21 @@ impl Rest {
         rest
     }
 
-    /// Returns true if a tracer in single precision leaves that much wrong in a picture of this many pixels.
-    fn is_small(&self, pixels: f64, by_a_level: f64) -> bool {
+    /// Returns true if a tracer in single precision leaves that much visibly wrong in a picture of this many pixels.
+    fn is_hardly_visible(&self, pixels: f64) -> bool {
         let elsewhere = self.visible - self.visible_at_edges;
-        self.visible_at_edges as f64 <= AT_EDGES * pixels
-            && elsewhere as f64 <= ELSEWHERE * pixels
-            && self.beyond_rounding.saturating_sub(self.visible) as f64 <= by_a_level * pixels
+        self.visible_at_edges as f64 <= AT_EDGES * pixels && elsewhere as f64 <= ELSEWHERE * pixels
+    }
+
+    /// Returns true if also no more than this share of the pixels is wrong by a level.
+    fn is_small(&self, pixels: f64, by_a_level: f64) -> bool {
+        let by_level = self.beyond_rounding.saturating_sub(self.visible) as f64;
+        self.is_hardly_visible(pixels) && by_level <= by_a_level * pixels
     }
 
     /// Returns the number of wrong pixels. The visible ones count twice.
     fn size(&self) -> u64 {
         self.beyond_rounding + self.visible
-    }
-}
-
-/// The effect of a mistake, in pixels that differ by more than rounding or by a level more.
-#[derive(Clone, Copy, Debug, Default)]
-struct Effect {
-    /// Pixels of the examined picture that differ from the reference.
-    wrong: f64,
-    /// Pixels of the examined picture that differ from the picture with the mistake.
-    left: f64,
-    changed: f64,
-    /// Changed pixels that become right.
-    right: f64,
-    /// Changed pixels that were right before.
-    contradicted: f64,
-}
-
-impl Effect {
-    /// Returns the effect of a mistake on a picture with these differences from the reference, where the mistake makes
-    /// these changes: on pixels that differ by more than rounding, and by at least one level more.
-    fn of(made: &Made, wrong: &Picture, differences: &[u8], changes: &[u8]) -> [Self; 2] {
-        let mut effects = [Self::default(); 2];
-        for (at, (&before, &change)) in differences.iter().zip(changes).enumerate() {
-            let after = made.levels(at, colors(wrong)[at]);
-            for (level, effect) in (0..).zip(&mut effects) {
-                let [is_wrong, is_left, is_changed] = [before, after, change].map(|levels| levels > level);
-                effect.wrong += f64::from(is_wrong);
-                effect.left += f64::from(is_left);
-                effect.changed += f64::from(is_changed);
-                effect.right += f64::from(is_changed && !is_left);
-                effect.contradicted += f64::from(is_changed && is_left && !is_wrong);
-            }
-        }
-        effects
-    }
-
-    /// Returns the share of the wrong pixels that are right with the mistake.
-    fn share(&self) -> f64 {
-        1.0 - self.left / self.wrong
-    }
-
-    /// Returns true if a mistake explains too much to be a coincidence.
-    fn is_meant(&self, is_visible: bool, max_contradicted: f64, pixels: f64) -> bool {
-        let min_share = MIN_SHARE[usize::from(is_visible)];
-        let explains =
-            |share: f64, precision: f64| self.share() >= share && self.right >= precision * self.changed;
-        self.wrong > 0.0
-            && self.changed > 0.0
-            && (explains(min_share, MIN_PRECISION) || is_visible && explains(MIN_SHARE_IF_PRECISE, PRECISE))
-            && self.contradicted <= max_contradicted * self.changed + CONTRADICTED_AT_EDGES * pixels
     }
 }
 
@@ -187,46 +138,85 @@ pub struct Search<'p> {
     /// The levels by which each pixel differs from the reference by more than rounding.
     differences: Vec<u8>,
     whole: Rest,
+    /// A pixel is wrong if it differs by more levels than that besides rounding: one if many pixels do, or else none.
+    level: u8,
     candidates: Vec<Candidate>,
-    tried: usize,
+    /// The single mistakes tried that show.
+    tried: Vec<Mistake>,
 }
 
 impl<'p> Search<'p> {
     pub fn new(wrong: Cow<'p, Picture>, reference: Rc<Made>) -> Self {
         let (whole, differences) = (Rest::of(&wrong, &reference), reference.all_levels(&wrong));
-        Self { wrong, reference, differences, whole, candidates: vec![], tried: 0 }
+        let level = u8::from(!whole.is_hardly_visible(differences.len() as f64));
+        Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![] }
     }
 
-    fn try_mistakes(&mut self, mistakes: &[Mistake], made: &Rc<Made>, changes: &[u8]) {
-        self.tried += usize::from(mistakes.len() == 1);
-        let effects = Effect::of(made, &self.wrong, &self.differences, changes);
+    /// Returns a search in a window of the picture.
+    pub fn in_window(&self, window: Window, reference: Rc<Made>) -> Search<'static> {
+        let part = Search::new(Cow::Owned(part(&self.wrong, window)), reference);
+        Search { level: self.level, ..part }
+    }
+
+    /// Tries mistakes whose picture differs by `changes` from the reference.
+    pub fn try_mistakes(&mut self, mistakes: &[Mistake], made: &Rc<Made>, changes: &[u8]) {
+        if let [mistake] = mistakes {
+            self.add_tried(*mistake);
+        }
+        // Count the pixels that are wrong, remain wrong, are changed, become or remain right, and become wrong.
+        let (mut wrong, mut left, mut changed, mut right, mut contradicted) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (at, (&before, &change)) in self.differences.iter().zip(changes).enumerate() {
+            let after = made.levels(at, colors(&self.wrong)[at]);
+            let [is_wrong, is_left, is_changed] = [before, after, change].map(|levels| levels > self.level);
+            wrong += f64::from(is_wrong);
+            left += f64::from(is_left);
+            changed += f64::from(is_changed);
+            right += f64::from(is_changed && !is_left);
+            contradicted += f64::from(is_changed && is_left && !is_wrong);
+        }
+        // The quotients are NaN if nothing is wrong or changed.
+        let (share, precision) = (1.0 - left / wrong, right / changed);
+        let explains =
+            |[min_share, min_precision]: [f64; 2]| share >= min_share && precision >= min_precision;
         let max_contradicted = match mistakes {
             [Mistake::NoEpsilon { .. }] => MAX_CONTRADICTED_BY_ROUNDING,
             _ => MAX_CONTRADICTED,
         };
-        let is_meant = |(effect, is_visible): &(Effect, bool)| {
-            effect.is_meant(*is_visible, max_contradicted, self.pixels())
+        let is_meant = match self.level {
+            0 => explains(MIN_SHARES_BY_A_LEVEL),
+            _ => explains(MIN_SHARES) || explains(MIN_SHARES_IF_PRECISE),
         };
-        // Visible pixels count first.
-        if let Some((effect, _)) = effects.into_iter().zip([false, true]).rev().find(is_meant) {
+        if is_meant && contradicted <= max_contradicted * changed + ELSEWHERE * self.pixels() {
             let rest = Rest::of(&self.wrong, made);
-            let (mistakes, made, share) = (mistakes.to_vec(), made.clone(), effect.share());
+            let (mistakes, made) = (mistakes.to_vec(), made.clone());
             self.candidates.push(Candidate { mistakes, made, rest, share });
         }
     }
 
     fn pixels(&self) -> f64 {
-        colors(&self.wrong).len() as f64
+        self.differences.len() as f64
     }
 
-    /// Returns true if the pixel differs from the reference by more than rounding.
-    pub fn differs(&self, at: usize) -> bool {
-        self.differences[at] > 0
+    /// Returns the levels by which each pixel differs from the reference by more than rounding.
+    pub fn differences(&self) -> &[u8] {
+        &self.differences
     }
 
     /// Returns the mistakes that explain at least part of the difference, one by one and together.
     pub fn likely(&self) -> impl Iterator<Item = &[Mistake]> {
         self.candidates.iter().map(|candidate| candidate.mistakes.as_slice())
+    }
+
+    /// Returns the single mistakes tried that show.
+    pub fn tried(&self) -> &[Mistake] {
+        &self.tried
+    }
+
+    /// Adds a mistake to the ones tried.
+    pub fn add_tried(&mut self, mistake: Mistake) {
+        if !self.tried.contains(&mistake) {
+            self.tried.push(mistake);
+        }
     }
 
     /// Returns the single mistake that explains the most.
@@ -244,32 +234,16 @@ impl<'p> Search<'p> {
     pub fn is_settled(&self) -> bool {
         match self.finding() {
             Finding::Equal { .. } => true,
-            Finding::Rounding { .. } => self.tried > 0,
+            Finding::Rounding { .. } => !self.tried.is_empty(),
             _ => false,
         }
     }
 
-    /// Takes the number of mistakes tried from a search in a part of the picture.
-    pub fn count_tried(&mut self, part: &Self) {
-        self.tried = self.tried.max(part.tried);
-    }
-
-    pub fn wrong(&self) -> &Picture {
-        &self.wrong
-    }
-
     /// Returns the answer of the mistakes tried so far.
     pub fn finding(&self) -> Finding {
-        let unknown = Finding::Unknown { tried: self.tried };
         let whole = &self.whole;
         let is_rounding = whole.is_small(self.pixels(), BY_A_LEVEL);
-        let rounding = || Finding::Rounding {
-            pixels: whole.differing,
-            at_edges: whole.differing_at_edges,
-            tolerance: tolerance(whole),
-        };
-        for count in [1, 2] {
-            let Some(best) = self.best_of(count) else { continue };
+        for best in [1, 2].into_iter().filter_map(|count| self.best_of(count)) {
             let rest = &best.rest;
             // No mistake is needed if rounding explains the difference, unless the mistake gives the very picture.
             let is_better = !is_rounding || rest.differing == 0 || 10 * rest.size() <= whole.size();
@@ -285,23 +259,29 @@ impl<'p> Search<'p> {
             }
         }
         match self.best_of(1).filter(|best| self.leads(best)) {
-            _ if is_rounding => rounding(),
+            _ if is_rounding => Finding::Rounding {
+                pixels: whole.differing,
+                at_edges: whole.differing_at_edges,
+                tolerance: tolerance(whole),
+            },
             Some(best) => Finding::Part { cause: best.mistakes[0], share: best.share },
-            None => unknown,
+            None => Finding::Unknown { tried: self.tried.len() },
         }
+    }
+
+    /// Returns the single mistakes other than the best, each with its picture.
+    fn others<'s>(&'s self, best: &'s Candidate) -> impl Iterator<Item = (Mistake, &'s Candidate)> {
+        let is_other = |mistake: Mistake| best.mistakes.iter().all(|named| !named.is_akin(mistake));
+        self.candidates.iter().filter_map(move |other| match other.mistakes[..] {
+            [mistake] if is_other(mistake) => Some((mistake, other)),
+            _ => None,
+        })
     }
 
     /// Returns the other mistakes whose picture is the same up to rounding.
     fn same(&self, best: &Candidate) -> Vec<Mistake> {
-        let others = self.candidates.iter().filter_map(|other| match other.mistakes[..] {
-            [mistake] => Some((mistake, &other.made)),
-            _ => None,
-        });
-        let is_same = |(mistake, made): &(Mistake, &Rc<Made>)| {
-            best.mistakes.iter().all(|named| !named.is_akin(*mistake)) && made.is_like(&best.made)
-        };
         let mut same: Vec<Mistake> = vec![];
-        for (mistake, _) in others.filter(is_same) {
+        for (mistake, _) in self.others(best).filter(|(_, other)| other.made.is_like(&best.made)) {
             if !same.iter().any(|named| named.is_akin(mistake)) {
                 same.push(mistake);
             }
@@ -311,12 +291,10 @@ impl<'p> Search<'p> {
 
     /// Returns true if no mistake of another kind explains about as much.
     fn leads(&self, best: &Candidate) -> bool {
-        let is_other = |other: &&Candidate| {
-            let [mistake] = other.mistakes[..] else { return false };
-            !mistake.is_akin(best.mistakes[0]) && !other.made.is_like(&best.made)
-        };
         let bound = MIN_LEAD * best.rest.size() as f64;
-        self.candidates.iter().filter(is_other).all(|other| other.rest.size() as f64 >= bound)
+        let leads_over =
+            |other: &Candidate| other.rest.size() as f64 >= bound || other.made.is_like(&best.made);
+        self.others(best).all(|(_, other)| leads_over(other))
     }
 }
 

@@ -6,7 +6,6 @@
 
 use super::mistakes::Mistake;
 pub use super::object_space::ObjectSpaces;
-pub use super::paint::colors;
 use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
@@ -53,12 +52,13 @@ pub enum SelfHitting {
     All,
 }
 
-impl Departure {
-    pub fn is_one_of(self, rays: SelfHitting) -> bool {
-        match self {
-            Self::Shadow => rays != SelfHitting::Secondary,
-            Self::Reflected | Self::Refracted => rays != SelfHitting::Shadow,
-            Self::Onwards => false,
+impl SelfHitting {
+    /// Returns true if rays that leave a surface that way are among these.
+    pub(super) fn has(self, departure: Departure) -> bool {
+        match departure {
+            Departure::Shadow => self != Self::Secondary,
+            Departure::Reflected | Departure::Refracted => self != Self::Shadow,
+            Departure::Onwards => false,
         }
     }
 }
@@ -67,10 +67,7 @@ impl Departure {
 pub(crate) const MAX_BOUNCES: u32 = 100;
 
 /// A ray from a surface, and the primitive that it cannot hit again.
-pub type Start = (Ray, Option<u32>);
-
-/// Chooses the start of a ray that leaves a surface in a direction. `None` for the usual start.
-pub type Starts<'a> = &'a (dyn Fn(Departure, &SurfacePoint, DVec3) -> Option<Start> + Sync);
+type Start = (Ray, Option<u32>);
 
 /// Finds the hits of rays.
 pub trait Hits: Sync {
@@ -104,17 +101,20 @@ impl Hits for Caster<'_> {
     }
 }
 
+/// Returns true if a ray that leaves a surface in a direction hits it again.
+pub type HitsItself<'a> = &'a (dyn Fn(Departure, &SurfacePoint, DVec3) -> bool + Sync);
+
 /// A tracer with at most one mistake.
+#[derive(Clone, Copy)]
 pub struct Student<'a> {
+    pub renderer: &'a Renderer,
     pub hits: &'a dyn Hits,
     pub effects: Effects,
     pub mistake: Option<Mistake>,
-    /// The transforms applied to the primitives, for mistakes with normals.
-    pub spaces: &'a ObjectSpaces<'a>,
-    /// The lights as written in the scene.
-    pub lights: &'a [Light],
-    /// Where rays leave surfaces, if not at the usual points.
-    pub starts: Option<Starts<'a>>,
+    /// The transforms applied to the primitives. Mistakes with normals need them.
+    pub spaces: Option<&'a ObjectSpaces<'a>>,
+    /// The rays that hit the surface that they leave, if not the mistake's.
+    pub hits_itself: Option<HitsItself<'a>>,
     /// True if points, directions and colours are rounded to single precision.
     pub is_single: bool,
 }
@@ -139,15 +139,9 @@ struct Arrival<'m> {
 }
 
 impl<'a> Student<'a> {
-    /// Returns a tracer without mistakes.
-    pub fn new(
-        renderer: &'a Renderer,
-        hits: &'a dyn Hits,
-        effects: Effects,
-        spaces: &'a ObjectSpaces<'a>,
-    ) -> Self {
-        let lights = &renderer.scene.lights;
-        Self { hits, effects, mistake: None, spaces, lights, starts: None, is_single: false }
+    /// Returns a tracer in double precision without mistakes.
+    pub fn new(renderer: &'a Renderer, hits: &'a dyn Hits, effects: Effects) -> Self {
+        Self { renderer, hits, effects, mistake: None, spaces: None, hits_itself: None, is_single: false }
     }
 
     fn makes(&self, mistake: Mistake) -> bool {
@@ -179,24 +173,21 @@ impl<'a> Student<'a> {
                 let mut mixture = Mixture::default();
                 let material = self.material(surface, &mut mixture);
                 let arrival = Arrival { way, surface, material };
-                let branches = [self.mirrored_way(&arrival), self.refracted_way(&arrival)];
-                let mut color = self.shade(&arrival);
-                for (tint, way) in branches.into_iter().rev().flatten() {
-                    color = self.sum(color, tint * self.trace(&way));
-                }
-                color
+                let add = |sum, (tint, way)| self.rounded(sum + tint * self.trace(&way));
+                self.branches(&arrival).into_iter().flatten().fold(self.shade(&arrival), add)
             }
             None if way.bounces > 0 && self.makes(Mistake::BackgroundForCameraOnly) => Color::ZERO,
-            None => self.sum(Color::ZERO, self.world().background_along(way.ray.direction)),
+            None => self.rounded(self.world().background_along(way.ray.direction)),
         };
         self.clamped_by(Mistake::RaysClamped, color)
     }
 
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
         let surface = self.hits.surface(ray, visible);
-        let object_normal = || self.spaces.normal(visible.primitive, surface.normal);
+        let Some(spaces) = self.spaces else { return surface };
+        let object_normal = || spaces.normal(visible.primitive, surface.normal);
         let normal = match self.mistake {
-            Some(Mistake::NormalsByMatrix) => unit(self.spaces.matrix(visible.primitive) * object_normal()),
+            Some(Mistake::NormalsByMatrix) => unit(spaces.matrix(visible.primitive) * object_normal()),
             Some(Mistake::NormalsOfObjectSpace) => unit(object_normal()),
             _ => return surface,
         };
@@ -264,9 +255,10 @@ impl<'a> Student<'a> {
             _ => is_inside,
         };
         let normal = if is_flipped { -surface.normal } else { surface.normal };
-        let mut color = self.sum(Color::ZERO, self.world().ambient * self.ambient_factor(arrival));
+        let mut color = self.rounded(self.world().ambient * self.ambient_factor(arrival));
         for (index, light) in self.world().lights.iter().enumerate() {
-            let light = self.incident(light, surface.position);
+            let light = incident(light, surface.position);
+            let light = Incident { direction: self.rounded(light.direction), ..light };
             let cosine = self.rounded_number(normal.dot(light.direction));
             // As in the course's program, a shadow ray starts even where the light has no effect.
             let has_ray = self.effects.shadows != Shadows::None;
@@ -275,61 +267,46 @@ impl<'a> Student<'a> {
                 let view = View { cosine, normal, to_viewer: -way.ray.direction };
                 let passed = start.map_or(Color::ONE, |start| self.passed(start, surface, &light, index));
                 let lit = self.rounded(passed * self.reflect(material, &light, index, &view));
-                color = self.sum(color, self.clamped_by(Mistake::LightsClamped, lit));
+                color = self.rounded(color + self.clamped_by(Mistake::LightsClamped, lit));
             }
         }
         color
     }
 
-    fn incident(&self, light: &Light, point: DVec3) -> Incident {
-        let Incident { direction, distance, color } = incident(light, point);
-        Incident {
-            direction: self.rounded(direction),
-            distance: self.rounded_number(distance),
-            color: self.rounded(color),
-        }
-    }
-
     fn ambient_factor(&self, arrival: &Arrival) -> Color {
-        let diffuse = arrival.material.phong.diffuse;
+        let color = self.world().ambient_color(arrival.surface, arrival.material.phong.diffuse);
         match self.mistake {
             Some(Mistake::AmbientWithoutDiffuse) => Color::ONE,
-            Some(Mistake::AmbientFromAbove) => {
-                (0.5 + 0.5 * arrival.surface.normal.y) * self.world().ambient_color(arrival.surface, diffuse)
-            }
-            _ => self.world().ambient_color(arrival.surface, diffuse),
+            Some(Mistake::AmbientFromAbove) => (0.5 + 0.5 * arrival.surface.normal.y) * color,
+            _ => color,
         }
     }
 
     /// Returns the part of a light that a surface reflects to the viewer.
     fn reflect(&self, material: &PointMaterial, light: &Incident, index: usize, view: &View) -> Color {
-        let View { cosine, normal, to_viewer } = *view;
-        let to_light = light.direction * self.length_to(light, index);
-        let (mut highlight, mut strength, mut diffuse) = (self.world().lighting.highlight, 1.0, 1.0);
+        let length = self.length_to(light, index);
+        let to_light = light.direction * length;
+        let lit = view.cosine.max(0.0) * length;
+        let (mut highlight, mut strength, mut diffuse) = (self.world().lighting.highlight, 1.0, lit);
+        let is_blinn = highlight == Highlight::Blinn;
         match self.mistake {
             Some(Mistake::HighlightsByReflection) => highlight = Highlight::Phong,
-            Some(Mistake::HighlightsTimesCosine) => strength = cosine.max(0.0),
-            Some(Mistake::HighlightsOnlyWhereLit) => strength = f64::from(cosine > 0.0),
-            Some(Mistake::DiffuseOverPi) => diffuse = FRAC_1_PI,
-            Some(
-                Mistake::DirectionsNotNormalised
-                | Mistake::PointDirectionsNotNormalised
-                | Mistake::HalfWayNotNormalised,
-            ) => {}
-            _ if self.is_single => {}
-            _ => return material.reflect(highlight, light, view),
+            Some(Mistake::HighlightsTimesCosine) => strength = lit,
+            Some(Mistake::HighlightsOnlyWhereLit) => strength = f64::from(lit > 0.0),
+            Some(Mistake::DiffuseOverPi) => diffuse *= FRAC_1_PI,
+            _ => {}
         }
         let alignment = match self.mistake {
-            Some(Mistake::HalfWayNotNormalised) => normal.dot(to_light + to_viewer),
+            Some(Mistake::HalfWayNotNormalised) if is_blinn => view.normal.dot(to_light + view.to_viewer),
             _ => alignment(highlight, to_light, view),
         };
         let highlights = strength * material.highlights(self.rounded_number(alignment).max(0.0));
-        light.color * (diffuse * normal.dot(to_light).max(0.0) * material.phong.diffuse + highlights)
+        light.color * (material.phong.diffuse * diffuse + highlights)
     }
 
     /// Returns the length of the vector to a light. It is not 1 if the mistake is a missing normalisation.
     fn length_to(&self, light: &Incident, index: usize) -> f64 {
-        match (self.mistake, self.lights.get(index)) {
+        match (self.mistake, self.renderer.scene.lights.get(index)) {
             (Some(Mistake::DirectionsNotNormalised), Some(Light::Directional { direction, .. })) => {
                 direction.length()
             }
@@ -350,7 +327,6 @@ impl<'a> Student<'a> {
         light: &Incident,
         index: usize,
     ) -> Color {
-        let is_tinted = self.effects.shadows == Shadows::Transparent;
         let is_unshadowed = self.makes(Mistake::GlassWithoutShadows);
         let at_light = self.world().primitives_at_light(index);
         ray.t_max = match self.mistake {
@@ -358,7 +334,7 @@ impl<'a> Student<'a> {
             Some(Mistake::ShadowRaysHalved) => 0.5 * light.distance,
             _ => light.distance,
         };
-        if !is_tinted && !is_unshadowed {
+        if self.effects.shadows == Shadows::Opaque && !is_unshadowed {
             let is_blocked = !at_light.is_empty() || self.hits.nearest(&ray, leaves).is_some();
             return if is_blocked { Color::ZERO } else { Color::ONE };
         }
@@ -374,9 +350,7 @@ impl<'a> Student<'a> {
             let Some(visible) = self.hits.nearest(&ray, leaves) else { break };
             let (t, crossed) = (self.hits.distance(&ray, visible), self.surface(&ray, visible));
             let is_left = crossed.normal.dot(ray.direction) >= 0.0;
-            let is_crossed_at_light =
-                at_light.iter().any(|place| place.is_crossed(visible.primitive, ray.direction, is_left));
-            if is_crossed_at_light {
+            if at_light.iter().any(|place| place.is_crossed(visible.primitive, ray.direction, is_left)) {
                 way += t;
             } else {
                 let tint = self.material(&crossed, &mut mixture).phong.transparent;
@@ -408,53 +382,60 @@ impl<'a> Student<'a> {
         material_at(&world.materials, material, &position.into(), LEVEL, &mut mixture).phong.transparent
     }
 
-    /// Returns the mirrored ray and the factor of its colour, if the ray is followed.
-    fn mirrored_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
+    /// Returns the refracted and the mirrored ray, each with the factor of its colour, if they are followed.
+    fn branches(&self, arrival: &Arrival) -> [Option<(Color, Way)>; 2] {
         let Arrival { way, surface, material } = arrival;
-        let color = match self.world().lighting.split {
-            Split::Colors => material.phong.reflective,
-            Split::Schlick => material.phong.reflective * self.mirrored(arrival),
-        };
-        let weight = self.weight(way, color)?;
-        let direction = match self.mistake {
-            Some(Mistake::NormalFlippedInReflection) => reflected_by_sum(way.ray.direction, surface.normal),
-            Some(Mistake::ReflectionReversed) => -reflected(way.ray.direction, surface.normal),
-            _ => reflected(way.ray.direction, surface.normal),
-        };
-        let (ray, leaves) = self.departing(Departure::Reflected, surface, direction);
-        let is_untinted = self.makes(Mistake::ReflectionWithoutColor);
-        let next = Way { ray, leaves, weight, bounces: way.bounces + 1, index: way.index };
-        Some((tint(color, is_untinted), next))
-    }
-
-    /// Returns the refracted ray and the factor of its colour, if the ray is followed.
-    fn refracted_way(&self, arrival: &Arrival) -> Option<(Color, Way)> {
-        let Arrival { way, surface, material } = arrival;
-        let color = match self.world().lighting.split {
-            Split::Colors => material.phong.transparent,
-            Split::Schlick => material.phong.transparent * (1.0 - self.mirrored(arrival)),
-        };
-        let weight = self.weight(way, color)?;
         let (direction, normal) = (way.ray.direction, surface.normal);
-        let is_entering = direction.dot(normal) < 0.0;
-        let is_turned = !is_entering && !self.makes(Mistake::NormalNotFlippedInRefraction);
-        let against = if is_turned { -normal } else { normal };
-        let indices = self.indices(way, material.phong, is_entering);
-        let sine = || {
-            // An interpolated normal differs from the triangle's.
-            let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
-            let primitive = surface.primitive.filter(|_| !is_smooth);
-            self.world().precise_sine((way.ray.origin, direction), primitive, normal)
+        let cosine = direction.dot(normal);
+        let is_entering = cosine < 0.0;
+        // In front of the surface and behind it.
+        let indices = match is_entering {
+            true => [way.index, material.phong.index_of_refraction],
+            false if self.makes(Mistake::IndexNotInverted) => [1.0, material.phong.index_of_refraction],
+            false => [way.index, 1.0],
         };
-        let (direction, index) = match refracted_between(direction, against, indices, sine) {
-            Some(refracted) => (refracted, if is_entering { indices[1] } else { 1.0 }),
-            None if self.makes(Mistake::TotalReflectionAdded) => (reflected(direction, normal), way.index),
-            None => return None,
+        let Phong { mut reflective, mut transparent, .. } = *material.phong;
+        // An opaque surface mirrors all light.
+        if self.world().lighting.split == Split::Schlick && transparent != Color::ZERO {
+            let part = mirrored_part(cosine.abs(), indices);
+            // At total internal reflection nothing is refracted.
+            let part = if self.makes(Mistake::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part };
+            reflective *= part;
+            transparent *= 1.0 - part;
+        }
+        let next = |why, direction, weight, index| {
+            let (ray, leaves) = self.departing(why, surface, direction);
+            Way { ray, leaves, weight, bounces: way.bounces + 1, index }
         };
-        let (ray, leaves) = self.departing(Departure::Refracted, surface, direction);
-        let is_untinted = self.makes(Mistake::RefractionWithoutColor);
-        let next = Way { ray, leaves, weight, bounces: way.bounces + 1, index };
-        Some((tint(color, is_untinted), next))
+        let mirrored = self.weight(way, reflective).map(|weight| {
+            let direction = match self.mistake {
+                Some(Mistake::NormalFlippedInReflection) => reflected_by_sum(direction, normal),
+                Some(Mistake::ReflectionReversed) => -reflected(direction, normal),
+                _ => reflected(direction, normal),
+            };
+            let tint = self.tint(reflective, Mistake::ReflectionWithoutColor);
+            (tint, next(Departure::Reflected, direction, weight, way.index))
+        });
+        let refracted = self.weight(way, transparent).and_then(|weight| {
+            let is_turned = !is_entering && !self.makes(Mistake::NormalNotFlippedInRefraction);
+            let against = if is_turned { -normal } else { normal };
+            let sine = || {
+                // An interpolated normal differs from the triangle's.
+                let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
+                let primitive = surface.primitive.filter(|_| !is_smooth);
+                self.world().precise_sine((way.ray.origin, direction), primitive, normal)
+            };
+            let (direction, index) = match refracted_between(direction, against, indices, sine) {
+                Some(refracted) => (refracted, if is_entering { indices[1] } else { 1.0 }),
+                None if self.makes(Mistake::TotalReflectionAdded) => {
+                    (reflected(direction, normal), way.index)
+                }
+                None => return None,
+            };
+            let tint = self.tint(transparent, Mistake::RefractionWithoutColor);
+            Some((tint, next(Departure::Refracted, direction, weight, index)))
+        });
+        [refracted, mirrored]
     }
 
     /// Returns the weight of a secondary ray of this colour, if it is followed.
@@ -463,71 +444,39 @@ impl<'a> Student<'a> {
         (way.bounces < self.effects.bounces && weight > self.effects.min_weight).then_some(weight)
     }
 
-    /// Returns the fraction of light mirrored at a surface. It is 1 for an opaque surface.
-    fn mirrored(&self, arrival: &Arrival) -> f64 {
-        let material = arrival.material.phong;
-        if material.transparent == Color::ZERO {
-            return 1.0;
-        }
-        let cosine = arrival.way.ray.direction.dot(arrival.surface.normal);
-        let part = mirrored_part(cosine.abs(), self.indices(arrival.way, material, cosine < 0.0));
-        // With total internal reflection all light is mirrored.
-        if self.makes(Mistake::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part }
-    }
-
-    /// Returns the indices of refraction in front of a surface and behind it.
-    fn indices(&self, way: &Way, material: &Phong, is_entering: bool) -> [f64; 2] {
-        match is_entering {
-            true => [way.index, material.index_of_refraction],
-            false if self.makes(Mistake::IndexNotInverted) => [1.0, material.index_of_refraction],
-            false => [way.index, 1.0],
-        }
+    /// Returns the factor of a secondary ray's colour.
+    fn tint(&self, color: Color, untinted: Mistake) -> Color {
+        let bound = Color::splat(BRIGHTEST);
+        if self.makes(untinted) { Color::ONE } else { color.clamp(-bound, bound) }
     }
 
     /// Returns a ray that leaves a surface.
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> Start {
         let direction = self.rounded(direction);
-        let start = self.starts.and_then(|starts| starts(why, surface, direction));
-        let (ray, leaves) = start.unwrap_or_else(|| self.start(why, surface, direction));
+        let hits_itself = match self.hits_itself {
+            Some(hits_itself) => hits_itself(why, surface, direction),
+            None => matches!(self.mistake, Some(Mistake::NoEpsilon { rays }) if rays.has(why)),
+        };
+        let (ray, leaves) = self.start(why, surface, direction, hits_itself);
         (Ray { origin: self.rounded(ray.origin), ..ray }, leaves)
     }
 
     /// Returns the start of a ray that leaves a surface: a few roundings off it, on the side to which it goes.
-    fn start(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> Start {
-        let beyond = |t_min| Ray { t_min, ..Ray::new(surface.position, direction) };
-        match (self.mistake, self.world().lighting.epsilon) {
-            (Some(Mistake::Epsilon { distance } | Mistake::SmallerEpsilon { distance }), _) => {
-                (beyond(distance), surface.triangle)
+    fn start(&self, why: Departure, surface: &SurfacePoint, direction: DVec3, hits_itself: bool) -> Start {
+        let beyond = |t_min, origin| (Ray { t_min, ..Ray::new(origin, direction) }, None);
+        let off = |side| offset_origin(surface.position, surface.normal, side * direction, surface.extent);
+        let is_from_below = self.makes(Mistake::ReflectionFromBelow) && why == Departure::Reflected;
+        match self.world().lighting.epsilon {
+            _ if is_from_below && self.is_single => {
+                let depth = BELOW * surface.normal.dot(direction).signum() * surface.normal;
+                beyond(NO_EPSILON, off(-1.0) - depth)
             }
-            (Some(Mistake::ReflectionFromBelow), _) if why == Departure::Reflected => {
-                let (ray, leaves) = from_other_side(surface, direction);
-                let depth = if self.is_single {
-                    BELOW * surface.normal * surface.normal.dot(direction).signum()
-                } else {
-                    DVec3::ZERO
-                };
-                (Ray { origin: ray.origin - depth, t_min: self.any_distance(), ..ray }, leaves)
-            }
-            (Some(Mistake::NoEpsilon { rays }), _) if why.is_one_of(rays) => match self.is_single {
-                true => (beyond(self.any_distance()), None),
-                false => from_other_side(surface, direction),
-            },
-            (_, Some(epsilon)) => (beyond(epsilon), None),
-            _ => {
-                let origin = offset_origin(surface.position, surface.normal, direction, surface.extent);
-                (Ray::new(origin, direction), surface.primitive)
-            }
+            _ if hits_itself && self.is_single => beyond(NO_EPSILON, surface.position),
+            // On the other side of the surface, the ray hits it at once.
+            _ if is_from_below || hits_itself => (Ray::new(off(-1.0), direction), None),
+            Some(epsilon) => beyond(epsilon, surface.position),
+            None => (Ray::new(off(1.0), direction), surface.primitive),
         }
-    }
-
-    /// Returns the smallest t of a ray without an epsilon. In single precision, 0 stands for the usual epsilon.
-    fn any_distance(&self) -> f64 {
-        if self.is_single { f64::MIN_POSITIVE } else { 0.0 }
-    }
-
-    /// Returns the sum of two colours.
-    fn sum(&self, one: Color, other: Color) -> Color {
-        self.rounded(one + other)
     }
 
     /// Returns a vector in the precision of the tracer.
@@ -548,24 +497,15 @@ impl<'a> Student<'a> {
 /// How far below a surface reflected rays start in single precision by mistake.
 const BELOW: f64 = 1e-4;
 
+/// The smallest t of a ray without an epsilon. In single precision, 0 stands for the usual epsilon.
+const NO_EPSILON: f64 = f64::MIN_POSITIVE;
+
 /// Textures give the same bytes with all instruction sets.
 const LEVEL: Level = Level::baseline();
-
-/// Returns a ray that starts on the other side of the surface, and so hits it at once.
-pub fn from_other_side(surface: &SurfacePoint, direction: DVec3) -> Start {
-    let origin = offset_origin(surface.position, surface.normal, -direction, surface.extent);
-    (Ray::new(origin, direction), None)
-}
 
 /// Returns d + 2 (d.n) n instead of the mirrored direction d - 2 (d.n) n.
 fn reflected_by_sum(direction: DVec3, normal: DVec3) -> DVec3 {
     (direction + 2.0 * direction.dot(normal) * normal).normalize()
-}
-
-/// Returns the factor of a secondary ray's colour.
-fn tint(color: Color, is_untinted: bool) -> Color {
-    let bound = Color::splat(BRIGHTEST);
-    if is_untinted { Color::ONE } else { color.clamp(-bound, bound) }
 }
 
 #[cfg(test)]
@@ -598,11 +538,10 @@ mod tests {
             let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
             let request = Request::new([24, 18]);
             let prepared = renderer.prepare(&request).unwrap();
-            let spaces = &ObjectSpaces::new(&renderer.scene, renderer.meshes(), renderer.world());
             let camera = renderer.camera(&request);
             for effects in [Effects::default(), opaque, tinted] {
                 let hits = prepared.caster();
-                let student = Student::new(&renderer, hits, effects, spaces);
+                let student = Student::new(&renderer, hits, effects);
                 let tracer = Tracer::new(hits, effects);
                 for (x, y) in (0..24).flat_map(|x| (0..18).map(move |y| (x, y))) {
                     let ray = camera.ray(DVec2::new(x.into(), y.into()), DVec2::ZERO);

@@ -7,104 +7,79 @@ use crate::scene::parser::read_in;
 use crate::scene::transform::is_transformation;
 use crate::scene::{Object, ObjectId, Scene};
 
-/// Returns the scene of this text with each list of transformations reversed. `None` if no list has two.
-pub fn with_lists_reversed(scene: &Scene, text: &str) -> Option<Scene> {
-    let words = words(text);
-    let mut rest = words.as_slice();
-    let (mut reversed, mut changes) = (Vec::with_capacity(words.len()), false);
-    while let Some(&word) = rest.first() {
-        let list = split_list(&mut rest);
-        changes |= list.len() > 1;
-        if list.is_empty() {
-            reversed.push(word);
-            rest = &rest[1..];
+/// Reverses each list of transformations in the scene of this text.
+pub fn reverse_lists(scene: &mut Scene, text: &str) {
+    let mut phrases = phrases(text);
+    let is_list =
+        |one: &Vec<String>, next: &Vec<String>| is_transformation(&one[0]) && is_transformation(&next[0]);
+    phrases.chunk_by_mut(is_list).for_each(<[_]>::reverse);
+    read_objects(scene, &phrases);
+}
+
+/// Reads the angles of rotations in the scene of this text as radians.
+pub fn read_in_radians(scene: &mut Scene, text: &str) {
+    let mut phrases = phrases(text);
+    for phrase in phrases.iter_mut().filter(|phrase| phrase[0].ends_with("Rotate")) {
+        // The angle is the last number. An axis precedes it.
+        let numbers = phrase.iter_mut().filter_map(|word| Some((word.parse::<f64>().ok()?, word)));
+        if let Some((radians, word)) = numbers.last() {
+            *word = radians.to_degrees().to_string();
         }
-        reversed.extend(list.into_iter().rev().flatten());
     }
-    if changes { with_objects_of(scene, &reversed.join(" ")) } else { None }
+    read_objects(scene, &phrases);
 }
 
-/// Returns `scene` with the objects of a text in which only transformations differ.
-fn with_objects_of(scene: &Scene, text: &str) -> Option<Scene> {
-    // The objects are the same in every edition that can read the text.
-    let reading = Edition::ALL.into_iter().find_map(|edition| read_in(edition, text).ok())?;
-    let Scene { objects, root, .. } = reading.scene;
-    Some(Scene { objects, root, ..scene.clone() })
-}
-
-fn words(text: &str) -> Vec<&str> {
+/// Returns the words of a text. The words of each transformation and its values form one phrase.
+fn phrases(text: &str) -> Vec<Vec<String>> {
     let mut lexer = Lexer::new(text);
-    std::iter::from_fn(|| Some(lexer.next_word()).filter(|word| !word.is_end()))
-        .map(|word| word.text)
-        .collect()
-}
-
-/// Takes the next transformations, each with its values.
-fn split_list<'w, 't>(words: &mut &'w [&'t str]) -> Vec<&'w [&'t str]> {
-    let mut list = Vec::new();
-    while words.first().is_some_and(|word| is_transformation(word)) {
-        let (transformation, rest) = words.split_at(1 + values(&words[1..]));
-        list.push(transformation);
-        *words = rest;
+    let words = std::iter::from_fn(|| Some(lexer.next_word()).filter(|word| !word.is_end()));
+    let words: Vec<&str> = words.map(|word| word.text).collect();
+    let (mut rest, mut phrases) = (words.as_slice(), vec![]);
+    while let [first, values @ ..] = rest {
+        let length = if is_transformation(first) { 1 + count_values(values) } else { 1 };
+        phrases.push(rest[..length].iter().map(|&word| word.to_owned()).collect());
+        rest = &rest[length..];
     }
-    list
+    phrases
 }
 
 /// Returns the number of words in a transformation's values: numbers, or everything up to the closing brace.
-fn values(words: &[&str]) -> usize {
+fn count_values(words: &[&str]) -> usize {
     match words.first() {
         Some(&"{") => words.iter().position(|&word| word == "}").map_or(words.len(), |end| end + 1),
         _ => words.iter().take_while(|word| word.parse::<f64>().is_ok()).count(),
     }
 }
 
-/// Returns the scene of this text with rotation angles read as radians. `None` if nothing is rotated.
-pub fn in_radians(scene: &Scene, text: &str) -> Option<Scene> {
-    let mut words: Vec<String> = words(text).into_iter().map(str::to_owned).collect();
-    let mut changes = false;
-    for at in 0..words.len() {
-        let number = match words[at].as_str() {
-            "XRotate" | "YRotate" | "ZRotate" => 0,
-            // The axis precedes the angle.
-            "Rotate" => 3,
-            _ => continue,
-        };
-        let first = at + 1 + usize::from(words.get(at + 1).is_some_and(|word| word == "{"));
-        let Some(angle) = words.get_mut(first + number) else { continue };
-        let Ok(radians) = angle.parse::<f64>() else { continue };
-        *angle = radians.to_degrees().to_string();
-        changes |= radians != 0.0;
+/// Replaces the scene's objects by the objects of a text in which only transformations differ.
+fn read_objects(scene: &mut Scene, phrases: &[Vec<String>]) {
+    let text = phrases.concat().join(" ");
+    // The objects are the same in every edition that can read the text.
+    if let Some(reading) = Edition::ALL.into_iter().find_map(|edition| read_in(edition, &text).ok()) {
+        (scene.objects, scene.root) = (reading.scene.objects, reading.scene.root);
     }
-    if changes { with_objects_of(scene, &words.join(" ")) } else { None }
 }
 
-/// Returns the scene with nested transforms multiplied from the innermost to the outermost. `None` if none are nested.
-pub fn with_nesting_reversed(scene: &Scene) -> Option<Scene> {
-    let mut objects = Vec::new();
-    let (mut children, mut is_nested) = (Vec::new(), false);
+/// Multiplies nested transforms from the innermost to the outermost.
+pub fn reverse_nesting(scene: &mut Scene) {
+    let (mut objects, mut children) = (Vec::new(), Vec::new());
     let mut stack: Vec<(ObjectId, Option<RoundedAffine>)> = vec![(scene.root, None)];
     while let Some((id, outer)) = stack.pop() {
         match &scene.objects[id] {
             Object::Group(members) => stack.extend(members.iter().rev().map(|&member| (member, outer))),
             Object::Transform { matrix, child, .. } => {
-                is_nested |= outer.is_some();
                 stack.push((*child, Some(outer.map_or(*matrix, |outer| *matrix * outer))));
             }
             leaf => {
                 objects.push(leaf.clone());
-                let child = objects.len() - 1;
-                objects.extend(outer.map(|matrix| Object::Transform {
-                    matrix,
-                    child,
-                    at: Default::default(),
-                }));
+                let (child, at) = (objects.len() - 1, Default::default());
+                objects.extend(outer.map(|matrix| Object::Transform { matrix, child, at }));
                 children.push(objects.len() - 1);
             }
         }
     }
     objects.push(Object::Group(children));
-    let root = objects.len() - 1;
-    is_nested.then(|| Scene { objects, root, ..scene.clone() })
+    (scene.root, scene.objects) = (objects.len() - 1, objects);
 }
 
 #[cfg(test)]
@@ -126,6 +101,12 @@ mod tests {
         placements(scene).next().unwrap().matrix
     }
 
+    fn changed(scene: &Scene, change: impl FnOnce(&mut Scene)) -> Scene {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        scene
+    }
+
     const SPHERE: &str = "Sphere { center 0 0 0 radius 1 }";
 
     #[test]
@@ -138,12 +119,13 @@ mod tests {
             let [list, reversed] =
                 [list, reversed].map(|list| scene(&format!("Transform {{ {list} {SPHERE} }}")));
             let right = parse(&list).unwrap();
-            let found = with_lists_reversed(&right, &list).unwrap();
+            let found = changed(&right, |scene| reverse_lists(scene, &list));
             assert_eq!(matrix(&found), matrix(&parse(&reversed).unwrap()), "{list}");
             assert_ne!(matrix(&found), matrix(&right), "{list}");
         }
         let single = scene(&format!("Transform {{ Scale 1 2 3 {SPHERE} }}"));
-        assert!(with_lists_reversed(&parse(&single).unwrap(), &single).is_none());
+        let right = parse(&single).unwrap();
+        assert_eq!(matrix(&changed(&right, |scene| reverse_lists(scene, &single))), matrix(&right));
     }
 
     #[test]
@@ -152,9 +134,8 @@ mod tests {
             let inner = format!("Group {{ numObjects 1 Transform {{ {inner} {SPHERE} }} }}");
             parse(&scene(&format!("Transform {{ {outer} {inner} }}"))).unwrap()
         };
-        let found = with_nesting_reversed(&nested("Translate 1 2 3", "Scale 1 2 3")).unwrap();
+        let found = changed(&nested("Translate 1 2 3", "Scale 1 2 3"), reverse_nesting);
         assert_eq!(matrix(&found), matrix(&nested("Scale 1 2 3", "Translate 1 2 3")));
-        assert!(with_nesting_reversed(&parse(&scene(SPHERE)).unwrap()).is_none());
     }
 
     #[test]
@@ -166,7 +147,7 @@ mod tests {
             ("ZRotate 7e-1", DMat3::from_rotation_z(0.7)),
             ("Rotate { 0 0 1 1.25 }", DMat3::from_rotation_z(1.25)),
         ] {
-            let found = in_radians(&parse(&scene(text)).unwrap(), &scene(text)).unwrap();
+            let found = changed(&parse(&scene(text)).unwrap(), |it| read_in_radians(it, &scene(text)));
             let matrix = matrix(&found).matrix3;
             assert!(
                 (matrix - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12),
@@ -174,6 +155,7 @@ mod tests {
             );
         }
         let still = scene("Translate 1 2 3");
-        assert!(in_radians(&parse(&still).unwrap(), &still).is_none());
+        let right = parse(&still).unwrap();
+        assert_eq!(matrix(&changed(&right, |scene| read_in_radians(scene, &still))), matrix(&right));
     }
 }
