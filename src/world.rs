@@ -31,6 +31,7 @@ use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::math::robust;
 use crate::picture::Color;
+use crate::scene::limits;
 use crate::scene::mesh::{Corners, Mesh};
 use crate::scene::model::{Lighting, MeasureColors};
 use crate::scene::texels::Texels;
@@ -122,6 +123,7 @@ impl World {
     /// Builds the world of a scene. `meshes` are the meshes that the scene names, in its order. Returns an error if an
     /// object cannot be placed in world space, or if there is too little memory for the copies of the meshes.
     pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, Diagnostic> {
+        limits::check(scene)?;
         let world = Self {
             materials: scene.materials.clone(),
             lights: scene.lights.iter().map(|&l| with_unit_direction(l)).collect(),

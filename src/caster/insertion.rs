@@ -16,6 +16,7 @@ use crate::world::sphere::Sphere;
 use crate::world::{Primitive, World};
 use glam::{DVec2, DVec3, Vec3Swizzles};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Returns the padded bounding box of all finite primitives.
 pub fn bounds_of(world: &World) -> Aabb {
@@ -94,6 +95,16 @@ fn insert(world: &World, id: u32, lattice: &Lattice, as_course: bool, padding: f
 /// Appends the index of every cell that a box touches, where each cell is padded by `padding` cells.
 pub fn of_box(lattice: &Lattice, bounds: &Aabb, padding: f64, out: &mut Vec<u32>) {
     CellRange::of_box(lattice, bounds, padding).push_if(lattice, out, |_| true)
+}
+
+/// Returns the cells that [`of_box`] appends, as runs of indices along x.
+pub fn runs_of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> impl Iterator<Item = Range<usize>> {
+    let CellRange { start: [x0, y0, z0], end: [x1, y1, z1] } = CellRange::of_box(lattice, bounds, padding);
+    let run = move |y: u32, z: u32| {
+        let first = lattice.index([x0, y, z].map(|i| i as usize));
+        first..first + (x1 - x0) as usize
+    };
+    (z0..z1).flat_map(move |z| (y0..y1).map(move |y| run(y, z)))
 }
 
 /// Returns the number of cells that a box touches, where each cell is padded by `padding` cells.

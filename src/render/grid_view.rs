@@ -99,9 +99,10 @@ impl Occupancy {
     }
 
     fn insert_box(&mut self, bounds: Aabb) {
-        let mut touched = vec![];
-        insertion::of_box(&self.lattice, &bounds, TOUCH, &mut touched);
-        touched.iter().for_each(|&index| self.counts[index as usize] += 1);
+        // A list of the cells would take as much memory as all counts.
+        for run in insertion::runs_of_box(&self.lattice, &bounds, TOUCH) {
+            self.counts[run].iter_mut().for_each(|count| *count += 1);
+        }
     }
 
     /// Returns the colour that a camera ray sees: the face of the first occupied cell in the ambient and diffuse light of
