@@ -25,10 +25,10 @@ impl Sides {
     /// Classifies a ray by its edge functions for a triangle with these sheared vertices.
     #[inline(always)]
     pub(crate) fn new(edge_functions: [f64; 3], sheared: [Vector<f64>; 3]) -> Self {
-        let (error_bound, [min, max]) = (edge_error_bound(sheared), range(edge_functions));
-        if min < -error_bound && error_bound < max {
+        let range = EdgeRange::new(edge_functions, sheared);
+        if range.outside() != 0 {
             Self::Outside
-        } else if inside(edge_functions, sheared) != 0 {
+        } else if range.inside() != 0 {
             Self::Inside
         } else {
             Self::Unsure
@@ -36,18 +36,32 @@ impl Sides {
     }
 }
 
-/// Returns the set of the lanes in which the ray's line certainly passes through the triangle with these sheared
-/// vertices.
-#[inline(always)]
-pub(crate) fn inside<N: Number>(edge_functions: [N; 3], sheared: [Vector<N>; 3]) -> u32 {
-    let (error_bound, [min, max]) = (edge_error_bound(sheared), range(edge_functions));
-    error_bound.lt_mask(min) | max.lt_mask(-error_bound)
+/// The least and the greatest edge function of a triangle, and the bound on their errors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EdgeRange<N> {
+    min: N,
+    max: N,
+    error_bound: N,
 }
 
-/// Returns the least and the greatest edge function.
-#[inline(always)]
-fn range<N: Number>([u, v, w]: [N; 3]) -> [N; 2] {
-    [u.min(v).min(w), u.max(v).max(w)]
+impl<N: Number> EdgeRange<N> {
+    /// Returns the range of these edge functions, for a triangle with these sheared vertices.
+    #[inline(always)]
+    pub fn new([u, v, w]: [N; 3], sheared: [Vector<N>; 3]) -> Self {
+        Self { min: u.min(v).min(w), max: u.max(v).max(w), error_bound: edge_error_bound(sheared) }
+    }
+
+    /// Returns the set of the lanes in which the ray's line certainly passes through the triangle.
+    #[inline(always)]
+    pub fn inside(self) -> u32 {
+        self.error_bound.lt_mask(self.min) | self.max.lt_mask(-self.error_bound)
+    }
+
+    /// Returns the set of the lanes in which the ray's line certainly misses the triangle.
+    #[inline(always)]
+    pub fn outside(self) -> u32 {
+        self.min.lt_mask(-self.error_bound) & self.error_bound.lt_mask(self.max)
+    }
 }
 
 /// The error bound of a hit's depth times the sum of the edge functions, in units of the edge functions' error bound

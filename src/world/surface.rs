@@ -3,7 +3,6 @@
 use super::{Primitive, World};
 use crate::math::double_double::{Dd, SquaredSine, cross, difference};
 use crate::math::ray::{Hit, Ray, Visible};
-use crate::math::vector::Vector;
 use crate::scene::MaterialId;
 use crate::world::shape::Shape;
 use crate::world::triangle;
@@ -51,7 +50,7 @@ impl World {
                     Some(weights) => triangle::point(corners, weights),
                     None => ray.at(t),
                 };
-                (triangle::normal(corners), position, triangle::largest_coordinate(corners.map(Vector::from)))
+                (triangle::normal(corners), position, triangle::extent(corners))
             }
             Primitive::Shape(i) => self.shapes[i].surface(ray, t),
             Primitive::Plane(i) => {

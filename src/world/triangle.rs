@@ -42,6 +42,12 @@ pub fn point([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
 
 /// Returns the largest absolute coordinate of the corners.
 #[inline(always)]
+pub fn extent(corners: [DVec3; 3]) -> f64 {
+    largest_coordinate(corners.map(Vector::from))
+}
+
+/// Computes [`extent`] in any number of lanes.
+#[inline(always)]
 pub(crate) fn largest_coordinate<N: Number>([a, b, c]: [Vector<N>; 3]) -> N {
     let Vector { x, y, z } = a.abs().max(b.abs()).max(c.abs());
     x.max(y).max(z)

@@ -3,7 +3,7 @@
 //! It differs from [`Shear`](crate::world::triangle::Shear) only in how the axes are permuted: that type chooses a
 //! ray's longest axis by its index. Lanes that need exact arithmetic are left to single rays.
 
-use super::edge_functions::{edge_functions, inside, sheared};
+use super::edge_functions::{EdgeRange, edge_functions, sheared};
 use super::surface::LEAST_PART;
 use super::triangle::{interpolated, largest_coordinate, rounded_normal};
 use crate::math::ray::Ray;
@@ -105,7 +105,7 @@ fn sheared_weights<S: Simd>(
     let slopes = [direction.x / direction.z, direction.y / direction.z];
     let sheared = [sheared(p, slopes), sheared(q, slopes), sheared(r, slopes)];
     let weights = edge_functions(sheared);
-    (weights, inside(weights, sheared))
+    (weights, EdgeRange::new(weights, sheared).inside())
 }
 
 #[cfg(test)]
