@@ -247,39 +247,59 @@ impl AccelerationStructure {
         query: &mut Query<P, ANY>,
     ) -> bool {
         let box_ray = BoxRay::new(&filter_state.ray);
-        let mut has_changed = false;
-        let mut stack = Stack::from_iter([(0.0, branch)]);
-        while let Some((entry, child)) = stack.pop() {
-            if !ANY && entry > filter_state.ray.max_depth {
-                continue;
-            }
+        let (mut stack, mut child, mut has_changed) = (Stack::new(), branch, false);
+        loop {
+            let mut next = None;
             if child < SMALL {
                 query.probe.cell();
                 let node = &tree.nodes[child as usize];
-                let Meeting { set, entries } = meet(simd, node, &box_ray, filter_state.ray.max_depth);
-                let first = stack.len();
-                for lane in lanes(set) {
-                    let child = node.children[lane];
-                    self.prefetch_child(tree, child);
-                    stack.push((entries[lane], child));
-                    if !ANY {
-                        sink_last(&mut stack[first..]);
-                    }
-                }
-                continue;
-            }
-            let changed = if child >= LEAF {
-                let block = std::slice::from_ref(&self.contents.blocks[(child - LEAF) as usize]);
-                query.test_blocks(simd, &self.contents, block, filter_state)
+                let meeting = meet(simd, node, &box_ray, filter_state.ray.max_depth);
+                next = self.first_child::<ANY>(tree, &node.children, &meeting, &mut stack);
             } else {
-                self.test_small(simd, tree, &tree.small[(child - SMALL) as usize], filter_state, query)
-            };
-            if ANY && changed {
-                return true;
+                let changed = if child >= LEAF {
+                    let block = std::slice::from_ref(&self.contents.blocks[(child - LEAF) as usize]);
+                    query.test_blocks(simd, &self.contents, block, filter_state)
+                } else {
+                    self.test_small(simd, tree, &tree.small[(child - SMALL) as usize], filter_state, query)
+                };
+                if ANY && changed {
+                    return true;
+                }
+                has_changed |= changed;
             }
-            has_changed |= changed;
+            while next.is_none() {
+                let Some((entry, waiting)) = stack.pop() else { return has_changed };
+                next = (ANY || entry <= filter_state.ray.max_depth).then_some(waiting);
+            }
+            child = next.unwrap_or(child);
         }
-        has_changed
+    }
+
+    /// Returns the child to visit next, which is the nearest one unless any hit will do. Pushes the other children that
+    /// the ray meets onto the stack.
+    #[inline(always)]
+    fn first_child<const ANY: bool>(
+        &self,
+        tree: &Tree,
+        children: &[Branch; LANES],
+        meeting: &Meeting,
+        stack: &mut Stack,
+    ) -> Option<Branch> {
+        let mut met = lanes(meeting.set).map(|lane| (meeting.entries[lane], children[lane]));
+        let mut first = met.next()?;
+        self.prefetch_child(tree, first.1);
+        let waiting = stack.len();
+        for mut other in met {
+            self.prefetch_child(tree, other.1);
+            if !ANY && other.0 < first.0 {
+                std::mem::swap(&mut first, &mut other);
+            }
+            stack.push(other);
+            if !ANY {
+                sink_last(&mut stack[waiting..]);
+            }
+        }
+        Some(first.1)
     }
 
     /// Searches a branch with a frame of its own, and shortens the ray in the outer frame.
