@@ -25,7 +25,7 @@ const WIDE_ENOUGH_FOR_MANY: f64 = 2.0;
 /// The largest M without a warning.
 const MOST_CANCELLED: f64 = 2.0;
 /// The columns and rows in the middle of a picture that stand for all if the filter is Mitchell's, or if all pixels have
-/// the same samples.
+/// equal samples.
 const EXAMINED: usize = 64;
 
 /// Warns about a filter that is too narrow for the samples.
