@@ -163,8 +163,8 @@ impl<'w> Caster<'w> {
         self.cast_with_few::<P, ANY>(a, b, c, d, origin, probe)
     }
 
-    /// Casts a ray without AVX2. The closure of `dispatch` passes the ray through memory, which takes a tenth of the time
-    /// of a short ray.
+    /// Casts a ray without AVX2. This is a function of its own, so that the ray stays in registers with AVX2: `dispatch`
+    /// passes it through memory, which takes a tenth of the time of a short ray.
     #[inline(never)]
     fn cast_with_few<P: Probe, const ANY: bool>(
         &self,
@@ -178,8 +178,8 @@ impl<'w> Caster<'w> {
         dispatch!(self.level, simd => self.cast_at::<_, P, ANY>(simd, a, b, c, d, origin, probe))
     }
 
-    /// Casts a ray as [`cast`](Self::cast) does. It returns [`NONE`] instead of an `Option`, and takes the ray as pairs of
-    /// coordinates, because these fit into registers.
+    /// Casts a ray as [`cast`](Self::cast) does. It returns [`NONE`] instead of an `Option`, and takes the ray as pairs
+    /// of coordinates, because these fit into registers.
     #[simd]
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]

@@ -2,9 +2,8 @@
 //!
 //! A run of primitives is divided into halves by the surface area heuristic, evaluated at the borders of a few bins
 //! (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
-//! 2007). For a node with eight branches, the half with the largest surface area is
-//! divided again until there are eight (Wald, Benthin and Boulos, "Getting Rid of Packets", IEEE Symposium on
-//! Interactive Ray Tracing 2008).
+//! 2007). For a node with eight branches, the half with the largest surface area is divided again until there are eight
+//! (Wald, Benthin and Boulos, "Getting Rid of Packets", IEEE Symposium on Interactive Ray Tracing 2008).
 
 use crate::caster::block::{Frame, LANES};
 use crate::caster::bounds::{Region, widened};

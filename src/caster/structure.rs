@@ -83,19 +83,20 @@ impl AccelerationStructure {
             Ok((Order::Grid(lattice, entries), contents, smallest))
         };
         let all = 0..world.finite_count() as u32;
-        let hittable = all.clone().filter(|&id| world.may_be_hit(id)).collect();
+        let hittable = || all.clone().filter(|&id| world.may_be_hit(id)).collect();
         let list = |ids: Vec<u32>| {
-            let mut contents = Contents::with_capacity(0)?;
+            let triangles = ids.partition_point(|&id| world.is_triangle(id));
+            let mut contents = Contents::with_capacity(triangles.div_ceil(LANES).max(1))?;
             contents.push(world, &ids);
             Ok((Order::List, contents, f64::INFINITY))
         };
         let (order, mut contents, min_cell_size) = match layout {
             Layout::Tree => {
                 let region = Region::new(&bounds, f64::INFINITY);
-                let (tree, contents) = Tree::new(world, hittable, region.frame)?;
+                let (tree, contents) = Tree::new(world, hittable(), region.frame)?;
                 return Ok(Self { region, order: Order::Tree(tree), contents });
             }
-            Layout::List => list(hittable)?,
+            Layout::List => list(hittable())?,
             Layout::Grid(cells) => grid(cells, false)?,
             Layout::Course(None) => list(all.collect())?,
             Layout::Course(Some(cells)) => grid(cells, true)?,
@@ -143,8 +144,8 @@ impl AccelerationStructure {
     }
 }
 
-/// The largest number of children that wait: seven of the eight on each level, and the last.
-const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS + 1;
+/// The largest number of children that wait: seven of the eight on each level.
+const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
 
 /// The depths at which the ray enters the boxes of the children that wait, and the children. The children of one node
 /// are sorted, with the nearest last.

@@ -4,7 +4,7 @@
 //! A branch whose primitives are too small for the coordinates of the frame gets a frame of its own.
 
 use crate::base::memory;
-use crate::caster::block::{Block, Frame, LANES};
+use crate::caster::block::{Frame, LANES};
 use crate::caster::bounds::Region;
 use crate::caster::box8::Box8;
 use crate::caster::contents::Contents;
@@ -58,9 +58,10 @@ impl Tree {
     }
 }
 
-/// Returns the least memory, in bytes, that building a tree of this number of primitives takes: if all leaves are full.
+/// Returns the least memory, in bytes, that dividing this number of primitives takes: if all leaves are full. The memory
+/// of the blocks is asked for when the leaves are known.
 fn least_bytes(count: usize) -> u64 {
-    (count * size_of::<Item>() + count / LANES * size_of::<Block>()) as u64
+    (count * size_of::<Item>() + count / LANES * size_of::<Division>()) as u64
 }
 
 /// A tree that is being built.

@@ -11,7 +11,8 @@ use std::{io, thread};
 const STACK: usize = 2 << 20;
 
 /// Starts the threads for all parallel work; the calling thread is one of them. There are no more threads than rows or
-/// cores, whichever is larger. If there is no memory for threads that the user does not ask for, the calling thread works alone.
+/// cores, whichever is larger. If there is no memory for threads that the user does not ask for, the calling thread
+/// works alone.
 pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), Diagnostic> {
     let mut count = count(wanted, rows);
     match ask_for(count - 1) {

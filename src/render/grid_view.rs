@@ -105,8 +105,8 @@ impl Occupancy {
         }
     }
 
-    /// Returns the colour that a camera ray sees: the face of the first occupied cell in the ambient and diffuse light of
-    /// the world, without shadows, or else the background.
+    /// Returns the colour that a camera ray sees: the face of the first occupied cell in the ambient and diffuse light
+    /// of the world, without shadows, or else the background.
     pub fn color(&self, ray: &Ray, world: &World) -> Color {
         self.first_face(ray).map_or(world.background, |face| face.lit(ray, world))
     }

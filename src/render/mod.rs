@@ -105,7 +105,7 @@ pub struct Rendered {
     pub costs: Vec<u64>,
 }
 
-/// Renders the layers of a request, and returns the counts.
+/// Renders the layers of a request, and returns the counts and the costs of the pixels.
 ///
 /// Rows are traced in parallel on rayon's current thread pool and handed out in order. Neither the colours nor the
 /// counts depend on the number of threads. Only some rows are in memory at a time, never the whole picture.
@@ -235,16 +235,21 @@ pub fn render_in_memory(
         ControlFlow::Continue(())
     };
     let never_cancels = |_| ControlFlow::Continue(());
-    let counts = match render(scene, view, request, &never_cancels, &mut take_row) {
-        Ok(rendered) => rendered.counts,
+    let Rendered { counts, costs } = match render(scene, view, request, &never_cancels, &mut take_row) {
+        Ok(rendered) => rendered,
         // Neither callback ends the render.
-        Err(Stopped::Cancelled { .. } | Stopped::Output) => Counts::default(),
+        Err(Stopped::Cancelled { .. } | Stopped::Output) => Rendered::default(),
         // Rays that split without end take too much memory.
         Err(Stopped::Memory(_) | Stopped::Rays) => {
             let [width, height] = request.window_size();
             return Err(BadSize { width, height });
         }
     };
+    let of_costs =
+        request.layers.iter().zip(&mut pictures).filter(|(layer, _)| matches!(layer, Layer::Cost(_)));
+    for (_, picture) in of_costs {
+        picture.colors = costs.iter().map(|&cost| Color::splat(cost as f64)).collect();
+    }
     Ok((pictures, counts))
 }
 

@@ -144,7 +144,7 @@ impl Prepared<'_> {
         render::render_in_memory(scene, self.view(), request).map(|(pictures, _)| pictures)
     }
 
-    /// Renders a request row by row, and returns the counts. Rows are handed out from the top as soon as they are
+    /// Renders a request row by row, and returns the counts and the costs of the pixels. Rows are handed out from the top as soon as they are
     /// finished.
     pub fn render_rows(
         &self,

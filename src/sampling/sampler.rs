@@ -92,8 +92,9 @@ impl Sampler {
         self.count
     }
 
-    /// Returns the numbers of columns and rows of strata in a pixel: the grid of exactly `count` cells that is nearest to
-    /// a square, with at least as many columns as rows. It has 4 x 2 cells for 8 samples, and one row for a prime number.
+    /// Returns the numbers of columns and rows of strata in a pixel: the grid of exactly `count` cells that is nearest
+    /// to a square, with at least as many columns as rows. It has 4 x 2 cells for 8 samples, and one row for a prime
+    /// number.
     pub fn strata(&self) -> [u32; 2] {
         let rows = (1..=self.count.isqrt()).rev().find(|rows| self.count.is_multiple_of(*rows)).unwrap_or(1);
         [self.count / rows, rows]

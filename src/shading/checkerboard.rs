@@ -34,8 +34,7 @@ fn is_in_odd_cell_at(map: &RoundedAffine, point: &RoundedPoint) -> bool {
 /// The largest index that [`ROUND_TO_INTEGER`] keeps.
 const LARGEST_INDEX: f64 = (1u64 << 50) as f64;
 
-/// Returns the result of [`is_in_odd_cell`] if a boundary may be close, or an index does not fit into an `i32` or is
-/// NaN.
+/// Returns the result of [`is_in_odd_cell`] if a boundary may be close, or an index is beyond [`LARGEST_INDEX`] or NaN.
 #[cold]
 fn is_in_odd_cell_exactly(map: &RoundedAffine, point: &RoundedPoint) -> bool {
     let values = map.map.transform_point3(point.position);
@@ -129,7 +128,7 @@ mod tests {
         ]
     }
 
-    /// Coordinates in cells, in boundaries, within a few roundings of them, and so large that no `i32` holds an index.
+    /// Coordinates in cells, in boundaries, within a few roundings of them, and beyond the largest index.
     fn numbers() -> Vec<f64> {
         let mut numbers: Vec<f64> =
             [f64::NAN, f64::INFINITY, 1e300, 1e17 + 16.0, 0.3, 0.7, 1e-300, 5e-324].into();

@@ -1,5 +1,5 @@
-//! Secondary rays: the reflected and the refracted ray at a surface, the stack on which they wait, and the end of a trace
-//! that takes too long.
+//! Secondary rays: the reflected and the refracted ray at a surface, the stack on which they wait, and the end of a
+//! trace that takes too long.
 
 use super::observer::{Event, Observer, PathEnd, Secondary};
 use super::optics::{mirrored_part, reflected, refracted_between};

@@ -218,8 +218,10 @@ fn drawn(view: &impl View, rows: &Range<usize>, world: &World, most_tests: usize
     let planes: Vec<_> = world.planes.iter().map(|plane| view.plane(plane)).collect();
     let edge_functions = |id: u32| view.edge_functions(world.corners(id as usize));
     Some(bins.draw(screen, edge_functions, |tile| {
-        for (plane, id) in planes.iter().flatten().zip(world.first_plane()..) {
-            tile.fill(plane, id);
+        for (plane, id) in planes.iter().zip(world.first_plane()..) {
+            if let Some(plane) = plane {
+                tile.fill(plane, id);
+            }
         }
         for TriangleBounds { columns, rows, max_inv_depth, .. } in &boxes {
             tile.mark_unsure(columns.range(), rows.range(), *max_inv_depth);

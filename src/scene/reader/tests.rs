@@ -1,5 +1,3 @@
-//! Reads elements of the grammar, and explains faulty ones.
-
 use super::*;
 
 fn reader(text: &str) -> Reader<'_> {

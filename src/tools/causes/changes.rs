@@ -47,7 +47,7 @@ pub fn turn_up_vector(request: &mut Request, scene: &Scene) {
 /// Lets the screen span the shorter side.
 pub fn widen(request: &mut Request, scene: &Scene) {
     let [width, height] = request.size.map(|side| side as f64);
-    if scene.screen == Screen::LongerSide {
+    if scene.screen == Screen::LongerSide && width != height {
         zoom(request, scene, width.max(height) / width.min(height));
     }
 }

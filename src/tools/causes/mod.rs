@@ -111,8 +111,8 @@ impl<'a> Original<'a> {
         self.explain_all(std::slice::from_ref(a), b, &[]).pop().unwrap_or(Finding::Unknown { tried: 0 })
     }
 
-    /// Finds why each wrong picture differs from the reference `b`. All have the original's size. The mistakes in `first`
-    /// are tried first, and together with all others.
+    /// Finds why each wrong picture differs from the reference `b`. All have the original's size. The mistakes in
+    /// `first` are tried first, and together with all others.
     ///
     /// Searches first in a window of about two thousand camera rays where many pixels differ, and checks each finding
     /// on the whole picture. Pictures that remain unexplained are searched for two mistakes, and in a larger window.
@@ -204,23 +204,27 @@ struct Changed {
 impl Changed {
     /// Makes these mistakes. `None` if one tracer cannot make them.
     fn new(original: &Renderer, request: &Request, mistakes: &[Mistake]) -> Option<Self> {
-        let (mut scene, mut request, mut switch) = (original.scene.clone(), request.clone(), None);
+        let (mut scene, mut changed, mut switch) = (original.scene.clone(), request.clone(), None);
         for &mistake in mistakes {
             match mistake.make() {
                 Make::Levels(_) | Make::Pixels(_) => {}
-                Make::Request(change) => change(&mut request, &scene),
+                Make::Request(change) => change(&mut changed, &scene),
                 Make::Scene(change) => change(&mut scene),
                 Make::Text(change) => change(&mut scene, &original.source.text),
                 Make::Student if switch.is_some() => return None,
                 Make::Student => switch = Some(mistake),
             }
         }
+        // The scene's own camera is none of the request's.
+        if changed.camera == Some(original.scene.camera) {
+            changed.camera = request.camera;
+        }
         if switch.is_some() && request.effects.bounces > MAX_BOUNCES && has_secondary_rays(&scene) {
             return None;
         }
         let is_changed = scene != original.scene;
         let renderer = is_changed.then(|| original.with_scene(scene)).transpose().ok()?;
-        Some(Self { renderer, request, switch })
+        Some(Self { renderer, request: changed, switch })
     }
 
     fn is_unchanged(&self, request: &Request) -> bool {

@@ -13,7 +13,7 @@ pub fn reverse_lists(scene: &mut Scene, text: &str) {
     let is_list =
         |one: &Vec<String>, next: &Vec<String>| is_transformation(&one[0]) && is_transformation(&next[0]);
     phrases.chunk_by_mut(is_list).for_each(<[_]>::reverse);
-    read_objects(scene, &phrases);
+    read_objects(scene, text, &phrases);
 }
 
 /// Reads the angles of rotations in the scene of this text as radians.
@@ -26,7 +26,7 @@ pub fn read_in_radians(scene: &mut Scene, text: &str) {
             *word = radians.to_degrees().to_string();
         }
     }
-    read_objects(scene, &phrases);
+    read_objects(scene, text, &phrases);
 }
 
 /// Returns the words of a text. The words of each transformation and its values form one phrase.
@@ -51,9 +51,12 @@ fn count_values(words: &[&str]) -> usize {
     }
 }
 
-/// Replaces the scene's objects by the objects of a text in which only transformations differ.
-fn read_objects(scene: &mut Scene, phrases: &[Vec<String>]) {
-    let text = phrases.concat().join(" ");
+/// Replaces the scene's objects by those of its text with other phrases, in which only transformations differ.
+fn read_objects(scene: &mut Scene, text: &str, changed: &[Vec<String>]) {
+    if phrases(text) == changed {
+        return;
+    }
+    let text = changed.concat().join(" ");
     // The objects are the same in every edition that can read the text.
     if let Some(reading) = Edition::ALL.into_iter().find_map(|edition| read_in(edition, &text).ok()) {
         (scene.objects, scene.root) = (reading.scene.objects, reading.scene.root);
@@ -64,10 +67,12 @@ fn read_objects(scene: &mut Scene, phrases: &[Vec<String>]) {
 pub fn reverse_nesting(scene: &mut Scene) {
     let (mut objects, mut children) = (Vec::new(), Vec::new());
     let mut stack: Vec<(ObjectId, Option<RoundedAffine>)> = vec![(scene.root, None)];
+    let mut is_nested = false;
     while let Some((id, outer)) = stack.pop() {
         match &scene.objects[id] {
             Object::Group(members) => stack.extend(members.iter().rev().map(|&member| (member, outer))),
             Object::Transform { matrix, child, .. } => {
+                is_nested |= outer.is_some();
                 stack.push((*child, Some(outer.map_or(*matrix, |outer| *matrix * outer))));
             }
             leaf => {
@@ -79,7 +84,9 @@ pub fn reverse_nesting(scene: &mut Scene) {
         }
     }
     objects.push(Object::Group(children));
-    (scene.root, scene.objects) = (objects.len() - 1, objects);
+    if is_nested {
+        (scene.root, scene.objects) = (objects.len() - 1, objects);
+    }
 }
 
 #[cfg(test)]

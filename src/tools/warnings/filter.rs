@@ -5,8 +5,8 @@
 //!
 //! Mitchell's filter is negative beyond 4/7 of its radius. If the weights nearly cancel, the pixel is far outside the
 //! range of its samples' colours. Colours between 0 and 1 give a pixel between (1 - M) / 2 and (1 + M) / 2, where M is
-//! the sum of |w| divided by |the sum of w|. It takes the samples of neighbouring pixels to compute it, so the pixels in the
-//! picture's middle stand for all.
+//! the sum of |w| divided by |the sum of w|.
+//! Computing it takes the samples of neighbouring pixels, so the pixels in the picture's middle stand for all.
 
 use super::Warning;
 use crate::diagnostic::Diagnostic;
@@ -70,12 +70,12 @@ fn is_too_narrow(request: &Request) -> bool {
         let start = all.start + all.len().saturating_sub(count) / 2;
         start..all.end.min(start + count)
     };
-    let is_wrong = |x: usize, y: usize| {
+    // Returns the sum of the weights that samples in these pixels have in a pixel, and of their magnitudes.
+    let sums = |[x, y]: [usize; 2], columns: Range<usize>, rows: Range<usize>| {
         let (mut sum, mut magnitude) = (0.0_f64, 0.0);
-        for column in near(x, width) {
-            let rows = near(y, height);
+        for column in columns {
             let mut pixels = sampler.pixels((column * height + rows.start) as u64, 1);
-            for row in rows {
+            for row in rows.clone() {
                 let moved = DVec2::new(column as f64 - x as f64, row as f64 - y as f64);
                 for offset in pixels.next_offsets() {
                     let weight = filter.weight(offset + moved);
@@ -84,6 +84,14 @@ fn is_too_narrow(request: &Request) -> bool {
                 }
             }
         }
+        (sum, magnitude)
+    };
+    let is_wrong = |x: usize, y: usize| {
+        // Mostly a pixel's own samples suffice.
+        if !is_negative && has_weight(sums([x, y], x..x + 1, y..y + 1).1) {
+            return false;
+        }
+        let (sum, magnitude) = sums([x, y], near(x, width), near(y, height));
         !has_weight(magnitude) || magnitude > MOST_CANCELLED * sum.abs()
     };
     examined(request.columns()).into_par_iter().any(|x| examined(request.rows()).any(|y| is_wrong(x, y)))
