@@ -157,17 +157,22 @@ fn the_target_is_answered_first_by_a_command_line_to_copy() {
     let table = table(folder, "r/report.csv");
     let column = |name: &str| table[0].iter().position(|other| other == name).unwrap();
     let [flags, time, rmse] = ["flags", "CPU seconds least", "RMSE in levels"].map(column);
-    let candidates = table[1..]
+    let candidates: Vec<(f64, f64, String)> = table[1..]
         .iter()
         .filter(|line| !line[flags].is_empty() && line[1] != "grid")
-        .map(|line| (line[time].parse::<f64>().unwrap(), line[rmse].parse::<f64>().unwrap(), &line[flags]));
-    let cheapest =
-        candidates.filter(|(_, error, _)| *error <= 12.0).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-    assert!((seconds - cheapest.0).abs() < 1e-4 && (error - cheapest.1).abs() < 1e-3, "{}", lines[2]);
+        .map(|line| {
+            // A quote keeps a spreadsheet from taking the flags for a formula.
+            let flags = line[flags].trim_start_matches('\'').to_owned();
+            (line[time].parse().unwrap(), line[rmse].parse().unwrap(), flags)
+        })
+        .collect();
+    let good = || candidates.iter().filter(|(_, error, _)| *error <= 12.0);
+    let least = good().map(|(time, ..)| *time).fold(f64::INFINITY, f64::min);
     let start = format!("raytracer -input {} -size 16 12 ", Shell::OF_SYSTEM.word(NAME));
-    // A quote keeps a spreadsheet from taking the flags for a formula.
-    let flags = cheapest.2.trim_start_matches('\'');
-    assert_eq!(command, format!("{start}{flags} -output picture.png"));
+    // Several may be as fast as the digits of the table tell.
+    let chosen = good().find(|(.., flags)| command == format!("{start}{flags} -output picture.png")).unwrap();
+    assert!(chosen.0 - least < 1e-5, "{chosen:?} {least}");
+    assert!((seconds - chosen.0).abs() < 1e-4 && (error - chosen.1).abs() < 1e-3, "{}", lines[2]);
     folder.run(&command.replace(['\'', '"'], "").replace("raytracer ", "")).ok();
     assert!(folder.names().contains(&"picture.png".to_owned()));
 }
