@@ -4,7 +4,8 @@ use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use raytracer::base::memory::{self, NoMemory};
 use raytracer::diagnostic::Diagnostic;
 use std::fmt::Display;
-use std::{io, thread};
+use std::sync::mpsc::channel;
+use std::thread;
 
 /// The stack of a thread, in bytes. Nothing recurses as deep as its input, so the depth of a scene's tree and the
 /// number of bounces do not matter.
@@ -21,17 +22,15 @@ pub fn start(wanted: Option<usize>, rows: usize) -> Result<(), Diagnostic> {
         Ok(()) => {}
     }
     let pool = ThreadPoolBuilder::new().num_threads(count).use_current_thread();
-    let pool = pool.spawn_handler(spawn(wanted.is_some())).build().map_err(refused)?;
     // The threads run until the program ends.
-    std::mem::forget(pool);
-    Ok(())
+    begin(pool, wanted.is_some()).map(std::mem::forget)
 }
 
 /// Returns a pool of its own, without the calling thread.
 pub fn pool(wanted: Option<usize>, rows: usize) -> Result<ThreadPool, Diagnostic> {
     let count = count(wanted, rows);
     ask_for(count).map_err(refused)?;
-    ThreadPoolBuilder::new().num_threads(count).spawn_handler(spawn(true)).build().map_err(refused)
+    begin(ThreadPoolBuilder::new().num_threads(count), true)
 }
 
 /// Returns an error if there is no memory for this number of threads. A thread that finds none for its own variables
@@ -47,12 +46,28 @@ fn count(wanted: Option<usize>, rows: usize) -> usize {
     wanted.map_or(cores, |wanted| wanted.min(rows.max(cores)))
 }
 
-/// Starts a thread. If the system refuses one that is not needed, the others do all the work.
-fn spawn(is_needed: bool) -> impl FnMut(ThreadBuilder) -> io::Result<()> {
-    move |worker| match thread::Builder::new().stack_size(STACK).spawn(|| worker.run()) {
-        Err(error) if is_needed => Err(error),
-        _ => Ok(()),
+/// Starts the threads of a pool, and waits until they have begun: one that finds no memory by then ends the program, so
+/// nothing else may take it meanwhile. If the system refuses a thread that is not needed, the others do all the work.
+fn begin(pool: ThreadPoolBuilder, is_needed: bool) -> Result<ThreadPool, Diagnostic> {
+    let (begins, begun) = channel();
+    let spawn = move |worker: ThreadBuilder| {
+        let begins = begins.clone();
+        let run = move || {
+            let _ = begins.send(());
+            drop(begins);
+            worker.run();
+        };
+        match thread::Builder::new().stack_size(STACK).spawn(run) {
+            Err(error) if is_needed => Err(error),
+            _ => Ok(()),
+        }
+    };
+    let pool = pool.spawn_handler(spawn).build().map_err(refused)?;
+    let running = begun.iter().count() + usize::from(pool.current_thread_index().is_some());
+    if running == pool.current_num_threads() {
+        pool.broadcast(|_| {});
     }
+    Ok(pool)
 }
 
 fn refused(error: impl Display) -> Diagnostic {
