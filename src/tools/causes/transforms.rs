@@ -51,7 +51,7 @@ fn count_values(words: &[&str]) -> usize {
     }
 }
 
-/// Replaces the scene's objects by those of its text with other phrases, in which only transformations differ.
+/// Replaces the scene's objects by the objects of its text with changed phrases. Only transformations differ.
 fn read_objects(scene: &mut Scene, text: &str, changed: &[Vec<String>]) {
     if phrases(text) == changed {
         return;

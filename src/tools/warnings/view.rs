@@ -12,8 +12,7 @@ use glam::DVec2;
 use std::ops::ControlFlow;
 
 /// Warns if no ray through a pixel's centre hits anything. This takes as long as rendering such a picture up to the
-/// first row with a hit, so call it only for a picture of one colour. Returns `None` if `watch`
-/// ends it.
+/// first row with a hit, so call it only for a picture of one colour. Returns `None` if `watch` ends it.
 pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> Option<Diagnostic> {
     let renderer = prepared.renderer();
     let (world, at) = (renderer.world(), renderer.scene.positions.camera);
