@@ -42,11 +42,10 @@ impl Most {
     pub fn options(&self, words: &[String]) -> Result<Options, Answer> {
         let line = ["raytracer", "-input", "scene.txt", "-gui"];
         let line = line.into_iter().chain(words.iter().map(String::as_str)).map(OsString::from);
-        let flags = |words: &[String]| words.iter().filter(|word| is_flag(word)).count();
         let options = match cli::parse(line)? {
-            // The page's words are the flags that shape a picture.
+            // The options have the words that shape a picture.
             Command::Render(options)
-                if options.page.as_ref().is_some_and(|page| flags(&page.words) == flags(words)) =>
+                if options.page.as_ref().is_some_and(|page| page.words.len() == words.len()) =>
             {
                 *options
             }
@@ -60,10 +59,6 @@ impl Most {
             None => Ok(options),
         }
     }
-}
-
-fn is_flag(word: &str) -> bool {
-    word.strip_prefix('-').is_some_and(|rest| rest.contains(|c: char| c.is_ascii_alphabetic()))
 }
 
 #[cfg(test)]

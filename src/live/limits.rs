@@ -42,8 +42,7 @@ pub const MAX_CAUSE_RAYS: usize = 1 << 22;
 pub const MAX_PRIMITIVES: usize = 1_000_000;
 /// The lights of such a scene times its primitives. Each pair is tested for a light that lies on a primitive.
 pub const MAX_LIGHT_PAIRS: usize = 1 << 24;
-/// The mesh files that it names, and their bytes: reading them takes about a second.
-pub const MAX_MESHES: usize = 32;
+/// The bytes of the mesh files that it names: reading them takes about a second.
 pub const MAX_MESH_BYTES: u64 = 1 << 26;
 /// Scenes that were typed in and stay open, so that each of a few pages has its own, and scenes that stay prepared.
 pub const MAX_SCENES: usize = 4;

@@ -82,7 +82,7 @@ impl Scenes {
         stop: &Stop,
     ) -> Result<Arc<OpenScene>, Diagnostic> {
         let mut last = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
-        let left = Cell::new((MAX_MESHES, MAX_MESH_BYTES));
+        let left = Cell::new(MAX_MESH_BYTES);
         let read = |file: &MeshFile, _, is_textured| match self.known_mesh(&file.name) {
             Some(known) => Ok(known),
             None => self.mesh_beside(file, is_textured, &left, stop),
@@ -131,22 +131,18 @@ impl Scenes {
     }
 
     /// Reads a mesh in the scene's folder or below it. Neither the name nor a link may lead out of the folder. `left`
-    /// has the numbers of meshes and of bytes that may still be read.
+    /// has the number of bytes that may still be read.
     fn mesh_beside(
         &self,
         MeshFile { name, at, .. }: &MeshFile,
         is_textured: bool,
-        left: &Cell<(usize, u64)>,
+        left: &Cell<u64>,
         stop: &Stop,
     ) -> Found<ObjFile> {
         let refused = |reason: &str| mesh_unreadable(name, *at, &[(name.clone(), reason.into())]);
         let failed = |error: std::io::Error| refused(&error.to_string());
         if stop.is_over() {
             return Err(refused("the page no longer waits for it"));
-        }
-        let (meshes, bytes) = left.get();
-        if meshes == 0 {
-            return Err(refused(&format!("a page opens at most {MAX_MESHES} meshes")));
         }
         if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_))) {
             return Err(refused("a page opens meshes beside the scene only"));
@@ -157,8 +153,8 @@ impl Scenes {
             return Err(refused("it is a link that leads out of the scene's folder"));
         }
         let found = fs::metadata(&file).map_err(failed)?;
-        let rest = bytes.checked_sub(found.len()).filter(|_| found.is_file());
-        left.set((meshes - 1, rest.ok_or_else(|| refused("it is no file, or too large"))?));
+        let rest = left.get().checked_sub(found.len()).filter(|_| found.is_file());
+        left.set(rest.ok_or_else(|| refused("it is no file, or too large"))?);
         memory::ask(memory_for(found.len()))?;
         let bytes = fs::read(&file).map_err(failed)?;
         let content = read_obj(&bytes, is_textured).map_err(|error| in_mesh(error, *at, name, &bytes))?;

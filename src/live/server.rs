@@ -11,7 +11,7 @@ use std::io;
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::path::Path;
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -21,17 +21,10 @@ pub struct Server {
     listener: TcpListener,
     /// The address to open, with the key.
     pub url: String,
-    shared: Arc<Shared>,
-    ended: Receiver<()>,
-}
-
-/// The state that connections share.
-struct Shared {
     key: Key,
     session: Session,
     /// The connections, the oldest first.
     open: Mutex<Vec<Arc<Open>>>,
-    end: Sender<()>,
 }
 
 struct Open {
@@ -50,22 +43,21 @@ impl Server {
     pub fn open(options: &Options, input: &Path, port: u16) -> Result<Self, Diagnostic> {
         let session = Session::open(options, input)?;
         let listen = || {
-            let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
-            let (key, (end, ended)) = (Key::new()?, channel());
+            let (listener, key) = (TcpListener::bind((Ipv4Addr::LOCALHOST, port))?, Key::new()?);
             let url = format!("http://{}/?key={}", listener.local_addr()?, key.0);
-            let shared = Arc::new(Shared { key, session, open: Mutex::default(), end });
-            Ok(Self { listener, url, shared, ended })
+            Ok(Self { listener, url, key, session, open: Mutex::default() })
         };
         listen().map_err(|error: io::Error| Diagnostic::error(format!("cannot serve the page: {error}")))
     }
 
     /// Serves the page until it is ended there.
     pub fn run(self) {
-        let Self { listener, shared, ended, .. } = self;
+        let (end, ended) = channel();
         let accept = move || {
-            for stream in listener.incoming() {
+            let server = Arc::new(self);
+            for stream in server.listener.incoming() {
                 // There may be no file descriptors or threads left; some will be free again.
-                if stream.and_then(|stream| shared.serve(stream)).is_err() {
+                if stream.and_then(|stream| server.serve(stream, end.clone())).is_err() {
                     thread::sleep(Duration::from_millis(20));
                 }
             }
@@ -74,25 +66,23 @@ impl Server {
             let _ = ended.recv();
         }
     }
-}
 
-impl Shared {
-    fn open(&self) -> MutexGuard<'_, Vec<Arc<Open>>> {
+    fn open_connections(&self) -> MutexGuard<'_, Vec<Arc<Open>>> {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Serves a connection on a thread of its own until it is closed. One without room is closed at once.
-    fn serve(self: &Arc<Self>, stream: TcpStream) -> io::Result<()> {
+    fn serve(self: &Arc<Self>, stream: TcpStream, end: Sender<()>) -> io::Result<()> {
         let own = Arc::new(Open { stream, rank: AtomicU8::new(HAS_NO_KEY) });
         // Here, not on its thread: connections make room in the order in which they came.
         if !self.add(own.clone()) {
             return Ok(());
         }
-        let (shared, served) = (self.clone(), own.clone());
+        let (server, served) = (self.clone(), own.clone());
         let serve = move || {
             // A browser that has vanished reads no answer.
-            let _ = shared.answer_all(&served);
-            shared.close(&served);
+            let _ = server.answer_all(&served, &end);
+            server.close(&served);
         };
         let started = thread::Builder::new().name("connection".into()).spawn(serve);
         started.map(drop).inspect_err(|_| self.close(&own))
@@ -100,13 +90,13 @@ impl Shared {
 
     fn close(&self, own: &Arc<Open>) {
         let _ = own.stream.shutdown(Shutdown::Both);
-        self.open().retain(|other| !Arc::ptr_eq(other, own));
+        self.open_connections().retain(|other| !Arc::ptr_eq(other, own));
     }
 
     /// Takes a connection in. Where there are too many, the oldest that has not shown the key makes room, or else the
     /// oldest that asks for nothing. Returns false if there is no room.
     fn add(&self, own: Arc<Open>) -> bool {
-        let mut open = self.open();
+        let mut open = self.open_connections();
         if open.len() >= MAX_CONNECTIONS {
             let ranks = open.iter().map(|other| other.rank.load(Ordering::Relaxed)).enumerate();
             let first = ranks.filter(|&(_, rank)| rank < ASKS).min_by_key(|&(_, rank)| rank);
@@ -117,8 +107,8 @@ impl Shared {
         true
     }
 
-    /// Answers the requests of a connection until one side closes it.
-    fn answer_all(&self, own: &Open) -> io::Result<()> {
+    /// Answers the requests of a connection until one side closes it. Sends to `end` if the page ends the program.
+    fn answer_all(&self, own: &Open, end: &Sender<()>) -> io::Result<()> {
         own.stream.set_nodelay(true)?;
         let mut connection = Connection::new(&own.stream);
         let mut time = HEAD_TIME;
@@ -147,7 +137,7 @@ impl Shared {
             connection.send(&answer, head.closes)?;
             own.rank.store(RESTS, Ordering::Relaxed);
             if head.is_post && head.path == "/quit" {
-                let _ = self.end.send(());
+                let _ = end.send(());
             }
             if head.closes {
                 return Ok(());

@@ -50,9 +50,6 @@ struct Reference {
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Question {
-    /// A random number of the page, and one that grows with its questions.
-    page: u64,
-    turn: u64,
     view: Option<Shown>,
     /// Width and height in pixels of a sketch with one ray through each centre, in place of the whole picture.
     sketch: Option<[usize; 2]>,
@@ -108,44 +105,28 @@ impl Session {
 
     /// Answers a question. `has_left` is called often, and returns true if the client no longer waits.
     pub fn answer(&self, path: &str, query: &str, body: &[u8], has_left: &mut dyn FnMut() -> bool) -> Found {
-        // The kind of question, if only a page's newest one of a kind counts; the seconds that it may take, including
-        // the time for which it waits for others; and the pictures and the copies of the scene that it needs memory
-        // for.
-        let (kind, seconds, pictures, copies) = match path {
-            "/start" | "/reference" => (None, 20, 0, 0),
-            "/scene" => (Some("scene"), 20, 0, 0),
-            "/picture" => (Some("picture"), 60, 1, 0),
-            "/compare" => (Some("picture"), 60, 2, 0),
-            "/cause" => (Some("picture"), 60, 2, 2),
-            "/objects" => (Some("objects"), 20, 1, 0),
-            "/trace" => (Some("trace"), 20, 0, 0),
+        // The seconds that it may take, including the time for which it waits for others, and the pictures and the
+        // copies of the scene that it needs memory for.
+        let (seconds, pictures, copies) = match path {
+            "/start" | "/reference" | "/scene" | "/trace" => (20, 0, 0),
+            "/objects" => (20, 1, 0),
+            "/picture" => (60, 1, 0),
+            "/compare" => (60, 2, 0),
+            "/cause" => (60, 2, 2),
             // The command line may name pictures that no page would show.
-            "/save" => (None, 600, 1, 0),
+            "/save" => (600, 1, 0),
             _ => return Err(Answer::text(404, "there is nothing here")),
         };
-        let deadline = Instant::now() + Duration::from_secs(seconds);
+        let stop = &Stop::at(Instant::now() + Duration::from_secs(seconds));
         let refused = |error: serde_json::Error| Answer::text(400, &format!("not a question: {error}"));
         let is_file = path == "/reference";
         let question: Question =
             if is_file { Question::default() } else { serde_json::from_slice(body).map_err(refused)? };
-        let turn = kind.map(|kind| (question.page, kind, question.turn));
-        turn.iter().for_each(|&turn| self.workers.note(turn));
-        let mut gives_up = || match () {
-            // This is no failure, and a browser lists failures.
-            () if turn.is_some_and(|turn| self.workers.is_overtaken(turn)) => {
-                Some(Answer::described(&json!({ "overtaken": true }), &[]))
-            }
-            () if Instant::now() > deadline => {
-                let reason = "this takes longer than a page may: choose a smaller picture, or fewer samples";
-                Some(Answer::text(422, reason))
-            }
-            () => has_left().then(|| Answer::text(408, "the page no longer waits for this answer")),
-        };
         let sketch = question.sketch.filter(|_| path == "/picture");
         let view = question.view.map(|shown| self.view(shown, sketch)).transpose()?;
         let of_view = view.as_ref().map_or(0, |view| view.bytes(pictures, copies));
         let bytes = if is_file { BYTES_OF_READING } else { of_view };
-        self.workers.run(bytes, deadline, &mut gives_up, |stop| match (path, view, question.pixel) {
+        self.workers.run(bytes, stop, has_left, || match (path, view, question.pixel) {
             ("/start", ..) => Ok(self.start()),
             ("/reference", ..) => self.take_reference(query, body),
             ("/scene", ..) if let Some(text) = question.text => self.type_in(text, &question.words, stop),

@@ -2,8 +2,7 @@
 // Questions to the program. Every answer is a description in JSON and the bytes that it describes.
 
 const key = new URLSearchParams(location.search).get('key') || '';
-// Of the questions of one kind that a page asks, a later turn overtakes the earlier ones. Pictures count their own.
-const page = Math.floor(Math.random() * 2 ** 50);
+// Counts the pictures that are asked for: a later one overtakes those before it.
 let turn = 0;
 
 const find = (id) => document.getElementById(id);
@@ -15,20 +14,32 @@ class Refused extends Error {
   }
 }
 
-// Asks, and returns { meta, bytes }. A refusal is thrown, with its status and its reason.
-async function ask(path, question) {
-  const body = question instanceof Blob ? question : JSON.stringify({ page, turn: Date.now(), ...question });
+// The kinds of questions of which the page needs the last answer only, and what ends the last question of each kind.
+const KINDS = {
+  '/picture': 'picture', '/compare': 'picture', '/cause': 'picture', '/scene': 'scene', '/objects': 'objects', '/trace': 'trace',
+};
+const asked = {};
+
+// Asks, and returns { meta, bytes }. A refusal is thrown, with its status and its reason. A question that a later one of
+// its kind overtakes closes its connection, which ends the work for it.
+async function ask(path, question = {}) {
+  const kind = KINDS[path];
+  const asking = new AbortController();
+  if (asked[kind]) asked[kind].abort();
+  if (kind) asked[kind] = asking;
+  const body = question instanceof Blob ? question : JSON.stringify(question);
+  const request = { method: 'POST', headers: { 'X-Key': key }, body, cache: 'no-store', signal: asking.signal };
   let answer;
+  let buffer;
   try {
-    answer = await fetch(path, { method: 'POST', headers: { 'X-Key': key }, body, cache: 'no-store' });
+    answer = await fetch(path, request);
+    buffer = await answer.arrayBuffer();
   } catch {
-    throw new Refused(0, OVER);
+    throw asking.signal.aborted ? new Refused(OVERTAKEN, '') : new Refused(0, OVER);
   }
-  if (!answer.ok) throw new Refused(answer.status, (await answer.text()).trim());
-  const buffer = await answer.arrayBuffer();
+  if (!answer.ok) throw new Refused(answer.status, new TextDecoder().decode(buffer).trim());
   const length = new DataView(buffer).getUint32(0, true);
   const meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-  if (meta.overtaken) throw new Refused(OVERTAKEN, '');
   return { meta, bytes: new Uint8ClampedArray(buffer, 4 + length) };
 }
 

@@ -43,7 +43,7 @@ function takeReference(file, name) {
 
 // Compares the file with the picture that is shown, and looks for the cause of a difference.
 async function compareLive(mine) {
-  const question = { page, turn: mine, view: view.question(), sketch: null };
+  const question = { view: view.question() };
   find('cause').textContent = '';
   showLargest(null);
   // Those of the last comparison may be of another view.

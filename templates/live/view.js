@@ -99,7 +99,8 @@ const view = {
         const moves = this.moves.splice(0);
         const sides = size().map((side) => Math.max(1, Math.round(side * this.scale)));
         const start = performance.now();
-        const { meta, bytes } = await ask('/picture', { page, turn: ++turn, view: this.question(), sketch: sides });
+        turn += 1;
+        const { meta, bytes } = await ask('/picture', { view: this.question(), sketch: sides });
         this.paint(meta, bytes, 'sketch');
         this.adapt(performance.now() - start);
         requestAnimationFrame(() => this.note({ moves, paintedAt: performance.now(), sides }));
@@ -163,7 +164,7 @@ const view = {
 
   // Paints a picture that its command line writes, byte for byte.
   async render(words, stage, mine) {
-    const { meta, bytes } = await ask('/picture', { page, turn: mine, view: this.question(words), sketch: null });
+    const { meta, bytes } = await ask('/picture', { view: this.question(words) });
     if (mine !== turn || this.sketching) throw new Refused(OVERTAKEN, '');
     this.paint(meta, bytes, stage);
     find('command').value = meta.command;

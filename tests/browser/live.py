@@ -215,6 +215,24 @@ def check_keys(page):
     page.wait("return !document.getElementById('help').open", "the help stays")
 
 
+def check_overtaking(page):
+    """A later picture ends the work for an earlier one."""
+    page.settle()
+    page.run("window.ended = 0; const view_ = view.question([...wordsOf(), '-random_samples', '1024', '-seed', '1']);"
+             "view_.words[1] = view_.words[2] = '2000'; ask('/picture', { view: view_ }).catch((error) => { window.ended = error.status; });")
+    work = lambda: sum(map(int, pathlib.Path(f"/proc/{page.process.pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13]))
+    time.sleep(0.5)
+    before = work()
+    time.sleep(0.5)
+    assert work() > before + 10, "there is nothing to overtake"
+    page.run("ask('/picture', { view: view.question() })")
+    page.wait("return window.ended === OVERTAKEN", "the earlier picture is still asked for")
+    time.sleep(1)
+    before = work()
+    time.sleep(0.5)
+    assert work() < before + 10, "work goes on for a picture that is overtaken"
+
+
 def check_letters(page):
     """Letters act where a list or a number has the focus, and change neither."""
     page.browser.click("#tab-controls")
@@ -486,6 +504,7 @@ def check_glass(program, browser, folder, shot):
         check_hand(page)
         check_touch(page)
         check_keys(page)
+        check_overtaking(page)
         check_letters(page)
         check_numbers(page)
         check_zoom(page, shot)

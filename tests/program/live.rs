@@ -18,7 +18,7 @@ fn a_picture_of_the_page_is_the_one_that_its_command_line_writes() {
         "-size 33 21 -shadows -jittered_samples 5 -tent_filter 1 -grid auto",
         "-size 9 9 -grid 3 4 5 -visualize_grid",
     ] {
-        let question = json!({ "page": 1, "turn": 1, "view": view(0, words), "sketch": null });
+        let question = json!({ "view": view(0, words) });
         let (meta, bytes) = server.ask("/picture", &question).expect("a picture");
         let line = meta["command"]
             .as_str()
@@ -45,7 +45,7 @@ fn the_page_takes_the_size_of_the_picture_to_compare_with() {
         let server = Server::start(folder.path(), flags);
         let (said, _) = server.ask("/start", &json!({})).expect("a start");
         let words = format!("-size {} {}", said["reference"]["size"][0], said["reference"]["size"][1]);
-        let question = json!({ "page": 1, "turn": 1, "view": view(0, &words), "sketch": null });
+        let question = json!({ "view": view(0, &words) });
         let (found, _) = server.ask("/compare", &question).expect("a comparison");
         let block = found["block"].as_str().expect("a block");
         assert!(block.contains(size), "{flags}: {block}");
@@ -70,11 +70,11 @@ fn a_moved_camera_is_the_one_of_its_block() {
     assert_eq!(server.pixels(moved.clone()), folder.render("-size 20 20").pixels);
     for wrong in ["", "PerspectiveCamera {", "Group { numObjects 0 }", &format!("{block} {block}")] {
         moved["camera"] = json!(wrong);
-        let question = json!({ "page": 1, "turn": 2, "view": moved, "sketch": null });
+        let question = json!({ "view": moved });
         assert_eq!(server.ask("/picture", &question).unwrap_err().0, 422, "{wrong}");
     }
     moved["camera"] = json!("PerspectiveCamera {\n    center 1 NaN 3\n}");
-    let question = json!({ "page": 1, "turn": 2, "view": moved, "sketch": null });
+    let question = json!({ "view": moved });
     let (_, why) = server.ask("/picture", &question).unwrap_err();
     assert_eq!(why, "camera:2:14: error: expected a number for `center`, found `NaN`\n");
 }
@@ -161,12 +161,12 @@ fn limits_are_kept() {
         "-help",
         "x",
     ] {
-        let question = json!({ "page": 1, "turn": 1, "view": view(0, words), "sketch": null });
+        let question = json!({ "view": view(0, words) });
         assert_eq!(server.ask("/picture", &question).unwrap_err().0, 422, "{words}");
     }
-    let question = json!({ "page": 1, "turn": 1, "view": view(7, ""), "sketch": null });
+    let question = json!({ "view": view(7, "") });
     assert_eq!(server.ask("/picture", &question).unwrap_err().0, 410);
-    let huge = json!({ "page": 1, "turn": 1, "view": view(0, ""), "sketch": [1_u64 << 40, 0] });
+    let huge = json!({ "view": view(0, ""), "sketch": [1_u64 << 40, 0] });
     let (meta, _) = server.ask("/picture", &huge).expect("a sketch of the largest size");
     assert_eq!(meta["size"], json!([2048, 1]));
     assert_eq!(folder.names(), ["s.txt"]);
@@ -176,11 +176,7 @@ fn limits_are_kept() {
 fn garbage_and_vanishing_browsers_do_no_harm() {
     let folder = Folder::with_scene(&sphere());
     let server = Server::start(folder.path(), "");
-    let whole = server.request(
-        "POST /picture",
-        &[],
-        json!({ "page": 1, "turn": 1, "view": view(0, ""), "sketch": null }).to_string().as_bytes(),
-    );
+    let whole = server.request("POST /picture", &[], json!({ "view": view(0, "") }).to_string().as_bytes());
     for garbage in [
         &b"\0\0\0\0"[..],
         b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03",
@@ -237,23 +233,6 @@ fn is_timeout(error: &std::io::Error) -> bool {
 }
 
 #[test]
-fn a_later_picture_overtakes_an_earlier_one() {
-    let folder = Folder::with_scene(&sphere());
-    let server = Server::start(folder.path(), "");
-    let question =
-        |turn: u64, words: &str| json!({ "page": 1, "turn": turn, "view": view(0, words), "sketch": null });
-    thread::scope(|scope| {
-        let slow =
-            scope.spawn(|| server.ask("/picture", &question(1, "-size 2000 2000 -random_samples 1024")));
-        thread::sleep(Duration::from_millis(200));
-        let (meta, _) = server.ask("/picture", &question(2, "-size 10 10")).expect("a picture");
-        assert_eq!(meta["size"], json!([10, 10]));
-        let (meta, _) = slow.join().expect("no panic").expect("an answer");
-        assert_eq!(meta["overtaken"], json!(true));
-    });
-}
-
-#[test]
 fn it_ends_when_the_page_says_so() {
     let folder = Folder::with_scene(&sphere());
     let mut server = Server::start(folder.path(), "");
@@ -271,7 +250,7 @@ fn it_ends_when_the_page_says_so() {
 fn ctrl_c_ends_it_at_once() {
     let folder = Folder::with_scene(&sphere());
     let mut server = Server::start(folder.path(), "");
-    let slow = json!({ "page": 1, "turn": 1, "view": view(0, "-size 2000 2000 -random_samples 1024"), "sketch": null });
+    let slow = json!({ "view": view(0, "-size 2000 2000 -random_samples 1024") });
     server
         .connect()
         .write_all(&server.request("POST /picture", &[], slow.to_string().as_bytes()))

@@ -52,8 +52,8 @@ fn leave(server: &Server, path: &str, body: &[u8], after: Duration) {
     assert!(more <= 0.05, "{path}: {more} s of work in a quarter of a second, after its client has left");
 }
 
-fn wanted(page: u64, view: &Value) -> Value {
-    json!({ "page": page, "turn": 1, "view": view, "sketch": null })
+fn wanted(view: &Value) -> Value {
+    json!({ "view": view })
 }
 
 fn bytes(question: &Value) -> Vec<u8> {
@@ -87,8 +87,8 @@ fn work_ends_with_its_client_in_every_phase() {
     let (short, long) = (Duration::from_millis(50), Duration::from_millis(700));
     let deep = |size: &str| view(0, &format!("-size {size} {DEEP}"));
     // Rendering, also where a pixel takes long.
-    leave(&server, "/picture", &bytes(&wanted(1, &deep("2048 2048"))), long);
-    leave(&server, "/picture", &bytes(&wanted(1, &deep("1 1"))), short);
+    leave(&server, "/picture", &bytes(&wanted(&deep("2048 2048"))), long);
+    leave(&server, "/picture", &bytes(&wanted(&deep("1 1"))), short);
     // Saving is refused at once where no picture is named.
     assert_eq!(server.ask("/save", &json!({ "view": deep("9 9") })).unwrap_err().0, 422);
     // An explanation.
@@ -101,14 +101,9 @@ fn work_ends_with_its_client_in_every_phase() {
         head.into_iter().chain(noise).collect::<Vec<u8>>()
     };
     assert_eq!(server.post("/reference?name=a.tga", &[], &tga(2048)).expect("an answer").0, 200);
-    leave(&server, "/compare", &bytes(&wanted(2, &view(0, "-size 2048 2048"))), long / 2);
+    leave(&server, "/compare", &bytes(&wanted(&view(0, "-size 2048 2048"))), long / 2);
     assert_eq!(server.post("/reference?name=a.tga", &[], &tga(1500)).expect("an answer").0, 200);
-    leave(
-        &server,
-        "/cause",
-        &bytes(&wanted(3, &view(0, "-size 1500 1500 -bounces 6"))),
-        Duration::from_secs(3),
-    );
+    leave(&server, "/cause", &bytes(&wanted(&view(0, "-size 1500 1500 -bounces 6"))), Duration::from_secs(3));
     // A scene that takes long to be read and built, and its tree and its grid.
     folder.write("a.obj", sheet(300));
     let text = scene(1, "TriangleMesh { obj_file a.obj }");
@@ -117,11 +112,11 @@ fn work_ends_with_its_client_in_every_phase() {
     let (said, _) = server.ask("/scene", &json!({ "text": text })).expect("a scene");
     let revision = said["scene"]["revision"].as_u64().expect("a revision");
     // What building a grid takes is bounded beforehand.
-    let cells = wanted(4, &view(revision, "-size 9 9 -grid 120 120 120"));
+    let cells = wanted(&view(revision, "-size 9 9 -grid 120 120 120"));
     let (status, said) = server.ask("/picture", &cells).map(drop).expect_err("too large");
     assert!(status == 422 && said.contains("choose fewer"), "{status} {said}");
     for words in ["-size 2048 2048 -bounces 9", "-size 2048 2048 -bounces 9 -grid auto"] {
-        leave(&server, "/picture", &bytes(&wanted(4, &view(revision, words))), short);
+        leave(&server, "/picture", &bytes(&wanted(&view(revision, words))), short);
     }
     let whole = json!({ "view": view(revision, "-size 2048 2048") });
     leave(&server, "/objects", &bytes(&whole), short);
@@ -133,10 +128,10 @@ fn the_largest_pictures_at_once_take_less_than_a_gigabyte() {
     let folder = Folder::with_scene(&sphere());
     let server = Server::start(folder.path(), "-size 4 4");
     thread::scope(|scope| {
-        for page in 0..6 {
+        for _ in 0..6 {
             let server = &server;
             scope.spawn(move || {
-                let question = wanted(page, &view(0, "-size 2048 2048"));
+                let question = wanted(&view(0, "-size 2048 2048"));
                 assert_eq!(server.ask("/picture", &question).expect("a picture").1.len(), 4 << 22);
             });
         }
@@ -162,26 +157,10 @@ fn rays_that_meet_much_end_with_their_client() {
     ));
     let server = Server::start(folder.path(), "-size 4 4");
     let wide = view(0, "-size 2048 2 -bounces 9 -shadows -shade_back -random_samples 99 -grid none");
-    leave(&server, "/picture", &bytes(&wanted(1, &wide)), SECOND);
+    leave(&server, "/picture", &bytes(&wanted(&wide)), SECOND);
     leave(&server, "/trace", &bytes(&json!({ "view": wide, "pixel": [1000, 1] })), SECOND / 4);
     let adaptive = view(0, "-size 9 9 -bounces 9 -shadows -shade_back -adaptive_samples 1024 .1 -grid none");
     leave(&server, "/trace", &bytes(&json!({ "view": adaptive, "pixel": [4, 4] })), SECOND / 4);
-}
-
-#[test]
-fn a_later_question_of_its_kind_overtakes_an_earlier_one() {
-    let folder = Folder::with_scene(GLASS);
-    let server = Server::start(folder.path(), "-size 4 4");
-    let deep = view(0, &format!("-size 9 9 {DEEP}"));
-    let trace = |turn: u64, view: &Value| {
-        server.ask("/trace", &json!({ "page": 1, "turn": turn, "view": view, "pixel": [4, 4] }))
-    };
-    thread::scope(|scope| {
-        let slow = scope.spawn(|| trace(1, &deep));
-        sleep(SECOND / 2);
-        assert!(trace(2, &view(0, "-size 9 9")).expect("rays").0["rays"].is_object());
-        assert_eq!(slow.join().expect("no panic").expect("an answer").0, json!({ "overtaken": true }));
-    });
 }
 
 #[test]
@@ -196,16 +175,16 @@ fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_nobody() {
         let start = Instant::now();
         let traced = scope.spawn(|| server.ask("/trace", &question));
         let streams: Vec<TcpStream> = (0..2)
-            .map(|page| {
+            .map(|_| {
                 let mut stream = server.connect();
-                let question = bytes(&wanted(page, &deep));
+                let question = bytes(&wanted(&deep));
                 stream.write_all(&server.request("POST /picture", &[], &question)).expect("a request");
                 stream
             })
             .collect();
         sleep(SECOND);
         let asked = Instant::now();
-        server.ask("/picture", &wanted(9, &view(0, "-size 20 20"))).expect("a picture");
+        server.ask("/picture", &wanted(&view(0, "-size 20 20"))).expect("a picture");
         assert!(asked.elapsed() < 2 * SECOND, "others wait for {:?}", asked.elapsed());
         let (status, said) = traced.join().expect("no panic").map(drop).expect_err("no answer");
         let took = start.elapsed();
@@ -222,16 +201,16 @@ fn a_short_question_waits_for_no_long_one() {
     let deep = view(0, &format!("-size 2048 2048 {DEEP}"));
     for count in [4, 8] {
         let streams: Vec<TcpStream> = (0..count)
-            .map(|page| {
+            .map(|_| {
                 let mut stream = server.connect();
-                let question = bytes(&wanted(page, &deep));
+                let question = bytes(&wanted(&deep));
                 stream.write_all(&server.request("POST /picture", &[], &question)).expect("a request");
                 stream.set_nonblocking(true).expect("a stream that does not wait");
                 stream
             })
             .collect();
         sleep(2 * SECOND);
-        server.ask("/picture", &wanted(99, &view(0, "-size 20 20"))).expect("a picture");
+        server.ask("/picture", &wanted(&view(0, "-size 20 20"))).expect("a picture");
         // None of the others has been answered before, not even that it takes too long.
         for (page, mut stream) in streams.iter().enumerate() {
             let found = stream.read(&mut [0]).map_err(|error| error.kind());
@@ -263,7 +242,7 @@ fn connections_that_send_no_body_make_room() {
 fn a_client_that_says_no_more_gets_its_answer() {
     let folder = Folder::with_scene(GLASS);
     let server = Server::start(folder.path(), "-size 4 4");
-    let slow = wanted(1, &view(0, "-size 60 60 -bounces 12 -random_samples 4"));
+    let slow = wanted(&view(0, "-size 60 60 -bounces 12 -random_samples 4"));
     let mut stream = server.connect();
     stream.write_all(&server.request("POST /picture", &[], &bytes(&slow))).expect("a request");
     stream.shutdown(Shutdown::Write).expect("half closed");

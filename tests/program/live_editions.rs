@@ -39,7 +39,7 @@ fn a_picture_of_each_edition_is_the_one_of_its_command_line() {
     ] {
         let words = format!("-size 30 18 {words}");
         let revision = opened(&server, &text, &words)["revision"].as_u64().expect("a scene");
-        let question = json!({ "page": 1, "turn": 1, "view": view(revision, &words), "sketch": null });
+        let question = json!({ "view": view(revision, &words) });
         let (meta, bytes) = server.ask("/picture", &question).expect("a picture");
         let line = meta["command"].as_str().and_then(|line| line.strip_prefix("raytracer ")).expect("a line");
         // Nothing is left to be said of the edition.
@@ -80,7 +80,7 @@ fn flags_of_one_edition_show_no_scene_of_another() {
     let folder = Folder::with_scene(&scene("falloff .02"));
     let server = Server::start(folder.path(), "-edition 2012a5");
     let painted = |words: &str| {
-        let question = json!({ "page": 1, "turn": 1, "view": view(0, words), "sketch": null });
+        let question = json!({ "view": view(0, words) });
         server.ask("/picture", &question).map(|_| ()).map_err(|(status, _)| status)
     };
     assert_eq!(painted("-size 9 9 -edition 2012a5"), Ok(()));

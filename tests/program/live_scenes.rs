@@ -22,7 +22,7 @@ fn paint(server: &Server, said: &Value) {
     let words: Vec<&str> =
         "-size 4 4 -transparent_shadows -bounces 3 -shade_back -grid auto".split(' ').collect();
     let view = json!({ "scene": said["scene"]["revision"], "words": words, "camera": null, "cost": null });
-    let question = json!({ "page": 1, "turn": 1, "view": view, "sketch": null });
+    let question = json!({ "view": view });
     let _ = server.ask("/picture", &question);
     let _ = server.ask("/objects", &json!({ "view": view }));
     let _ = server.ask("/trace", &json!({ "view": view, "pixel": [1, 2] }));

@@ -93,7 +93,7 @@ impl Server {
 
     /// The pixels of a view, as red, green and blue.
     pub fn pixels(&self, view: Value) -> Vec<[u8; 3]> {
-        let question = json!({ "page": 1, "turn": 1, "view": view, "sketch": null });
+        let question = json!({ "view": view });
         let (_, bytes) = self.ask("/picture", &question).expect("a picture");
         bytes.chunks(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
     }
