@@ -19,7 +19,7 @@ use raytracer::scene::edition::Edition;
 use raytracer::scene::model::Shows;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostMap, Explainer, PixelTree, Stop};
-use raytracer::tools::standard_error::{has_standard_error, standard_error};
+use raytracer::tools::standard_error::standard_error;
 use raytracer::tools::warnings::{lights_without_effect, nothing_visible};
 use std::ffi::OsString;
 use std::ops::ControlFlow;
@@ -148,8 +148,6 @@ fn statistics(
     counts: Counts,
     timings: Timings,
 ) -> Result<stats::Report, Diagnostic> {
-    let estimates = options.stats && has_standard_error(request);
-    let estimate = || standard_error(prepared, request, &|_| ControlFlow::Continue(()));
     let edition = options.edition.filter(|&edition| edition != Edition::default());
     Ok(stats::Report {
         size: request.window_size(),
@@ -158,7 +156,7 @@ fn statistics(
         counts,
         timings,
         threads: rayon::current_num_threads(),
-        standard_error: if estimates { estimate()? } else { None },
+        standard_error: if options.stats { standard_error(prepared, request)? } else { None },
         edition: edition.map(Edition::name),
     })
 }

@@ -8,10 +8,10 @@
 //! For a large picture, some random rows represent all. Two pictures with one sample per pixel show which rows differ
 //! much. These rows are chosen with a higher probability, and weighted less.
 
-use crate::base::memory::NoMemory;
+use crate::base::memory::{NoMemory, with_room};
 use crate::picture::Color;
 use crate::render::renderer::Prepared;
-use crate::render::{Layer, Request, Stopped, Tracing, Watch, Window};
+use crate::render::{Layer, Request, Stopped, Tracing, Window};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use rand::RngExt;
@@ -33,23 +33,21 @@ const REFERENCE: u32 = 4;
 /// The number of levels of a byte above zero.
 const LEVELS: f64 = 255.0;
 
-/// Returns true if the colours of a request are means of samples, not colours of pixel centres.
-pub fn has_standard_error(request: &Request) -> bool {
-    request.layers.contains(&Layer::Color) && (request.adaptive.is_some() || !request.sampler.is_center())
-}
-
 /// Returns the root mean square error of the colours due to sampling, in levels, over all channels of all pixels.
-/// `None` if the watch ended the work, or if the rays of a pixel split too often.
-pub fn standard_error(prepared: &Prepared, request: &Request, watch: Watch) -> Result<Option<f64>, NoMemory> {
+/// `None` if the colours are those of pixel centres, or if the rays of a pixel split too often.
+pub fn standard_error(prepared: &Prepared, request: &Request) -> Result<Option<f64>, NoMemory> {
+    let are_means = request.adaptive.is_some() || !request.sampler.is_center();
+    if !are_means || !request.layers.contains(&Layer::Color) {
+        return Ok(None);
+    }
     let request = Request { layers: vec![Layer::Color], tracing: Tracing::Fast, ..request.clone() };
-    match of_colors(prepared, &request, watch) {
-        Ok(error) => Ok(Some(error)),
+    match of_colors(prepared, &request) {
         Err(Stopped::Memory(refused)) => Err(refused),
-        Err(Stopped::Cancelled { .. } | Stopped::Output | Stopped::Rays) => Ok(None),
+        found => Ok(found.ok()),
     }
 }
 
-fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64, Stopped> {
+fn of_colors(prepared: &Prepared, request: &Request) -> Result<f64, Stopped> {
     let Request { sampler, .. } = *request;
     let [width, height] = request.layer_size(&Layer::Color);
     let mut rng = sampler.rng();
@@ -57,7 +55,7 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
     // Rows of a reduced picture are not independent.
     let are_some = height > ROWS && !request.is_reduced;
     if are_some {
-        let differences = differences(prepared, request, &mut rng, watch)?;
+        let differences = differences(prepared, request, &mut rng)?;
         let sum = differences.iter().sum::<f64>().max(f64::MIN_POSITIVE);
         for ((_, likely), difference) in rows.iter_mut().zip(differences) {
             *likely = (ROWS as f64 * 0.5 * (1.0 / height as f64 + difference / sum)).min(1.0);
@@ -77,7 +75,7 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
     let pictures = ROWS_OF_ALL.div_ceil(rows.len().max(1)).clamp(2, 16);
     let mut samplers = if is_uniform { vec![sampler] } else { vec![] };
     samplers.extend((0..pictures).map(|_| others.with_rng(Drand48::seeded(rng.random()))));
-    let colors = colors(prepared, request, &samplers, taken, watch)?;
+    let colors = colors(prepared, request, &samplers, taken)?;
     // For each pixel, the sum over all pictures of the difference from the first one, and the sum of its square.
     let base = &colors[0];
     let mut sums = vec![(Color::ZERO, 0.0); base.len()];
@@ -100,12 +98,7 @@ fn of_colors(prepared: &Prepared, request: &Request, watch: Watch) -> Result<f64
 }
 
 /// Returns how much two pictures with one sample per pixel differ in each row.
-fn differences(
-    prepared: &Prepared,
-    request: &Request,
-    rng: &mut Drand48,
-    watch: Watch,
-) -> Result<Vec<f64>, Stopped> {
+fn differences(prepared: &Prepared, request: &Request, rng: &mut Drand48) -> Result<Vec<f64>, Stopped> {
     let columns = request.columns();
     let [width, height] = request.window_size();
     let top = request.size[1] - request.rows().end;
@@ -115,10 +108,10 @@ fn differences(
     for from in (0..height).step_by(step) {
         let window = Window { x: columns.start, y: top + from, width, height: step.min(height - from) };
         let request = Request { window: Some(window), adaptive: None, ..request.clone() };
-        let looks = colors(prepared, &request, &samplers, None, watch)?;
-        let squares: Vec<f64> =
-            looks[0].iter().zip(&looks[1]).map(|(a, b)| (a - b).length_squared()).collect();
-        differences.extend(squares.chunks(width.max(1)).map(|row| row.iter().sum::<f64>()));
+        let looks = colors(prepared, &request, &samplers, None)?;
+        let [one, other] = [0, 1].map(|look: usize| looks[look].chunks(width.max(1)));
+        let squares = |(a, b): (&Color, &Color)| (a - b).length_squared();
+        differences.extend(one.zip(other).map(|(a, b)| a.iter().zip(b).map(squares).sum::<f64>()));
     }
     Ok(differences)
 }
@@ -129,10 +122,10 @@ fn colors(
     request: &Request,
     samplers: &[Sampler],
     rows: Option<&[usize]>,
-    watch: Watch,
 ) -> Result<Vec<Vec<Color>>, Stopped> {
+    let watch = &|_| ControlFlow::Continue(());
     let whole = |&sampler: &Sampler| {
-        let mut colors = crate::base::memory::with_room(request.layer_size(&Layer::Color).iter().product())?;
+        let mut colors = with_room(request.layer_size(&Layer::Color).iter().product())?;
         let mut take_row = |_: usize, row: &[Color]| {
             colors.extend_from_slice(row);
             ControlFlow::Continue(())

@@ -8,9 +8,8 @@ use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
-use raytracer::tools::standard_error::{has_standard_error, standard_error};
+use raytracer::tools::standard_error::standard_error;
 use raytracer::trace::{Effects, Shadows};
-use std::ops::ControlFlow;
 use std::path::Path;
 
 fn colors(prepared: &Prepared, request: &Request) -> Vec<Color> {
@@ -59,9 +58,8 @@ fn it_is_that_against_converged_pictures() {
                 adaptive(256, 2.0),
             ] {
                 let request = Request { sampler, adaptive, ..base.clone() };
-                assert!(has_standard_error(&request));
-                let estimated = standard_error(&prepared, &request, &|_| ControlFlow::Continue(()));
-                let estimated = estimated.expect("memory").expect("not cancelled");
+                let estimated = standard_error(&prepared, &request);
+                let estimated = estimated.expect("memory").expect("an error");
                 let found = error(&prepared, &request, &references, 4);
                 let ratio = estimated / found;
                 assert!(
@@ -70,7 +68,9 @@ fn it_is_that_against_converged_pictures() {
                 );
             }
         }
-        assert!(!has_standard_error(&Request { effects, ..Request::new([4, 4]) }));
+        let centers = Request { effects, ..Request::new([4, 4]) };
+        let of_centers = standard_error(&renderer.prepare(&centers).expect("no grid"), &centers);
+        assert_eq!(of_centers.expect("memory"), None);
     }
 }
 
@@ -109,8 +109,8 @@ fn that_of_some_rows_is_that_of_all_where_few_differ() {
         let estimated = |seed| {
             let sampler = Sampler::new(Pattern::Random, 4, Drand48::seeded(seed));
             let request = Request { sampler, has_floats, ..Request::new([ROWS; 2]) };
-            let found = standard_error(&prepared, &request, &|_| ControlFlow::Continue(()));
-            found.expect("memory").expect("not cancelled")
+            let found = standard_error(&prepared, &request);
+            found.expect("memory").expect("an error")
         };
         // A row of which a part p is covered has the variance p (1 - p) / 4 with four samples.
         let parts = all.iter().flatten().map(|at| at.fract());
@@ -137,8 +137,8 @@ fn that_of_some_rows_is_about_that_of_all() {
         let sampler = Sampler::new(Pattern::Jittered, count, Drand48::seeded(seed));
         Request { sampler, ..Request::new([300, 300]) }
     };
-    let of_some = standard_error(&prepared, &request(4, 0), &|_| ControlFlow::Continue(()));
-    let of_some = of_some.expect("memory").expect("not cancelled");
+    let of_some = standard_error(&prepared, &request(4, 0));
+    let of_some = of_some.expect("memory").expect("an error");
     let references = [21, 22].map(|seed| colors(&prepared, &request(64, seed)));
     let of_all = error(&prepared, &request(4, 0), &references, 1);
     assert!((0.8..1.2).contains(&(of_some / of_all)), "{of_some} {of_all}");

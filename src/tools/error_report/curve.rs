@@ -3,29 +3,42 @@
 /// A measured point: a cost and an error.
 pub type Point = [f64; 2];
 
-/// Returns which points are on the Pareto front: no other point is cheaper with at most the same error, or as cheap
-/// with a smaller one.
-pub fn front(points: &[Point]) -> Vec<bool> {
+/// Returns the items on the Pareto front, the cheapest first: no other item is cheaper with at most the same error, or
+/// as cheap with a smaller one.
+pub fn front<T>(items: Vec<T>, point: impl Fn(&T) -> Point) -> Vec<T> {
     let beats = |[cost, error]: Point, [other_cost, other_error]: Point| {
         cost <= other_cost && error <= other_error && (cost < other_cost || error < other_error)
     };
-    points.iter().map(|&point| !points.iter().any(|&other| beats(other, point))).collect()
+    let points: Vec<Point> = items.iter().map(&point).collect();
+    let is_on = |item: &T| !points.iter().any(|&other| beats(other, point(item)));
+    let mut front: Vec<T> = items.into_iter().filter(is_on).collect();
+    front.sort_by(|a, b| point(a)[0].total_cmp(&point(b)[0]));
+    front
 }
 
-/// Returns the exponent p of error = c samples^p, fitted by least squares in logarithms. `None` if fewer than two
-/// points have different numbers of samples. Points without an error have no logarithm and are ignored.
-pub fn slope(points: &[Point]) -> Option<f64> {
-    let logarithms: Vec<Point> =
-        points.iter().filter(|[x, y]| *x > 0.0 && *y > 0.0).map(|point| point.map(libm::log)).collect();
-    let count = logarithms.len() as f64;
-    let mean = |axis: usize| logarithms.iter().map(|point| point[axis]).sum::<f64>() / count;
-    let [x, y] = [mean(0), mean(1)];
-    let (mut products, mut squares) = (0.0, 0.0);
-    for point in &logarithms {
-        products += (point[0] - x) * (point[1] - y);
-        squares += (point[0] - x) * (point[0] - x);
+/// The curve error = c samples^p that fits points best.
+pub struct Power {
+    /// The exponent p.
+    pub slope: f64,
+    /// The ends of the curve.
+    pub ends: [Point; 2],
+}
+
+impl Power {
+    /// Fits the curve by least squares in logarithms. `None` if fewer than two points have different numbers of samples.
+    /// Points without an error have no logarithm and are ignored.
+    pub fn fit(points: impl Iterator<Item = Point>) -> Option<Self> {
+        let logarithms: Vec<Point> =
+            points.filter(|[x, y]| *x > 0.0 && *y > 0.0).map(|point| point.map(libm::log)).collect();
+        let count = logarithms.len() as f64;
+        let [x, y] = [0, 1].map(|axis| logarithms.iter().map(|point| point[axis]).sum::<f64>() / count);
+        let products: f64 = logarithms.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
+        let squares: f64 = logarithms.iter().map(|point| (point[0] - x) * (point[0] - x)).sum();
+        let slope = (squares > 0.0).then(|| products / squares)?;
+        let samples = || logarithms.iter().map(|point| point[0]);
+        let ends = [samples().fold(f64::MAX, f64::min), samples().fold(f64::MIN, f64::max)];
+        Some(Self { slope, ends: ends.map(|end| [end, y + slope * (end - x)].map(libm::exp)) })
     }
-    (squares > 0.0).then(|| products / squares)
 }
 
 /// Returns the cost of an error along a curve, by logarithmic interpolation. Points must be in the order of their
@@ -50,15 +63,18 @@ mod tests {
     #[test]
     fn the_front_is_what_nothing_beats() {
         let points = [[1.0, 9.0], [2.0, 9.0], [2.0, 4.0], [3.0, 5.0], [4.0, 1.0], [4.0, 1.0], [9.0, 1.0]];
-        assert_eq!(front(&points), [true, false, true, false, true, true, false]);
-        assert_eq!(front(&[]), [false; 0]);
+        let shuffled = points.into_iter().rev().collect();
+        assert_eq!(front(shuffled, |point| *point), [points[0], points[2], points[4], points[5]]);
     }
 
     #[test]
     fn the_slope_of_a_power_is_its_exponent() {
         let points = [4.0f64, 16.0, 64.0, 256.0].map(|n| [n, 30.0 * n.powf(-0.75)]);
-        assert!((slope(&points).unwrap() + 0.75).abs() < 1e-12);
-        assert_eq!(slope(&[[4.0, 1.0], [4.0, 2.0], [16.0, 0.0]]), None);
+        let found = Power::fit(points.into_iter()).unwrap();
+        assert!((found.slope + 0.75).abs() < 1e-12);
+        let expected = [points[0], points[3]].as_flattened().to_vec();
+        assert!(expected.iter().zip(found.ends.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-9));
+        assert!(Power::fit([[4.0, 1.0], [4.0, 2.0], [16.0, 0.0]].into_iter()).is_none());
     }
 
     #[test]

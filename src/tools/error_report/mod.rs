@@ -28,7 +28,7 @@ pub use text::text;
 
 use crate::picture::Picture;
 use crate::sampling::filter::Filter;
-use curve::Point;
+use curve::{Point, Power};
 use std::time::Duration;
 
 /// An invisible error: one level, the step from one byte to the next.
@@ -116,7 +116,8 @@ impl MeasuredFilter {
     /// Returns the measurements on this filter's Pareto front of time and error, fastest first. Grids are excluded, and
     /// settings that flags cannot express.
     pub fn front(&self) -> Vec<&Measurement> {
-        front_of(self.measurements.iter().filter(|one| one.is_candidate()))
+        let candidates = self.measurements.iter().filter(|one| one.is_candidate());
+        curve::front(candidates.collect(), |one| one.point())
     }
 
     /// Returns the measurements of one kind of sampling with all requested effects.
@@ -126,14 +127,18 @@ impl MeasuredFilter {
         self.measurements.iter().filter(is_wanted)
     }
 
-    /// Returns the exponent with which the error changes with the number of samples, from 4 samples on.
-    pub fn slope(&self, kind: SamplingKind) -> Option<f64> {
+    /// Fits the errors of a kind of sampling from 4 samples on.
+    fn fit(&self, kind: SamplingKind) -> Option<Power> {
         const FIRST: u32 = 4;
-        let points = self.curve(kind).filter_map(|one| {
+        Power::fit(self.curve(kind).filter_map(|one| {
             let count = one.setting.count().filter(|&count| count >= FIRST)?;
             Some([f64::from(count), one.error])
-        });
-        curve::slope(&points.collect::<Vec<_>>())
+        }))
+    }
+
+    /// Returns the exponent with which the error changes with the number of samples, from 4 samples on.
+    pub fn slope(&self, kind: SamplingKind) -> Option<f64> {
+        self.fit(kind).map(|power| power.slope)
     }
 
     /// Returns the CPU time in seconds with which a kind of sampling reaches an error of one level.
@@ -142,15 +147,6 @@ impl MeasuredFilter {
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         curve::cost_of(LEVEL, &points)
     }
-}
-
-fn front_of<'a>(measurements: impl Iterator<Item = &'a Measurement>) -> Vec<&'a Measurement> {
-    let all: Vec<&Measurement> = measurements.collect();
-    let is_on = curve::front(&all.iter().map(|one| one.point()).collect::<Vec<Point>>());
-    let on_front = all.into_iter().zip(is_on).filter(|(_, is_on)| *is_on);
-    let mut front: Vec<&Measurement> = on_front.map(|(one, _)| one).collect();
-    front.sort_by(|a, b| a.least().total_cmp(&b.least()));
-    front
 }
 
 impl ErrorReport {
@@ -172,7 +168,7 @@ impl ErrorReport {
 
     /// Returns the Pareto front of time and error over all filters, fastest first.
     pub fn front(&self) -> Vec<&Measurement> {
-        front_of(self.candidates())
+        curve::front(self.candidates().collect(), |one| one.point())
     }
 
     /// Returns the number of pixels that other structures change. It must be 0.

@@ -13,8 +13,8 @@ const LEFT: f64 = 64.0;
 const RIGHT: f64 = SIZE[0] - SPACE;
 const BOTTOM: f64 = SIZE[1] - 44.0;
 
-/// The points of one kind of sampling, each with its name.
-type Series = (SamplingKind, Vec<(Point, String)>);
+/// The points of one kind of sampling, and their names.
+type Series = (SamplingKind, Vec<Point>, Vec<String>);
 
 #[derive(Template)]
 #[template(path = "plot.html")]
@@ -23,9 +23,8 @@ struct Plot {
     /// The name of the horizontal axis.
     across: &'static str,
     series: Vec<Series>,
-    /// The lines drawn behind the points, each with its class.
+    /// The lines drawn behind the points, each with its class. The points of the front have rings.
     lines: Vec<(String, Vec<Point>)>,
-    rings: Vec<Point>,
     /// The ends of the two axes, as powers of ten.
     low: Point,
     high: Point,
@@ -33,38 +32,22 @@ struct Plot {
 
 /// Plots the error against the processor's time, with the front as a line. Returns nothing if there is no error.
 pub fn against_time(group: &MeasuredFilter) -> String {
-    let series = series(group, |one| Some(one.least()));
-    let front: Vec<Point> =
-        group.front().into_iter().filter(|one| one.error > 0.0).map(Measurement::point).collect();
-    let lines = vec![("front".into(), front.clone())];
-    plot(["Error against time", "processor time, s"], series, lines, front)
+    let front = group.front().into_iter().filter(|one| one.error > 0.0).map(Measurement::point);
+    let lines = vec![("front".into(), front.collect())];
+    plot(["Error against time", "processor time, s"], series(group, |one| Some(one.least())), lines)
 }
 
 /// Plots the error against the number of samples, with the fitted lines. Returns nothing if there is no error.
 pub fn against_samples(group: &MeasuredFilter) -> String {
     let series = series(group, |one| one.setting.count().map(f64::from));
-    let fit = |(kind, points): &Series| {
-        let slope = group.slope(*kind)?;
-        // The fitted line passes through the mean of the logarithms, which the middle point approximates.
-        let fitted: Vec<Point> = points.iter().map(|(point, _)| *point).filter(|[n, _]| *n >= 4.0).collect();
-        let mean = |axis: usize| {
-            fitted.iter().map(|point| libm::log(point[axis])).sum::<f64>() / fitted.len() as f64
-        };
-        let at = |n: f64| [n, libm::exp(mean(1) + slope * (libm::log(n) - mean(0)))];
-        Some((format!("fit {}", kind.name()), vec![at(fitted.first()?[0]), at(fitted.last()?[0])]))
-    };
+    let fit = |(kind, ..): &Series| Some((format!("fit {}", kind.name()), group.fit(*kind)?.ends.to_vec()));
     let lines = series.iter().filter_map(fit).collect();
-    plot(["Error against samples", "samples in a pixel"], series, lines, vec![])
+    plot(["Error against samples", "samples in a pixel"], series, lines)
 }
 
 /// Draws a plot whose axes are just long enough for its points. Returns nothing if there is no point.
-fn plot(
-    [title, across]: [&'static str; 2],
-    series: Vec<Series>,
-    lines: Vec<(String, Vec<Point>)>,
-    rings: Vec<Point>,
-) -> String {
-    let points = || series.iter().flat_map(|(_, points)| points).map(|(point, _)| point);
+fn plot([title, across]: [&'static str; 2], series: Vec<Series>, lines: Vec<(String, Vec<Point>)>) -> String {
+    let points = || series.iter().flat_map(|(_, points, _)| points);
     if points().next().is_none() {
         return String::new();
     }
@@ -76,7 +59,7 @@ fn plot(
         [low - room, high + room]
     };
     let [[left, right], [bottom, top]] = [ends(0), ends(1)];
-    Plot { title, across, series, lines, rings, low: [left, bottom], high: [right, top] }.to_string()
+    Plot { title, across, series, lines, low: [left, bottom], high: [right, top] }.to_string()
 }
 
 impl Plot {
@@ -88,17 +71,12 @@ impl Plot {
     }
 
     /// Returns the positions of points, as a polyline takes them.
-    fn points<'p>(&self, points: impl Iterator<Item = &'p Point>) -> String {
+    fn points(&self, points: &[Point]) -> String {
         let place = |point: &Point| {
             let [x, y] = self.at(point);
             format!("{x:.1},{y:.1}")
         };
-        points.map(place).collect::<Vec<_>>().join(" ")
-    }
-
-    /// Returns the positions of a series.
-    fn points_of(&self, series: &[(Point, String)]) -> String {
-        self.points(series.iter().map(|(point, _)| point))
+        points.iter().map(place).collect::<Vec<_>>().join(" ")
     }
 
     /// Returns the numbers 1, 2 and 5 times a power of ten on an axis.
@@ -118,9 +96,10 @@ fn series(group: &MeasuredFilter, x: impl Fn(&Measurement) -> Option<f64>) -> Ve
         });
         let mut points: Vec<_> = points.filter(|(point, _)| point[0] > 0.0).collect();
         points.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
-        (kind, points)
+        let (points, names): (Vec<_>, _) = points.into_iter().unzip();
+        (kind, points, names)
     };
-    SamplingKind::ALL.into_iter().map(of).filter(|(_, points)| !points.is_empty()).collect()
+    SamplingKind::ALL.into_iter().map(of).filter(|(_, points, _)| !points.is_empty()).collect()
 }
 
 /// Returns the shape that marks a kind of sampling, so that kinds can be distinguished without colour.

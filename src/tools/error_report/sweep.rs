@@ -49,150 +49,133 @@ pub fn measure(
 ) -> Result<ErrorReport, Diagnostic> {
     let mut plan = plan(&renderer.scene, renderer.world(), own);
     plan.truncate(if all_filters { plan.len() } else { 1 });
-    let mut sweep = Sweep { renderer, own, bench, done: 0.0, all: 0.0 };
-    sweep.all = plan.len() as f64 * sweep.reference_work() + plan.iter().flatten().map(work).sum::<f64>();
-    let planned = plan.iter().map(Vec::len).sum();
-    let (mut groups, mut numerical) = (Vec::new(), None);
-    let mut times = [Duration::ZERO; 3];
-    for settings in plan {
-        let filter = settings[0].request.filter;
-        let start = Instant::now();
-        let reference = sweep.reference(filter)?;
-        times[0] += start.elapsed();
-        let Some(reference) = reference else { break };
-        let start = Instant::now();
-        let measurements = sweep.measurements(&settings, &reference)?;
-        times[1] += start.elapsed();
-        let is_complete = measurements.len() == settings.len();
-        let Reference { picture, noise, .. } = reference;
-        groups.push(MeasuredFilter { filter, reference: picture, noise, measurements });
-        if !is_complete {
-            break;
-        }
-        if numerical.is_none() {
-            let start = Instant::now();
-            numerical = sweep.numerical()?;
-            times[2] += start.elapsed();
-        }
-    }
     let stages = ["rendering references", "measuring settings", "numerical error"];
-    let stages = stages.into_iter().zip(times).collect();
-    Ok(ErrorReport { size: own.request.size, groups, numerical, planned, stages })
+    let report = ErrorReport {
+        size: own.request.size,
+        groups: vec![],
+        numerical: None,
+        planned: plan.iter().map(Vec::len).sum(),
+        stages: stages.map(|stage| (stage, Duration::ZERO)).into(),
+    };
+    let half = f64::from(reference::SAMPLES) / bench.many.current_num_threads() as f64;
+    let all = plan.len() as f64 * 2.0 * half + plan.iter().flatten().map(work).sum::<f64>();
+    let mut sweep = Sweep { renderer, own, bench, report, done: 0.0, all, half };
+    match plan.iter().try_for_each(|settings| sweep.measure_filter(settings)) {
+        Err(Some(error)) => Err(error),
+        Ok(()) | Err(None) => Ok(sweep.report),
+    }
 }
+
+/// The reason why a sweep ended: an error, or `None` for the watch.
+type Ended = Option<Diagnostic>;
 
 /// The measurements in progress.
 struct Sweep<'a> {
     renderer: &'a Renderer,
     own: &'a Setting,
     bench: Bench<'a>,
-    /// The completed and the total work, in samples per pixel.
+    report: ErrorReport,
+    /// The completed work, the total, and that for half a reference on many threads, in samples per pixel.
     done: f64,
     all: f64,
+    half: f64,
 }
 
 impl Sweep<'_> {
-    /// Returns the work for two halves on many threads.
-    fn reference_work(&self) -> f64 {
-        2.0 * f64::from(reference::SAMPLES) / self.bench.many.current_num_threads() as f64
+    /// Measures settings with the same filter.
+    fn measure_filter(&mut self, settings: &[Setting]) -> Result<(), Ended> {
+        let filter = settings[0].request.filter;
+        let reference = self.timed(0, |sweep| sweep.reference(filter))?;
+        let (picture, noise) = (reference.picture.clone(), reference.noise);
+        self.report.groups.push(MeasuredFilter { filter, reference: picture, noise, measurements: vec![] });
+        self.timed(1, |sweep| settings.iter().try_for_each(|setting| sweep.measure(setting, &reference)))?;
+        if self.report.numerical.is_none() {
+            self.report.numerical = self.timed(2, |sweep| sweep.numerical())?;
+        }
+        Ok(())
     }
 
-    /// Renders the reference for a filter. `None` if the watch ended the sweep.
-    fn reference(&mut self, filter: Filter) -> Result<Option<Reference>, Diagnostic> {
+    /// Adds the time of a part of the work to a stage.
+    fn timed<T>(&mut self, stage: usize, part: impl FnOnce(&mut Self) -> T) -> T {
+        let start = Instant::now();
+        let found = part(self);
+        self.report.stages[stage].1 += start.elapsed();
+        found
+    }
+
+    /// Renders the reference for a filter.
+    fn reference(&mut self, filter: Filter) -> Result<Reference, Ended> {
         let own = Request { adaptive: None, filter, ..self.own.request.clone() };
-        let mut halves = Vec::new();
-        for sampler in reference::samplers(own.sampler.rng()) {
+        let [first, second] = reference::samplers(own.sampler.rng());
+        let mut half = |sampler| {
             let request = Request { sampler, ..own.clone() };
             let prepared = self.prepared(self.renderer, &request)?;
-            let work = self.reference_work() / 2.0;
-            let rendered = self.render(self.bench.many, &prepared, &request, work, "the reference")?;
-            let Some((half, _)) = rendered else { return Ok(None) };
-            halves.push(half);
-            self.done += work;
-        }
-        Ok(halves.try_into().ok().map(Reference::new))
+            let (half, _) = self.render(self.bench.many, &prepared, &request, self.half, "the reference")?;
+            self.done += self.half;
+            Ok::<_, Ended>(half)
+        };
+        Ok(Reference::new([half(first)?, half(second)?]))
     }
 
     /// Measures the effect of rounding on the request's samples.
-    fn numerical(&self) -> Result<Option<Numerical>, Diagnostic> {
+    fn numerical(&self) -> Result<Option<Numerical>, Ended> {
         let request = &self.own.request;
         let prepared = self.prepared(self.renderer, request)?;
-        Ok(self.bench.many.install(|| numerical::measure(self.renderer, &prepared, request))?)
+        let measure = || numerical::measure(self.renderer, &prepared, request);
+        Ok(self.bench.many.install(measure).map_err(Diagnostic::from)?)
     }
 
     fn prepared<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Diagnostic> {
         Ok(self.bench.many.install(|| renderer.prepare(request))?)
     }
 
-    /// Measures the settings. Returns those that were finished.
-    fn measurements(
-        &mut self,
-        settings: &[Setting],
-        reference: &Reference,
-    ) -> Result<Vec<Measurement>, Diagnostic> {
-        let mut measurements: Vec<Measurement> = Vec::new();
-        for setting in settings {
-            let Some(mut measured) = self.measure(setting, reference)? else { break };
-            if setting.axis == Axis::Structure {
-                let structure = self.own.request.structure;
-                let same = Request { structure, ..setting.request.clone() };
-                let is_asked_for =
-                    |other: &&Measurement| other.setting.request == same && other.setting.octaves.is_none();
-                let asked_for = measurements.iter().find(is_asked_for);
-                measured.changed =
-                    asked_for.map(|other| pixels_that_differ(&other.picture, &measured.picture));
-            }
-            measurements.push(measured);
-            self.done += work(setting);
-        }
-        Ok(measurements)
-    }
-
-    /// Measures a setting. `None` if the watch ended the sweep.
-    fn measure(
-        &mut self,
-        setting: &Setting,
-        reference: &Reference,
-    ) -> Result<Option<Measurement>, Diagnostic> {
+    /// Measures a setting, and adds it to the last filter.
+    fn measure(&mut self, setting: &Setting, reference: &Reference) -> Result<(), Ended> {
         let of_other_octaves = setting.octaves.map(|most| with_octaves(&self.renderer.scene, most));
         // The changed scene has the same objects, so a world can be built for it.
         let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let prepared = self.prepared(renderer, &setting.request)?;
-        let Some((picture, rays, times)) = self.repeat(setting, &prepared)? else { return Ok(None) };
-        let bytes = picture.to_picture();
-        let compared = self.bench.many.install(|| Comparison::new(&bytes, &reference.picture));
+        let (colors, rays, times) = self.repeat(setting, &prepared)?;
+        let picture = colors.to_picture();
+        let compared = self.bench.many.install(|| Comparison::new(&picture, &reference.picture));
         let (flip, off) = compared.map_or((0.0, 0.0), |found| {
             let off = found.pixels_differing_by_more_than(1) as f64 / found.pixels() as f64;
             (found.mean_flip.unwrap_or_default(), off)
         });
-        let error = reference.error(&picture);
+        let error = reference.error(&colors);
+        let Some(MeasuredFilter { measurements, .. }) = self.report.groups.last_mut() else { return Ok(()) };
+        let same = Request { structure: self.own.request.structure, ..setting.request.clone() };
+        let mut others = measurements.iter().filter(|_| setting.axis == Axis::Structure);
+        let asked_for = others.find(|other| other.setting.request == same && other.setting.octaves.is_none());
+        let changed = asked_for.map(|other| pixels_that_differ(&other.picture, &picture));
         let setting = setting.clone();
-        Ok(Some(Measurement { setting, times, rays, error, flip, off, changed: None, picture: bytes }))
+        self.done += work(&setting);
+        measurements.push(Measurement { setting, times, rays, error, flip, off, changed, picture });
+        Ok(())
     }
 
-    /// Renders repeatedly on one thread. Returns the picture, the number of rays cast, and the time of each run. `None`
-    /// if the watch ended the sweep.
+    /// Renders repeatedly on one thread. Returns the picture, the number of rays cast, and the time of each run.
     fn repeat(
         &self,
         setting: &Setting,
         prepared: &Prepared,
-    ) -> Result<Option<(FloatPicture, u64, Vec<Duration>)>, Diagnostic> {
+    ) -> Result<(FloatPicture, u64, Vec<Duration>), Ended> {
         let (label, mut times) = (setting.label(), Vec::new());
         loop {
             let start = (self.bench.clock)();
-            let rendered = self.render(self.bench.one, prepared, &setting.request, 0.0, &label)?;
+            let (picture, rays) = self.render(self.bench.one, prepared, &setting.request, 0.0, &label)?;
             times.push((self.bench.clock)().saturating_sub(start));
-            let Some((picture, rays)) = rendered else { return Ok(None) };
             let is_enough = times.len() >= FEWEST && times.iter().sum::<Duration>() >= ENOUGH;
             if is_enough || times.len() >= MOST {
                 times.sort();
-                return Ok(Some((picture, rays, times)));
+                return Ok((picture, rays, times));
             }
         }
     }
 
     /// Renders, and reports progress from the completed work up to `work` more. Returns the picture and the number of
-    /// rays cast. `None` if the watch ended the sweep.
+    /// rays cast.
     fn render(
         &self,
         threads: &ThreadPool,
@@ -200,8 +183,8 @@ impl Sweep<'_> {
         request: &Request,
         work: f64,
         doing: &str,
-    ) -> Result<Option<(FloatPicture, u64)>, Diagnostic> {
-        let mut picture = FloatPicture::with_room(request.window_size())?;
+    ) -> Result<(FloatPicture, u64), Ended> {
+        let mut picture = FloatPicture::with_room(request.window_size()).map_err(Diagnostic::from)?;
         let mut take_row = |_: usize, row: &[Color]| {
             picture.colors.extend_from_slice(row);
             ControlFlow::Continue(())
@@ -212,9 +195,9 @@ impl Sweep<'_> {
             bench_watch((done + part * work) / all, doing)
         };
         match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
-            Ok(rendered) => Ok(Some((picture, rendered.counts.rays()))),
-            Err(Stopped::Cancelled { .. } | Stopped::Output) => Ok(None),
-            Err(stopped) => Err(stopped.into()),
+            Ok(rendered) => Ok((picture, rendered.counts.rays())),
+            Err(Stopped::Cancelled { .. }) => Err(None),
+            Err(stopped) => Err(Some(stopped.into())),
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
 use crate::stats::RULE;
-use std::fmt::Write;
 
 /// The largest number of rows of the front.
 const MOST_ROWS: usize = 12;
@@ -16,61 +15,50 @@ pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
     let mut lines = vec![RULE.to_owned(), "SPEED AGAINST ERROR".to_owned()];
     match answers {
         [] => lines.push("  nothing was measured".into()),
-        [answer] => add_answer(&mut lines, answer),
-        several => add_answers(&mut lines, several),
+        // Shells have no common syntax for a command that goes on in the next line.
+        [answer] => lines.extend([in_words(answer), answer.command.clone()]),
+        several => {
+            lines.push("  for an RMSE of     CPU s     RMSE  choose".into());
+            for answer in several {
+                let reached = if answer.is_reached() { " " } else { "*" };
+                lines.extend(row(&format!("  {:>13}{reached}", answer.target), answer.chosen));
+            }
+            if !several.iter().all(Answer::is_reached) {
+                lines.push("  * nothing measured reaches it; this comes nearest".into());
+            }
+        }
     }
-    add_front(&mut lines, report);
+    // The front, thinned evenly if it has too many rows.
+    let front = report.front();
+    if !front.is_empty() {
+        lines.push("  the front          CPU s     RMSE  setting".into());
+    }
+    let shown = front.len().min(MOST_ROWS);
+    for k in 0..shown {
+        lines.extend(row(&" ".repeat(16), front[k * (front.len() - 1) / (shown - 1).max(1)]));
+    }
     lines.extend(report.numerical.iter().flat_map(numerical));
-    add_notes(&mut lines, report);
+    lines.push(note(report));
+    lines.push(
+        "each against its own filter's converged picture; report.html and report.csv have everything".into(),
+    );
     lines.push(RULE.to_owned());
     lines.into_iter().map(|line| line + "\n").collect()
 }
 
-fn add_answer(lines: &mut Vec<String>, answer: &Answer<'_>) {
-    let Answer { target, chosen, command } = answer;
+fn in_words(answer: &Answer<'_>) -> String {
+    let Answer { target, chosen, .. } = answer;
     let (seconds, error) = (chosen.least(), chosen.error);
-    lines.push(match answer.is_reached() {
-        true => format!("  an RMSE of {target} is reached in {seconds:.4} s, with {error:.3}:"),
-        false => {
-            format!(
-                "  nothing measured reaches an RMSE of {target}; the nearest is {error:.3} in {seconds:.4} s:"
-            )
-        }
-    });
-    // Shells have no common syntax for a command that goes on in the next line.
-    lines.push(command.clone());
+    if answer.is_reached() {
+        return format!("  an RMSE of {target} is reached in {seconds:.4} s, with {error:.3}:");
+    }
+    format!("  nothing measured reaches an RMSE of {target}; the nearest is {error:.3} in {seconds:.4} s:")
 }
 
-fn add_answers(lines: &mut Vec<String>, answers: &[Answer<'_>]) {
-    lines.push("  for an RMSE of     CPU s     RMSE  choose".into());
-    for answer in answers {
-        let reached = if answer.is_reached() { " " } else { "*" };
-        add_row(lines, &format!("  {:>13}{reached}", answer.target), answer.chosen);
-    }
-    if answers.iter().any(|answer| !answer.is_reached()) {
-        lines.push("  * nothing measured reaches it; this comes nearest".into());
-    }
-}
-
-/// Adds the front, thinned evenly if it has too many rows.
-fn add_front(lines: &mut Vec<String>, report: &ErrorReport) {
-    let front = report.front();
-    if front.is_empty() {
-        return;
-    }
-    lines.push("  the front          CPU s     RMSE  setting".into());
-    let shown = front.len().min(MOST_ROWS);
-    let last = (shown - 1).max(1);
-    for row in 0..shown {
-        add_row(lines, &" ".repeat(16), front[row * (front.len() - 1) / last]);
-    }
-}
-
-fn add_row(lines: &mut Vec<String>, start: &str, one: &Measurement) {
-    let start = format!("{start} {:>9.5} {:>8.3}  ", one.least(), one.error);
+fn row(start: &str, one: &Measurement) -> Vec<String> {
     let mut flags = one.setting.label_parts();
     flags.insert(1, one.setting.request.filter.flag());
-    lines.extend(wrapped(&flags, start));
+    wrapped(&flags, format!("{start} {:>9.5} {:>8.3}  ", one.least(), one.error))
 }
 
 /// Describes the effect of rounding.
@@ -89,23 +77,20 @@ fn numerical(numerical: &Numerical) -> [String; 3] {
     ]
 }
 
-fn add_notes(lines: &mut Vec<String>, report: &ErrorReport) {
-    let (measured, planned, filters) = (report.measured(), report.planned, report.groups.len());
+/// Describes how much was measured.
+fn note(report: &ErrorReport) -> String {
+    let ErrorReport { size: [width, height], planned, .. } = report;
+    let (measured, filters) = (report.measured(), report.groups.len());
     let seconds: f64 = report.stages.iter().map(|(_, time)| time.as_secs_f64()).sum();
-    let [width, height] = report.size;
-    let all = if measured == planned { "all".into() } else { format!("{measured} of") };
-    let mut note = format!(
-        "{all} {planned} settings of {filters} filters, adaptive samples among them, at {width}x{height}: {seconds:.0} s"
-    );
-    let changed = report.pixels_changed();
-    if changed > 0 {
-        // Writing to a string cannot fail.
-        let _ = write!(note, "; OTHER GRIDS CHANGE {changed} PIXELS");
-    }
-    lines.push(note);
-    lines.push(
-        "each against its own filter's converged picture; report.html and report.csv have everything".into(),
-    );
+    let all = if measured == *planned { "all".into() } else { format!("{measured} of") };
+    let changed = match report.pixels_changed() {
+        0 => String::new(),
+        changed => format!("; OTHER GRIDS CHANGE {changed} PIXELS"),
+    };
+    format!(
+        "{all} {planned} settings of {filters} filters, adaptive samples among them, at {width}x{height}: \
+         {seconds:.0} s{changed}"
+    )
 }
 
 /// Wraps words into lines. The first begins with `start`, the others with spaces of this width.
