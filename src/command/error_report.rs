@@ -95,7 +95,7 @@ fn command(options: &Options, setting: &Setting) -> String {
     if setting.edition != Edition::default() {
         words.push(format!("-edition {}", setting.edition));
     }
-    words.extend(setting.flags().unwrap_or_default());
+    words.extend(setting.flags());
     words.extend(options.sampler.rng().seed().map(|seed| format!("-seed {seed}")));
     words.join(" ")
 }

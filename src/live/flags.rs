@@ -43,9 +43,9 @@ impl Most {
         let line = ["raytracer", "-input", "scene.txt", "-gui"];
         let line = line.into_iter().chain(words.iter().map(String::as_str)).map(OsString::from);
         let options = match cli::parse(line)? {
-            // The options have the words that shape a picture.
+            // The page's words are those that shape a picture.
             Command::Render(options)
-                if options.page.as_ref().is_some_and(|page| page.words.len() == words.len()) =>
+                if options.page.iter().any(|page| words.iter().all(|word| page.words.contains(word))) =>
             {
                 *options
             }

@@ -1,7 +1,10 @@
 //! The open scenes: the command line's scene, and the scenes that were typed in last.
 
 use super::limits::*;
+use super::view::{Preparation, Ready};
 use crate::base::memory;
+use crate::caster::choose::Structure;
+use crate::cli::Options;
 use crate::diagnostic::Diagnostic;
 use crate::image_io::ReadFile;
 use crate::render::renderer::{Meshes, Renderer};
@@ -47,19 +50,25 @@ impl OpenScene {
 pub struct Scenes {
     path: PathBuf,
     hints: Hints,
+    /// The command line's structure, which has no limit.
+    pub structure: Structure,
     pub first: Arc<OpenScene>,
     /// In the order of their last use.
     typed: Mutex<Vec<Arc<OpenScene>>>,
     /// The last revision. Locked while a scene is read, so that only one scene at a time takes memory for reading.
     reading: Mutex<u64>,
+    /// The last scenes that were prepared, the newest last.
+    pub ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
 }
 
 impl Scenes {
     /// Opens the scene of the command line.
-    pub fn open(path: &Path, hints: Hints) -> Result<Self, Diagnostic> {
+    pub fn open(line: &Options, path: &Path) -> Result<Self, Diagnostic> {
+        let hints = line.hints();
         let first = OpenScene::new(0, hints.edition, load::load_with(path, &hints)?)?;
-        let (typed, reading) = Default::default();
-        Ok(Self { path: path.to_owned(), hints, first: Arc::new(first), typed, reading })
+        let (path, structure, first) = (path.to_owned(), line.structure, Arc::new(first));
+        let (typed, reading, ready) = Default::default();
+        Ok(Self { path, hints, structure, first, typed, reading, ready })
     }
 
     /// Returns the scene of this revision, if it is open.

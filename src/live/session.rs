@@ -6,7 +6,7 @@ use super::limits::*;
 use super::objects::object_map;
 use super::rays::Rays;
 use super::scenes::{OpenScene, Scenes};
-use super::view::{Painted, Painter, View};
+use super::view::{Painted, View};
 use super::workers::Workers;
 use crate::base::escape::quoted;
 use crate::base::memory;
@@ -35,7 +35,6 @@ pub struct Session {
     outputs: Vec<Output>,
     most: Most,
     scenes: Scenes,
-    painter: Painter,
     /// The picture from elsewhere that views are compared with.
     reference: Mutex<Option<Arc<Reference>>>,
     workers: Workers,
@@ -96,8 +95,7 @@ impl Session {
             line: line.clone(),
             outputs: line.outputs.iter().filter(may_write).cloned().collect(),
             most: Most::of(line, size),
-            scenes: Scenes::open(input, line.hints())?,
-            painter: Painter::new(line.structure),
+            scenes: Scenes::open(line, input)?,
             reference: Mutex::new(reference),
             workers: Workers::new(line.threads.unwrap_or_else(cores)),
         })
@@ -189,7 +187,7 @@ impl Session {
 
     fn picture(&self, view: &View, stop: &Stop) -> Found {
         let start = Instant::now();
-        let Painted { picture, costs, nans } = self.painter.paint(view, stop)?;
+        let Painted { picture, costs, nans } = self.scenes.paint(view, stop)?;
         let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         let counts = costs.iter().flat_map(|map| map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
@@ -232,7 +230,7 @@ impl Session {
         }
         let written = self.outputs.iter().map(|output| output.file.clone());
         check_distinct(written, self.line.files().chain(view.scene.files.clone()))?;
-        let files = self.outputs.iter().map(|output| self.painter.complete(view, output, stop));
+        let files = self.outputs.iter().map(|output| self.scenes.complete(view, output, stop));
         put_in_place(files.collect::<Result<_, _>>()?)?;
         let names: Vec<String> = self.outputs.iter().map(|output| quoted(&output.file)).collect();
         Ok(Answer::described(&json!({ "said": format!("saved {}", names.join(", ")) }), &[]))
@@ -240,7 +238,7 @@ impl Session {
 
     fn objects(&self, view: &View, stop: &Stop) -> Found {
         let size = clipped(view.options.picture_size());
-        let ready = self.painter.ready(view, false, false)?;
+        let ready = self.scenes.ready(view, false, false)?;
         let (objects, places) = object_map(ready.borrow_dependent(), view.camera, size, stop)?;
         Ok(Answer::described(&json!({ "size": size, "objects": objects }), &[&places]))
     }
@@ -249,7 +247,7 @@ impl Session {
         if view.options.reduced {
             return Err(Answer::text(422, "the pixels of a picture that is reduced are not traced"));
         }
-        let ready = self.painter.ready(view, true, false)?;
+        let ready = self.scenes.ready(view, true, false)?;
         let prepared = ready.borrow_dependent();
         let tree = Explainer::new(prepared)?.pixel(&view.request(Layer::Color), pixel, stop)?;
         let rays = Rays::of(&tree, view.scene.renderer.bounds(), prepared.cells());
@@ -311,7 +309,7 @@ impl Session {
         let reference = self.reference();
         let reference = reference.ok_or_else(|| Answer::text(422, "there is no picture to compare with"))?;
         // Costs are no colours, and their map has a scale beside it.
-        Ok((reference, self.painter.paint(&View { cost: None, ..view }, stop)?))
+        Ok((reference, self.scenes.paint(&View { cost: None, ..view }, stop)?))
     }
 
     fn reference(&self) -> Option<Arc<Reference>> {

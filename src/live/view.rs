@@ -2,7 +2,7 @@
 
 use super::http::Answer;
 use super::limits::*;
-use super::scenes::{OpenScene, is_too_large};
+use super::scenes::{OpenScene, Scenes, is_too_large};
 use crate::base::memory;
 use crate::caster::choose::{Rays, Resolution, Structure};
 use crate::caster::insertion::{bounds_of, most_references};
@@ -16,7 +16,7 @@ use crate::scene::Camera;
 use crate::tools::explain::{CostMap, Stop};
 use self_cell::self_cell;
 use std::ops::ControlFlow;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, PoisonError};
 
 /// A typical number of rays while a scene is turned, by which its structure is chosen.
 const MANY_RAYS: usize = 1 << 21;
@@ -78,20 +78,9 @@ self_cell! {
 
 /// The values that a preparation depends on: the scene's revision, its structure, whether work is counted and whether
 /// cells are drawn, and the camera's rays where their number matters.
-type Preparation = (u64, Structure, bool, bool, Option<usize>);
+pub type Preparation = (u64, Structure, bool, bool, Option<usize>);
 
-pub struct Painter {
-    /// The command line's structure, which has no limit.
-    own: Structure,
-    /// The last scenes that were prepared, the newest last.
-    ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
-}
-
-impl Painter {
-    pub fn new(own: Structure) -> Self {
-        Self { own, ready: Mutex::default() }
-    }
-
+impl Scenes {
     /// Paints a view, unless it is stopped.
     pub fn paint(&self, view: &View, stop: &Stop) -> Result<Painted, Answer> {
         let layer = view.cost.map_or(Layer::Color, Layer::Cost);
@@ -168,7 +157,7 @@ impl Painter {
         if let Structure::Grid(Resolution::Cells(cells)) = structure {
             let world = scene.renderer.world();
             let references = most_references(world, &Lattice::new(bounds_of(world), cells));
-            let is_own = scene.revision == 0 && structure == self.own;
+            let is_own = scene.revision == 0 && structure == self.structure;
             if references > MAX_REFERENCES && !is_own {
                 let reason = "-grid: these cells hold more than this page allows: choose fewer";
                 return Err(Answer::text(422, reason));

@@ -173,9 +173,8 @@ pub fn render_some_rows(
     request: &Request,
     samplers: &[Sampler],
     rows: &[usize],
-    watch: Watch,
 ) -> Result<Vec<Vec<Color>>, Stopped> {
-    let tally = Tally::new(rows.len(), watch);
+    let tally = Tally::new(rows.len(), &|_| ControlFlow::Continue(()));
     let tracer = PictureTracer::new(scene, view, request, &tally);
     // The plan of adaptive samples is the same for all samplers.
     let mut planner = Planner::new(&tracer);

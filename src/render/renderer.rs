@@ -162,10 +162,9 @@ impl Prepared<'_> {
         request: &Request,
         samplers: &[Sampler],
         rows: &[usize],
-        watch: Watch,
     ) -> Result<Vec<Vec<Color>>, Stopped> {
         let scene = (&self.camera(request), &self.caster);
-        render::render_some_rows(scene, self.view(), request, samplers, rows, watch)
+        render::render_some_rows(scene, self.view(), request, samplers, rows)
     }
 
     /// Returns the number of grid cells along each axis if they are drawn in place of the scene.

@@ -3,8 +3,9 @@
 use crate::picture::Picture;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::imageops::thumbnail;
-use image::{ImageBuffer, Rgb};
+use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Rgb};
 use std::collections::HashMap;
 
 /// The longer side of a thumbnail, in pixels.
@@ -54,12 +55,8 @@ pub fn thumbnail_file(picture: &Picture) -> String {
 /// Encodes pixels as PNG in base64. Returns an empty string if the picture is too large for a PNG file.
 fn encoded(width: u32, height: u32, rgb: &[u8]) -> String {
     let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Fast);
-    encoder.set_filter(png::Filter::Adaptive);
-    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(rgb));
+    let encoder = PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive);
+    let written = encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8);
     if written.is_ok() { BASE64_STANDARD.encode(&file) } else { String::new() }
 }
 

@@ -123,7 +123,6 @@ fn colors(
     samplers: &[Sampler],
     rows: Option<&[usize]>,
 ) -> Result<Vec<Vec<Color>>, Stopped> {
-    let watch = &|_| ControlFlow::Continue(());
     let whole = |&sampler: &Sampler| {
         let mut colors = with_room(request.layer_size(&Layer::Color).iter().product())?;
         let mut take_row = |_: usize, row: &[Color]| {
@@ -131,11 +130,11 @@ fn colors(
             ControlFlow::Continue(())
         };
         let request = Request { sampler, ..request.clone() };
-        prepared.render_rows(&request, watch, &mut take_row)?;
+        prepared.render_rows(&request, &|_| ControlFlow::Continue(()), &mut take_row)?;
         Ok::<Vec<Color>, Stopped>(colors)
     };
     let mut colors = match rows {
-        Some(rows) => prepared.render_some_rows(request, samplers, rows, watch)?,
+        Some(rows) => prepared.render_some_rows(request, samplers, rows)?,
         None => samplers.iter().map(whole).collect::<Result<_, _>>()?,
     };
     if !request.has_floats {

@@ -20,7 +20,7 @@ pub fn csv(report: &ErrorReport) -> String {
 fn line(report: &ErrorReport, group: &MeasuredFilter, one: &Measurement, is_on_front: bool) -> String {
     let setting = &one.setting;
     let words = [group.filter.flag(), setting.axis.name().into(), setting.label()];
-    let flags = csv_field(&setting.flags().unwrap_or_default().join(" "));
+    let flags = csv_field(&setting.flags().join(" "));
     let words = words.map(|word| csv_field(word.trim_start_matches('-'))).join(",");
     let numbers = [
         format!("{:.6}", one.least()),

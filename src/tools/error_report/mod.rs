@@ -99,7 +99,7 @@ impl Measurement {
     /// Returns true if flags can express the setting and it is not a comparison of structures. Structures have the same
     /// error, and their time is not their whole cost.
     fn is_candidate(&self) -> bool {
-        self.setting.flags().is_some() && self.setting.axis != Axis::Structure
+        matches!(self.setting.axis, Axis::Samples | Axis::Secondary)
     }
 
     /// Returns true if it is one of these, not only equal to one.

@@ -39,7 +39,6 @@ const MOST_TESTS: u64 = 50_000_000_000;
 /// Returns the settings to measure, in a list for each filter. No list is empty. The first list has the filter of `own`,
 /// the setting that defines the reference.
 pub fn plan(scene: &Scene, world: &World, own: &Setting) -> Vec<Vec<Setting>> {
-    let with_filter = |filter| Request { filter, ..own.request.clone() };
     let mut first = samples(own.clone());
     if !first.iter().any(|setting| setting.samples_flag() == own.samples_flag()) {
         first.push(own.clone());
@@ -49,6 +48,7 @@ pub fn plan(scene: &Scene, world: &World, own: &Setting) -> Vec<Vec<Setting>> {
     first.extend(structures(world, own));
     let is_other =
         |filter: &Filter| std::mem::discriminant(filter) != std::mem::discriminant(&own.request.filter);
+    let with_filter = |filter| Request { filter, ..own.request.clone() };
     let others = FILTERS.into_iter().filter(is_other);
     let others = others.map(|filter| samples(Setting { request: with_filter(filter), ..own.clone() }));
     std::iter::once(first).chain(others).collect()
@@ -99,12 +99,8 @@ fn powers_below(end: u32) -> impl Iterator<Item = u32> {
 fn octaves(scene: &Scene, own: &Setting) -> Vec<Setting> {
     let mut materials = scene.materials.clone();
     let most = materials.iter_mut().filter_map(octaves_of).map(|octaves| *octaves).max().unwrap_or(0);
-    let setting = |octaves| Setting {
-        axis: Axis::Octaves,
-        request: jittered(own, EFFECTS_SAMPLES),
-        octaves: Some(octaves),
-        ..own.clone()
-    };
+    let request = jittered(own, EFFECTS_SAMPLES);
+    let setting = |octaves| Setting { axis: Axis::Octaves(octaves), request: request.clone(), ..own.clone() };
     powers_below(most).map(setting).collect()
 }
 
@@ -180,7 +176,7 @@ mod tests {
     fn only_what_the_scene_can_show_is_measured() {
         let matt = settings("numMaterials 1 Material { }", 5);
         assert_eq!(of(Axis::Samples, &matt).len(), 4 * 20, "four filters");
-        assert!(of(Axis::Secondary, &matt).is_empty() && of(Axis::Octaves, &matt).is_empty());
+        assert!(of(Axis::Secondary, &matt).is_empty() && of(Axis::Octaves(1), &matt).is_empty());
         let structures = [" -grid none", " -grid auto", " -grid 10 10 10", " -grid 40 40 40"];
         assert_eq!(of(Axis::Structure, &matt), structures.map(|flag| format!("-jittered_samples 4{flag}")));
         let mirror = "numMaterials 1 Material { reflectiveColor 1 1 1 }";
@@ -192,6 +188,7 @@ mod tests {
         let noise =
             "numMaterials 3 Material { } Material { } Noise { materialIndex 0 materialIndex 1 octaves 3 }";
         let expected = [1, 2].map(|n| format!("-jittered_samples 64 with at most {n} octaves in the scene"));
-        assert_eq!(of(Axis::Octaves, &settings(noise, 5)), expected);
+        let found = [1, 2].map(|octaves| of(Axis::Octaves(octaves), &settings(noise, 5)));
+        assert_eq!(found.concat(), expected);
     }
 }

@@ -4,7 +4,6 @@ use crate::caster::choose::{Resolution, Structure};
 use crate::render::{Layer, Request, Tracing};
 use crate::sampling::sampler::Pattern;
 use crate::scene::edition::Edition;
-use crate::trace::Effects;
 
 /// The kinds of sampling. Each has its own curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +33,8 @@ pub enum Axis {
     Samples,
     /// Fewer bounces, or a larger weight.
     Secondary,
-    Octaves,
+    /// Noise with at most this number of octaves, which no flag can ask for.
+    Octaves(u32),
     /// Another acceleration structure, which must not change the picture.
     Structure,
 }
@@ -44,7 +44,7 @@ impl Axis {
         match self {
             Self::Samples => "samples",
             Self::Secondary => "secondary rays",
-            Self::Octaves => "octaves",
+            Self::Octaves(_) => "octaves",
             Self::Structure => "grid",
         }
     }
@@ -56,8 +56,6 @@ pub struct Setting {
     pub axis: Axis,
     /// The picture, with its samples, its filter, its effects and its acceleration structure.
     pub request: Request,
-    /// The largest number of octaves of noise. `None` for the scene's own.
-    pub octaves: Option<u32>,
     /// The edition of the course whose flags are used.
     pub edition: Edition,
 }
@@ -67,7 +65,7 @@ impl Setting {
     pub fn new(request: Request, edition: Edition) -> Self {
         let (layers, tracing) = (vec![Layer::Color], Tracing::Fast);
         let request = Request { layers, tracing, draws_cells: false, ..request };
-        Self { axis: Axis::Samples, request, octaves: None, edition }
+        Self { axis: Axis::Samples, request, edition }
     }
 
     pub fn kind(&self) -> SamplingKind {
@@ -95,42 +93,39 @@ impl Setting {
         match self.axis {
             Axis::Samples => {}
             Axis::Secondary => {
-                let Effects { bounces, .. } = self.request.effects;
-                // This is often the default without bounces, and differs from the request.
-                if bounces == self.edition.default_bounces() {
-                    parts.push(format!("-bounces {bounces}"));
-                }
-                parts.extend(self.secondary_flags());
+                parts.push(format!("-bounces {}", self.request.effects.bounces));
+                parts.extend(self.weight_flag());
             }
-            Axis::Octaves => {
-                parts.push(format!("with at most {} octaves in the scene", self.octaves.unwrap_or_default()));
-            }
+            Axis::Octaves(most) => parts.push(format!("with at most {most} octaves in the scene")),
             Axis::Structure => parts.extend(structure_flag(self.request.structure)),
         }
         parts
     }
 
-    /// Returns all its flags, each with its values. `None` if flags cannot express it.
-    pub fn flags(&self) -> Option<Vec<String>> {
+    /// Returns all its flags, each with its values. Empty if flags cannot express it.
+    pub fn flags(&self) -> Vec<String> {
+        if matches!(self.axis, Axis::Octaves(_)) {
+            return vec![];
+        }
         let Request { effects, filter, structure, .. } = &self.request;
         let mut flags = vec![self.samples_flag(), filter.flag()];
         flags.extend(effects.shadows.flag().map(str::to_owned));
         flags.extend(effects.shade_back.then(|| "-shade_back".into()));
-        flags.extend(self.secondary_flags());
+        let has_default_bounces = effects.bounces == self.edition.default_bounces();
+        flags.extend((!has_default_bounces).then(|| format!("-bounces {}", effects.bounces)));
+        flags.extend(self.weight_flag());
         flags.extend(structure_flag(*structure));
-        self.octaves.is_none().then_some(flags)
+        flags
     }
 
     pub(super) fn samples_flag(&self) -> String {
         self.request.samples_flag(self.edition)
     }
 
-    /// Returns the flags for bounces and weight, except defaults.
-    fn secondary_flags(&self) -> impl Iterator<Item = String> {
-        let Effects { bounces, min_weight, .. } = self.request.effects;
-        let bounces = (bounces != self.edition.default_bounces()).then(|| format!("-bounces {bounces}"));
-        let weight = (min_weight != self.edition.default_weight()).then(|| format!("-weight {min_weight}"));
-        bounces.into_iter().chain(weight)
+    /// Returns the flag for the weight, unless it is the default.
+    fn weight_flag(&self) -> Option<String> {
+        let weight = self.request.effects.min_weight;
+        (weight != self.edition.default_weight()).then(|| format!("-weight {weight}"))
     }
 }
 
@@ -150,7 +145,7 @@ mod tests {
     use crate::sampling::drand48::Drand48;
     use crate::sampling::filter::Filter;
     use crate::sampling::sampler::Sampler;
-    use crate::trace::Shadows;
+    use crate::trace::{Effects, Shadows};
 
     fn setting(pattern: Pattern, effects: Effects, edition: Edition) -> Setting {
         let sampler = Sampler::new(pattern, 9, Drand48::UNSEEDED);
@@ -166,12 +161,12 @@ mod tests {
         found.request.structure = Structure::Grid(Resolution::Cells([3, 4, 5]));
         let flags =
             "-jittered_samples 9 -tent_filter 1.5 -shadows -shade_back -bounces 3 -weight 0.25 -grid 3 4 5";
-        assert_eq!(found.flags().unwrap().join(" "), flags);
+        assert_eq!(found.flags().join(" "), flags);
         assert_eq!(found.label(), "-jittered_samples 9 -bounces 3 -weight 0.25");
         let mut plain = setting(Pattern::Uniform, Effects::default(), Edition::Y2004);
         plain.request.adaptive = Some(Adaptive { most: 64, error: 0.5 });
-        assert_eq!(plain.flags().unwrap(), ["-adaptive_samples 64 0.5", "-box_filter 0.5"]);
-        assert_eq!(Setting { octaves: Some(2), ..plain }.flags(), None);
+        assert_eq!(plain.flags(), ["-adaptive_samples 64 0.5", "-box_filter 0.5"]);
+        assert!(Setting { axis: Axis::Octaves(2), ..plain }.flags().is_empty());
     }
 
     #[test]
@@ -179,7 +174,7 @@ mod tests {
         let setting = |pattern, bounces, min_weight, edition| {
             setting(pattern, Effects { bounces, min_weight, ..Effects::default() }, edition)
         };
-        let flags = |setting: &Setting| setting.flags().unwrap().join(" ").replace(" -box_filter 0.5", "");
+        let flags = |setting: &Setting| setting.flags().join(" ").replace(" -box_filter 0.5", "");
         use Pattern::{Random, Uniform};
         assert_eq!(flags(&setting(Random, 0, 0.1, Edition::Aalto)), "-uniform_samples 9");
         assert_eq!(flags(&setting(Uniform, 0, 0.0, Edition::Aalto)), "-regular_samples 9 -weight 0");

@@ -131,9 +131,9 @@ impl Sweep<'_> {
 
     /// Measures a setting, and adds it to the last filter.
     fn measure(&mut self, setting: &Setting, reference: &Reference) -> Result<(), Ended> {
-        let of_other_octaves = setting.octaves.map(|most| with_octaves(&self.renderer.scene, most));
         // The changed scene has the same objects, so a world can be built for it.
-        let other = of_other_octaves.and_then(|scene| self.renderer.with_scene(scene).ok());
+        let limited = |most| self.renderer.with_scene(with_octaves(&self.renderer.scene, most));
+        let other = if let Axis::Octaves(most) = setting.axis { Some(limited(most)?) } else { None };
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let prepared = self.prepared(renderer, &setting.request)?;
         let (colors, rays, times) = self.repeat(setting, &prepared)?;
@@ -147,7 +147,7 @@ impl Sweep<'_> {
         let Some(MeasuredFilter { measurements, .. }) = self.report.groups.last_mut() else { return Ok(()) };
         let same = Request { structure: self.own.request.structure, ..setting.request.clone() };
         let mut others = measurements.iter().filter(|_| setting.axis == Axis::Structure);
-        let asked_for = others.find(|other| other.setting.request == same && other.setting.octaves.is_none());
+        let asked_for = others.find(|other| other.setting.request == same);
         let changed = asked_for.map(|other| pixels_that_differ(&other.picture, &picture));
         let setting = setting.clone();
         self.done += work(&setting);

@@ -60,10 +60,11 @@ pub fn measure(
     let [exact, rough] = [exact, rough].map(|student| colors(&student, &request, &|| false));
     let (exact, rough) = (exact?, rough?);
     let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
-    let own_hits = other_hits(renderer, &request, &brute_force, prepared.caster());
-    let single_hits = other_hits(renderer, &request, &brute_force, &single);
-    let program = Departure { hits: own_hits, ..departure(&own, &exact) };
-    let single = Departure { hits: single_hits, ..departure(&rough, &exact) };
+    let departure = |picture, hits: &dyn Hits| Departure {
+        hits: other_hits(renderer, &request, &brute_force, hits),
+        ..departure(picture, &exact)
+    };
+    let (program, single) = (departure(&own, prepared.caster()), departure(&rough, &single));
     Ok(Some(Numerical { size: exact.size, samples: request.sampler.count(), program, single }))
 }
 
