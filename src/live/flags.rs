@@ -26,38 +26,36 @@ fn amounts(options: &Options) -> [(&'static str, usize, usize); 5] {
 }
 
 /// The most that a picture may ask for, in the order of [`amounts`].
-pub struct Most(pub [usize; 5]);
+pub type Most = [usize; 5];
 
-impl Most {
-    /// The limits for pages of this command line, which may ask for more itself, and compares with a picture of this
-    /// size.
-    pub fn of(line: &Options, compared: [usize; 2]) -> Self {
-        let mut most = amounts(line).map(|(_, asked, limit)| limit.max(asked));
-        most[0] = most[0].max(compared[0]).max(compared[1]);
-        Self(most)
-    }
+/// Returns the limits for pages of this command line, which may ask for more itself, and compares with a picture of
+/// this size.
+pub fn most(line: &Options, compared: [usize; 2]) -> Most {
+    let mut most = amounts(line).map(|(_, asked, limit)| limit.max(asked));
+    most[0] = most[0].max(compared[0]).max(compared[1]);
+    most
+}
 
-    /// Returns what these flags ask for. Errors: the message of the command line's parser, a flag that does more than
-    /// shape a picture, or more than the limits allow.
-    pub fn options(&self, words: &[String]) -> Result<Options, Answer> {
-        let line = ["raytracer", "-input", "scene.txt", "-gui"];
-        let line = line.into_iter().chain(words.iter().map(String::as_str)).map(OsString::from);
-        let options = match cli::parse(line)? {
-            // The page's words are those that shape a picture.
-            Command::Render(options)
-                if options.page.iter().any(|page| words.iter().all(|word| page.words.contains(word))) =>
-            {
-                *options
-            }
-            _ => return Err(Answer::text(422, "these flags cannot be given here")),
-        };
-        match amounts(&options).into_iter().zip(self.0).find(|&((_, asked, _), most)| asked > most) {
-            Some(((name, asked, _), most)) => {
-                let reason = format!("{name}: {asked} is more than this page allows, {most}");
-                Err(Answer::text(422, &reason))
-            }
-            None => Ok(options),
+/// Returns what these flags ask for. Errors: the message of the command line's parser, a flag that does more than shape
+/// a picture, or more than the limits allow.
+pub fn options(words: &[String], most: &Most) -> Result<Options, Answer> {
+    let line = ["raytracer", "-input", "scene.txt", "-gui"];
+    let line = line.into_iter().chain(words.iter().map(String::as_str)).map(OsString::from);
+    let options = match cli::parse(line)? {
+        // The page's words are those that shape a picture.
+        Command::Render(options)
+            if options.page.iter().any(|page| words.iter().all(|word| page.words.contains(word))) =>
+        {
+            *options
         }
+        _ => return Err(Answer::text(422, "these flags cannot be given here")),
+    };
+    match amounts(&options).into_iter().zip(most).find(|((_, asked, _), most)| asked > *most) {
+        Some(((name, asked, _), most)) => {
+            let reason = format!("{name}: {asked} is more than this page allows, {most}");
+            Err(Answer::text(422, &reason))
+        }
+        None => Ok(options),
     }
 }
 
@@ -79,7 +77,7 @@ mod tests {
 
     #[test]
     fn flags_that_shape_a_picture_are_understood() {
-        let most = Most::of(&line(""), [0; 2]);
+        let most = most(&line(""), [0; 2]);
         for flags in [
             "",
             "-size 7 9 -shadows -shade_back -bounces 3 -weight .1 -grid auto -visualize_grid",
@@ -87,7 +85,7 @@ mod tests {
             "-adaptive_samples 64 1 -mitchell_filter 2",
         ] {
             assert_eq!(
-                most.options(&words(flags)).map(|options| Options {
+                options(&words(flags), &most).map(|options| Options {
                     input: None,
                     page: None,
                     preview: false,
@@ -100,7 +98,7 @@ mod tests {
 
     #[test]
     fn no_flag_reaches_a_file_or_starts_anything_else() {
-        let most = Most::of(&line(""), [0; 2]);
+        let most = most(&line(""), [0; 2]);
         for flags in [
             "-output a.png",
             "-depth 1 2 a.png",
@@ -129,7 +127,7 @@ mod tests {
             "-bounces=3 -stats",
             "a.png",
         ] {
-            assert!(most.options(&words(flags)).is_err(), "{flags}");
+            assert!(options(&words(flags), &most).is_err(), "{flags}");
         }
     }
 
@@ -137,8 +135,8 @@ mod tests {
     fn the_limits_are_those_of_the_page_or_of_the_line() {
         let message = "bounces: 17 is more than this page allows, 16";
         let too_much = words("-bounces 17");
-        assert_eq!(Most::of(&line(""), [0; 2]).options(&too_much), Err(Answer::text(422, message)));
-        assert!(Most::of(&line("-bounces 17"), [0; 2]).options(&too_much).is_ok());
+        assert_eq!(options(&too_much, &most(&line(""), [0; 2])), Err(Answer::text(422, message)));
+        assert!(options(&too_much, &most(&line("-bounces 17"), [0; 2])).is_ok());
         for flags in [
             "-size 4 2049",
             "-random_samples 1025",
@@ -147,7 +145,7 @@ mod tests {
             "-size 70000 1",
             "-bounces x",
         ] {
-            assert!(Most::of(&line(""), [0; 2]).options(&words(flags)).is_err(), "{flags}");
+            assert!(options(&words(flags), &most(&line(""), [0; 2])).is_err(), "{flags}");
         }
     }
 }

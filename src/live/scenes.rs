@@ -1,6 +1,7 @@
 //! The open scenes: the command line's scene, and the scenes that were typed in last.
 
 use super::limits::*;
+use super::lock;
 use super::view::{Preparation, Ready};
 use crate::base::memory;
 use crate::caster::choose::Structure;
@@ -20,7 +21,7 @@ use crate::tools::explain::Stop;
 use std::cell::Cell;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// A scene that can be rendered.
 #[derive(Debug)]
@@ -76,7 +77,7 @@ impl Scenes {
         if revision == 0 {
             return Some(self.first.clone());
         }
-        let mut typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut typed = lock(&self.typed);
         let place = typed.iter().position(|scene| scene.revision == revision)?;
         typed[place..].rotate_left(1);
         typed.last().cloned()
@@ -90,7 +91,7 @@ impl Scenes {
         named: Option<Edition>,
         stop: &Stop,
     ) -> Result<Arc<OpenScene>, Diagnostic> {
-        let mut last = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut last = lock(&self.reading);
         let left = Cell::new(MAX_MESH_BYTES);
         let read = |file: &MeshFile, _, is_textured| match self.known_mesh(&file.name) {
             Some(known) => Ok(known),
@@ -117,7 +118,7 @@ impl Scenes {
         memory::ask(primitives as u64 * BYTES_PER_PRIMITIVE)?;
         let scene = Arc::new(OpenScene::new(*last + 1, named, loaded)?);
         *last += 1;
-        let mut typed = self.typed.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut typed = lock(&self.typed);
         typed.push(scene.clone());
         while typed.len() > MAX_SCENES || is_too_large(typed.iter()) {
             typed.remove(0);

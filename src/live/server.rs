@@ -3,6 +3,7 @@
 use super::access::Key;
 use super::http::{Answer, Connection, Head};
 use super::limits::*;
+use super::lock;
 use super::session::Session;
 use crate::cli::Options;
 use crate::diagnostic::Diagnostic;
@@ -12,7 +13,7 @@ use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::path::Path;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -67,10 +68,6 @@ impl Server {
         }
     }
 
-    fn open_connections(&self) -> MutexGuard<'_, Vec<Arc<Open>>> {
-        self.open.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Serves a connection on a thread of its own until it is closed. One without room is closed at once.
     fn serve(self: &Arc<Self>, stream: TcpStream, end: Sender<()>) -> io::Result<()> {
         let own = Arc::new(Open { stream, rank: AtomicU8::new(HAS_NO_KEY) });
@@ -90,13 +87,13 @@ impl Server {
 
     fn close(&self, own: &Arc<Open>) {
         let _ = own.stream.shutdown(Shutdown::Both);
-        self.open_connections().retain(|other| !Arc::ptr_eq(other, own));
+        lock(&self.open).retain(|other| !Arc::ptr_eq(other, own));
     }
 
     /// Takes a connection in. Where there are too many, the oldest that has not shown the key makes room, or else the
     /// oldest that asks for nothing. Returns false if there is no room.
     fn add(&self, own: Arc<Open>) -> bool {
-        let mut open = self.open_connections();
+        let mut open = lock(&self.open);
         if open.len() >= MAX_CONNECTIONS {
             let ranks = open.iter().map(|other| other.rank.load(Ordering::Relaxed)).enumerate();
             let first = ranks.filter(|&(_, rank)| rank < ASKS).min_by_key(|&(_, rank)| rank);

@@ -1,8 +1,9 @@
 //! Answers the questions of pages.
 
-use super::flags::Most;
+use super::flags::{Most, most, options};
 use super::http::Answer;
 use super::limits::*;
+use super::lock;
 use super::objects::object_map;
 use super::rays::Rays;
 use super::scenes::{OpenScene, Scenes};
@@ -23,7 +24,7 @@ use crate::tools::explain::{Explainer, Stop};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -94,7 +95,7 @@ impl Session {
             input: input.to_owned(),
             line: line.clone(),
             outputs: line.outputs.iter().filter(may_write).cloned().collect(),
-            most: Most::of(line, size),
+            most: most(line, size),
             scenes: Scenes::open(line, input)?,
             reference: Mutex::new(reference),
             workers: Workers::new(line.threads.unwrap_or_else(cores)),
@@ -145,7 +146,7 @@ impl Session {
     ) -> Result<View, Answer> {
         let closed = |reason| Answer::text(410, reason);
         let scene = self.scenes.scene(scene).ok_or_else(|| closed("the scene is closed"))?;
-        let options = self.most.options(&words)?;
+        let options = options(&words, &self.most)?;
         if options.edition != scene.named {
             return Err(closed("the scene is open in another edition"));
         }
@@ -167,14 +168,14 @@ impl Session {
             "text": first.renderer.source.text,
             "scene": description(first),
             "reference": reference.as_deref().map(summary),
-            "most": self.most.0,
+            "most": self.most,
             "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
         });
         Answer::described(&meta, &[])
     }
 
     fn type_in(&self, text: String, words: &[String], stop: &Stop) -> Found {
-        let named = self.most.options(words)?.edition;
+        let named = options(words, &self.most)?.edition;
         let meta = match self.scenes.type_in(text, named, stop) {
             Ok(scene) => json!({ "scene": description(&scene) }),
             Err(error) => {
@@ -257,7 +258,7 @@ impl Session {
     /// Takes a picture from elsewhere, in the bytes of a file whose name the query has.
     fn take_reference(&self, query: &str, file: &[u8]) -> Found {
         let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
-        let most = self.most.0[0];
+        let most = self.most[0];
         // Up to four channels of two bytes.
         let picture = read_picture_from(Path::new(&name), file, 8 * (most as u64).pow(2))?;
         let [width, height] = picture_size(&picture);
@@ -268,7 +269,7 @@ impl Session {
         }
         let reference = Arc::new(Reference { name, picture });
         let said = Answer::described(&summary(&reference), &[]);
-        *self.reference.lock().unwrap_or_else(PoisonError::into_inner) = Some(reference);
+        *lock(&self.reference) = Some(reference);
         Ok(said)
     }
 
@@ -313,7 +314,7 @@ impl Session {
     }
 
     fn reference(&self) -> Option<Arc<Reference>> {
-        self.reference.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.reference).clone()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::http::Answer;
 use super::limits::*;
+use super::lock;
 use super::scenes::{OpenScene, Scenes, is_too_large};
 use crate::base::memory;
 use crate::caster::choose::{Rays, Resolution, Structure};
@@ -16,7 +17,7 @@ use crate::scene::Camera;
 use crate::tools::explain::{CostMap, Stop};
 use self_cell::self_cell;
 use std::ops::ControlFlow;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// A typical number of rays while a scene is turned, by which its structure is chosen.
 const MANY_RAYS: usize = 1 << 21;
@@ -150,8 +151,7 @@ impl Scenes {
         let whole = Request { layers, tracing, draws_cells, ..view.options.request() };
         let rays = (counts || shows_cells).then(|| whole.camera_rays());
         let preparation = (scene.revision, structure, counts, shows_cells, rays);
-        let all = || self.ready.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, ready)) = all().iter().find(|(known, _)| *known == preparation) {
+        if let Some((_, ready)) = lock(&self.ready).iter().find(|(known, _)| *known == preparation) {
             return Ok(ready.clone());
         }
         if let Structure::Grid(Resolution::Cells(cells)) = structure {
@@ -169,7 +169,7 @@ impl Scenes {
             true => scene.renderer.prepare(&whole),
             false => scene.renderer.prepare_for(&whole, Rays::cast(MANY_RAYS)),
         })?);
-        let mut all = all();
+        let mut all = lock(&self.ready);
         all.push((preparation, ready.clone()));
         while all.len() > MAX_PREPARED || is_too_large(all.iter().map(|(_, ready)| ready.borrow_owner())) {
             all.remove(0);

@@ -6,10 +6,11 @@
 
 use super::http::Answer;
 use super::limits::{FEW_BYTES, MAX_BYTES};
+use super::lock;
 use crate::tools::explain::Stop;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::Mutex;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -59,7 +60,7 @@ impl Workers {
                 }
             }
         });
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         state.taken -= bytes;
         state.idle.push(threads);
         // The result of stopped work is incomplete.
@@ -73,24 +74,20 @@ impl Workers {
         stop: &Stop,
         has_left: &mut dyn FnMut() -> bool,
     ) -> Result<ThreadPool, Answer> {
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         while bytes > FEW_BYTES && state.taken > 0 && state.taken.saturating_add(bytes) > MAX_BYTES {
             drop(state);
             thread::sleep(LOOK);
             if has_left() || stop.is_over() {
                 return Err(too_long());
             }
-            state = self.lock();
+            state = lock(&self.state);
         }
         let build = || ThreadPoolBuilder::new().num_threads(self.threads).build();
         let threads = state.idle.pop().map_or_else(build, Ok);
         let threads = threads.map_err(|error| Answer::text(503, &format!("no threads: {error}")))?;
         state.taken += bytes;
         Ok(threads)
-    }
-
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -128,7 +125,7 @@ mod tests {
     fn work_ends_when_its_client_leaves_and_frees_its_memory() {
         let (workers, stop) = (Workers::new(1), in_a_minute());
         assert_eq!(workers.run(1, &stop, &mut leaves(), || busy(&stop)).unwrap_err(), too_long());
-        let state = workers.lock();
+        let state = lock(&workers.state);
         assert_eq!((state.taken, state.idle.len()), (0, 1));
     }
 
@@ -144,11 +141,11 @@ mod tests {
                     })
                 })
                 .collect();
-            while workers.lock().taken < 9 {
+            while lock(&workers.state).taken < 9 {
                 thread::sleep(Duration::from_millis(1));
             }
             assert!((0..3).all(|_| workers.run(0, &end, &mut || false, || true).unwrap()));
-            assert_eq!(workers.lock().taken, 9);
+            assert_eq!(lock(&workers.state).taken, 9);
             end.cancel();
             assert!(long.into_iter().all(|long| long.join().unwrap() == too_long()));
         });
@@ -158,7 +155,7 @@ mod tests {
     fn memory_is_shared_and_one_that_needs_all_of_it_waits_for_all() {
         let workers = Workers::new(1);
         let start = |taken: u64, bytes| {
-            workers.lock().taken = taken;
+            lock(&workers.state).taken = taken;
             workers.start(bytes, &in_a_minute(), &mut leaves()).is_ok()
         };
         let huge = 2 * MAX_BYTES;

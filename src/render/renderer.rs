@@ -1,5 +1,6 @@
 //! The library's main interface. Open a scene once, prepare it once for each grid, and render it any number of times.
 
+use crate::base::memory::with_room;
 use crate::camera::Camera;
 use crate::caster::choose::{Layout, Rays, Structure};
 use crate::caster::{Caster, Fullness, GridTooLarge};
@@ -14,8 +15,10 @@ use crate::scene::Scene;
 use crate::scene::load::{self, LoadedScene, Source};
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Shows;
+use crate::stats::Counts;
 use crate::world::World;
 use glam::DVec2;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// A scene with its meshes, in world space.
@@ -142,6 +145,22 @@ impl Prepared<'_> {
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
         let scene = (&self.camera(request), &self.caster);
         render::render_in_memory(scene, self.view(), request).map(|(pictures, _)| pictures)
+    }
+
+    /// Renders the only layer of a request into memory. Returns it, and the counts.
+    pub(crate) fn render_layer(
+        &self,
+        request: &Request,
+        watch: Watch,
+    ) -> Result<(FloatPicture, Counts), Stopped> {
+        let size = request.layers.first().map_or([0; 2], |layer| request.layer_size(layer));
+        let mut colors = with_room(size.into_iter().product())?;
+        let mut take_row = |_: usize, row: &[Color]| {
+            colors.extend_from_slice(row);
+            ControlFlow::Continue(())
+        };
+        let Rendered { counts, .. } = self.render_rows(request, watch, &mut take_row)?;
+        Ok((FloatPicture { size, colors }, counts))
     }
 
     /// Renders a request row by row, and returns the counts and the costs of the pixels. Rows are handed out from the top as soon as they are

@@ -8,7 +8,7 @@
 //! For a large picture, some random rows represent all. Two pictures with one sample per pixel show which rows differ
 //! much. These rows are chosen with a higher probability, and weighted less.
 
-use crate::base::memory::{NoMemory, with_room};
+use crate::base::memory::NoMemory;
 use crate::picture::Color;
 use crate::render::renderer::Prepared;
 use crate::render::{Layer, Request, Stopped, Tracing, Window};
@@ -124,14 +124,8 @@ fn colors(
     rows: Option<&[usize]>,
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let whole = |&sampler: &Sampler| {
-        let mut colors = with_room(request.layer_size(&Layer::Color).iter().product())?;
-        let mut take_row = |_: usize, row: &[Color]| {
-            colors.extend_from_slice(row);
-            ControlFlow::Continue(())
-        };
         let request = Request { sampler, ..request.clone() };
-        prepared.render_rows(&request, &|_| ControlFlow::Continue(()), &mut take_row)?;
-        Ok::<Vec<Color>, Stopped>(colors)
+        prepared.render_layer(&request, &|_| ControlFlow::Continue(())).map(|(picture, _)| picture.colors)
     };
     let mut colors = match rows {
         Some(rows) => prepared.render_some_rows(request, samplers, rows)?,

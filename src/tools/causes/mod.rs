@@ -292,11 +292,5 @@ pub fn explain_finished(
 
 /// Renders the request's only layer. `None` if memory is too small or the watch cancels.
 fn rendered(prepared: &Prepared, request: &Request, watch: Watch) -> Option<FloatPicture> {
-    let mut picture = FloatPicture::with_room(request.layer_size(request.layers.first()?)).ok()?;
-    let mut take_row = |_: usize, row: &[Color]| {
-        picture.colors.extend_from_slice(row);
-        ControlFlow::Continue(())
-    };
-    prepared.render_rows(request, watch, &mut take_row).ok()?;
-    Some(picture)
+    prepared.render_layer(request, watch).ok().map(|(picture, _)| picture)
 }

@@ -194,10 +194,10 @@ pub struct Answer<'a> {
 impl<'a> Answer<'a> {
     /// Chooses among all settings that flags can express, with any samples and filter. `None` if nothing was measured.
     pub fn new(report: &'a ErrorReport, target: f64, command: impl Fn(&Setting) -> String) -> Option<Self> {
-        let cheaper = |a: &&Measurement, b: &&Measurement| a.least().total_cmp(&b.least());
-        let nearer = |a: &&Measurement, b: &&Measurement| a.error.total_cmp(&b.error).then(cheaper(a, b));
-        let cheapest = report.candidates().filter(|one| one.error <= target).min_by(cheaper);
-        let chosen = cheapest.or_else(|| report.candidates().min_by(nearer))?;
+        // Those that reach the target are in the order of their times, and the others of their errors.
+        let rank = |one: &Measurement| [if one.error <= target { 0.0 } else { one.error }, one.least()];
+        let order = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a.total_cmp(&c).then(b.total_cmp(&d));
+        let chosen = report.candidates().min_by(|one, other| order(rank(one), rank(other)))?;
         Some(Self { target, chosen, command: command(&chosen.setting) })
     }
 

@@ -6,7 +6,7 @@ use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::diagnostic::Diagnostic;
-use crate::picture::{Color, FloatPicture, Picture};
+use crate::picture::{FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Progress, Request, Stopped};
 use crate::sampling::filter::Filter;
@@ -184,18 +184,13 @@ impl Sweep<'_> {
         work: f64,
         doing: &str,
     ) -> Result<(FloatPicture, u64), Ended> {
-        let mut picture = FloatPicture::with_room(request.window_size()).map_err(Diagnostic::from)?;
-        let mut take_row = |_: usize, row: &[Color]| {
-            picture.colors.extend_from_slice(row);
-            ControlFlow::Continue(())
-        };
         let (done, all, bench_watch) = (self.done, self.all, self.bench.watch);
         let watch = |rows: Progress| {
             let part = rows.done as f64 / rows.rows.max(1) as f64;
             bench_watch((done + part * work) / all, doing)
         };
-        match threads.install(|| prepared.render_rows(request, &watch, &mut take_row)) {
-            Ok(rendered) => Ok((picture, rendered.counts.rays())),
+        match threads.install(|| prepared.render_layer(request, &watch)) {
+            Ok((picture, counts)) => Ok((picture, counts.rays())),
             Err(Stopped::Cancelled { .. }) => Err(None),
             Err(stopped) => Err(Some(stopped.into())),
         }
