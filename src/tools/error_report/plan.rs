@@ -34,7 +34,7 @@ const FILTERS: [Filter; 4] = [
 const WEIGHTS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
 /// The largest number of ray-primitive tests for which the list of all primitives is measured.
-const MOST_TESTS: u64 = 50_000_000_000;
+const MOST_TESTS: f64 = 5e10;
 
 /// Returns the settings to measure, in a list for each filter. No list is empty. The first list has the filter of `own`,
 /// the setting that defines the reference.
@@ -130,16 +130,11 @@ pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
 
 /// Returns the other structures for tracing rays. For a world of planes only, there is nothing to build.
 fn structures(world: &World, own: &Setting) -> Vec<Setting> {
-    let count = world.finite_count();
-    if count == 0 {
+    if world.finite_count() == 0 {
         return vec![];
     }
-    let rays_per_sample = 1 + world.lights.len() + own.request.effects.bounces as usize;
-    let [width, height] = own.request.size;
-    let tests = [width, height, rays_per_sample, count]
-        .iter()
-        .fold(u64::from(STRUCTURE_SAMPLES), |tests, &count| tests.saturating_mul(count as u64));
-    let list = (tests <= MOST_TESTS).then_some(Structure::List);
+    let list =
+        (brute_force_tests(world, &own.request, STRUCTURE_SAMPLES) <= MOST_TESTS).then_some(Structure::List);
     let grids = [Resolution::Auto, Resolution::Cells([10; 3]), Resolution::Cells([40; 3])];
     let others = list.into_iter().chain(grids.map(Structure::Grid));
     let request = |structure| Request { structure, ..jittered(own, STRUCTURE_SAMPLES) };
@@ -147,6 +142,13 @@ fn structures(world: &World, own: &Setting) -> Vec<Setting> {
         .filter(|&structure| structure != own.request.structure)
         .map(|structure| Setting { axis: Axis::Structure, request: request(structure), ..own.clone() })
         .collect()
+}
+
+/// Returns about how many ray-primitive tests brute force makes for a picture with this number of samples per pixel.
+pub fn brute_force_tests(world: &World, request: &Request, samples: u32) -> f64 {
+    let rays = 1 + world.lights.len() + request.effects.bounces as usize;
+    let [width, height] = request.size.map(|side| side as f64);
+    width * height * f64::from(samples) * rays as f64 * world.ids().len() as f64
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 mod brute_force;
 pub(super) mod single;
 
+use super::plan::brute_force_tests;
 use crate::math::ray::Ray;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
@@ -71,12 +72,7 @@ pub fn measure(
 /// Returns the request with four samples per pixel. If that takes too long, uses one sample, or only a window in the
 /// middle.
 fn affordable(renderer: &Renderer, request: &Request) -> Request {
-    let world = renderer.world();
-    let rays = 1 + world.lights.len() + request.effects.bounces as usize;
-    let tests = |samples: u32| {
-        let [width, height] = request.size.map(|side| side as f64);
-        width * height * f64::from(samples) * rays as f64 * world.ids().len() as f64
-    };
+    let tests = |samples| brute_force_tests(renderer.world(), request, samples);
     let samples = if tests(4) <= MOST_TESTS { 4 } else { 1 };
     let share = (MOST_TESTS / tests(samples)).sqrt().min(1.0);
     let [width, height] = request.size.map(|side| ((side as f64 * share) as usize).max(1));
