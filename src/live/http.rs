@@ -148,11 +148,10 @@ fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
     let target = request.path.unwrap_or_default();
     let (path, query) = target.split_once('?').unwrap_or((target, ""));
     let header = |name| header(request.headers, name);
-    let length = match header("content-length")? {
-        Some(text) if text.bytes().all(|byte| byte.is_ascii_digit()) => text.parse().map(Some).ok(),
-        Some(_) => None,
-        None => Some(None),
-    };
+    // A number may have a sign, but a length has none.
+    let number = |text: String| text.parse().ok().filter(|_| !text.starts_with('+'));
+    let unclear = || Answer::text(400, "the length of the body is unclear");
+    let length = header("content-length")?.map(|text| number(text).ok_or_else(unclear)).transpose()?;
     if header("transfer-encoding")?.is_some() {
         return Err(Answer::text(411, "the length of the body must be given"));
     }
@@ -164,7 +163,7 @@ fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
         host: header("host")?,
         origin: header("origin")?,
         key: header("x-key")?,
-        length: length.ok_or_else(|| Answer::text(400, "the length of the body is unclear"))?,
+        length,
         closes: request.version == Some(0) || header("connection")?.is_some_and(is_close),
     };
     Ok(Some((head, end)))
