@@ -16,12 +16,13 @@ class Refused extends Error {
 
 // The kinds of questions of which the page needs the last answer only, and what ends the last question of each kind.
 const KINDS = {
-  '/picture': 'picture', '/compare': 'picture', '/cause': 'picture', '/scene': 'scene', '/objects': 'objects', '/trace': 'trace',
+  '/picture': 'picture', '/compare': 'picture', '/cause': 'picture',
+  '/scene': 'scene', '/objects': 'objects', '/trace': 'trace',
 };
 const asked = {};
 
-// Asks, and returns { meta, bytes }. A refusal is thrown, with its status and its reason. A question that a later one of
-// its kind overtakes closes its connection, which ends the work for it.
+// Asks, and returns { meta, bytes }. A refusal is thrown, with its status and its reason. A later question of its kind
+// closes its connection, which ends the work for it.
 async function ask(path, question = {}) {
   const kind = KINDS[path];
   const asking = new AbortController();
