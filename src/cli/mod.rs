@@ -5,7 +5,6 @@
 //! word is a value. So `-2` and `-.5` are numbers, and a file called `-a.tga` has to be written as
 //! `./-a.tga`.
 
-mod commands;
 mod error;
 mod flags;
 mod help;
@@ -14,7 +13,6 @@ mod outputs;
 mod values;
 mod words;
 
-pub use commands::parse_commands;
 pub use flags::command;
 pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
 pub use outputs::Output;

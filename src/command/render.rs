@@ -52,7 +52,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let pair = Pair::open(options, log)?;
 
     // Prepare.
-    let mut doubts = doubts(&mut loaded, options);
+    let mut doubts = doubts_about(&mut loaded, options);
     let renderer = Renderer::new(loaded, meshes(options))?;
     if !options.visualize_grid {
         doubts.extend(warnings::lights_without_effect(&renderer.scene, renderer.world(), &options.effects));
@@ -231,12 +231,12 @@ fn explanation(
 }
 
 /// Returns the notes and warnings about a scene and the flags that it is rendered with.
-fn doubts(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
+fn doubts_about(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
     let scene = &loaded.scene;
     let mut found = std::mem::take(&mut loaded.warnings);
     found.extend(loaded.choice.remark());
     found.extend(warnings::no_lights(scene));
-    if asks_for_nothing(options) {
+    if options.written().next().is_none() && !options.has_text() && !options.preview {
         found.push(Diagnostic::warning("nothing is written: add `-output file.tga`"));
     }
     found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
@@ -263,9 +263,4 @@ fn shows_colors(options: &Options) -> bool {
         || options.pixel.is_some()
         || options.page.is_some()
         || options.outputs.is_empty()
-}
-
-/// Returns true if a run would neither write nor print anything.
-fn asks_for_nothing(options: &Options) -> bool {
-    options.written().next().is_none() && !options.has_text() && !options.preview
 }
