@@ -7,7 +7,7 @@ use super::tree::{CloseCall, CloseCallKind, Crossing, LeftOut, Lighting, NotFoll
 use super::tree::{PixelTree, RayNode, SampleTree, Shadow};
 use crate::diagnostic::Diagnostic;
 use crate::math::ray::Ray;
-use crate::picture::{CHANNELS, Color, RED_FIRST, truncate_to_bytes};
+use crate::picture::{Color, RED_FIRST, truncate_to_bytes};
 use crate::render::{Progress, Request};
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
@@ -49,11 +49,7 @@ impl Explainer<'_, '_> {
             has_grid: self.prepared.cells().is_some(),
             highlight: self.scene.lighting.highlight,
             has_cube_map: self.scene.cube_map.is_some(),
-            samples: vec![],
-            more_samples: 0,
-            left_out: LeftOut::default(),
-            color: Color::ZERO,
-            bytes: [0; CHANNELS],
+            ..PixelTree::default()
         };
         let (mut room, mut lines) = (MAX_RAYS, MAX_LINES);
         let mut sum = Sum::default();
@@ -153,22 +149,7 @@ impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
             parent.children.push(place);
             (bounces, leaves) = (parent.bounces + 1, parent.hit.map(|hit| hit.primitive));
         }
-        let (hit, counts, surface, color, ends, children, close_calls) = Default::default();
-        self.rays.push(RayNode {
-            kind,
-            bounces,
-            ray,
-            leaves,
-            hit,
-            filter,
-            weight,
-            counts,
-            surface,
-            color,
-            ends,
-            children,
-            close_calls,
-        });
+        self.rays.push(RayNode { kind, bounces, ray, leaves, filter, weight, ..RayNode::default() });
     }
 }
 
@@ -221,10 +202,7 @@ impl Observer for Recorder<'_, '_, '_> {
             (Event::Ambient(color), Some(node)) => {
                 node.surface.iter_mut().for_each(|surface| surface.ambient = Some(color));
             }
-            (Event::ShadowRay(ray), Some(_)) => {
-                let (crossed, blocker, counts, close_calls) = Default::default();
-                self.shadow = Some(Shadow { ray, crossed, blocker, counts, close_calls });
-            }
+            (Event::ShadowRay(ray), Some(_)) => self.shadow = Some(Shadow { ray, ..Shadow::default() }),
             (Event::Crossed { hit, tint, leaves }, Some(_)) => {
                 if let Some(shadow) = &mut self.shadow {
                     let object = explainer.object(hit.primitive);

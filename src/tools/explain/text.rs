@@ -322,10 +322,7 @@ fn triple(vector: DVec3) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::ray::Ray;
-    use crate::picture::CHANNELS;
     use crate::shading::light::Incident;
-    use crate::tools::explain::tree::LeftOut;
 
     #[test]
     fn nine_digits_are_shown_and_none_that_says_nothing() {
@@ -345,17 +342,6 @@ mod tests {
 
     #[test]
     fn a_light_on_a_triangle_is_told_from_one_in_sight() {
-        let tree = PixelTree {
-            pixel: [0; 2],
-            has_grid: false,
-            highlight: Highlight::Blinn,
-            has_cube_map: false,
-            samples: vec![],
-            more_samples: 0,
-            left_out: LeftOut::default(),
-            color: Color::ZERO,
-            bytes: [0; CHANNELS],
-        };
         for (passed, cosine, expected) in [
             (Color::ONE, 0.5, "shadow ray meets nothing"),
             (Color::ZERO, -0.5, "shadow ray meets nothing"),
@@ -363,10 +349,9 @@ mod tests {
         ] {
             let incident = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
             let light = Lighting { incident, cosine, passed, parts: [Color::ONE; 2], shadow: None };
-            let (ray, counts) = (Ray::new(DVec3::ZERO, DVec3::X), Counts::default());
-            let shadow = Shadow { ray, crossed: vec![], blocker: None, counts, close_calls: vec![] };
+            let tree = PixelTree::default();
             let mut text = Text { tree: &tree, lines: vec![], indent: 0, about: None };
-            text.shadow(&light, &shadow);
+            text.shadow(&light, &Shadow::default());
             assert_eq!(text.lines[0].text, expected);
         }
     }

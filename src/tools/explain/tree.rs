@@ -18,7 +18,7 @@ use serde::Serialize;
 use std::fmt;
 
 /// A pixel with everything that contributes to it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct PixelTree {
     pub pixel: [usize; 2],
     pub has_grid: bool,
@@ -60,7 +60,7 @@ pub struct LeftOut {
 }
 
 /// A ray that was followed, and its hit.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct RayNode {
     /// How the ray left the surface at its origin. `None` for the camera ray.
     pub kind: Option<Secondary>,
@@ -122,7 +122,7 @@ pub struct Lighting {
 }
 
 /// A ray towards a light.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Shadow {
     /// The ray, which ends at the light.
     pub ray: Ray,
