@@ -5,7 +5,6 @@
 //! word is a value. So `-2` and `-.5` are numbers, and a file called `-a.tga` has to be written as
 //! `./-a.tga`.
 
-mod commands;
 mod error;
 mod flags;
 mod help;
@@ -14,7 +13,6 @@ mod outputs;
 mod values;
 mod words;
 
-pub use commands::parse_commands;
 pub use flags::command;
 pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
 pub use outputs::Output;
@@ -37,7 +35,6 @@ use std::path::PathBuf;
 pub enum Command {
     Render(Box<Options>),
     Grade(Grading),
-    Merge(Merging),
     Convert(Converting),
     ReportErrors(Box<ErrorReporting>),
     /// Print this text, which ends with a newline, on standard output.
@@ -49,8 +46,8 @@ pub enum Command {
 pub struct Grading {
     pub folder: PathBuf,
     pub references: References,
-    /// The page, whose name ends in `.html`.
-    pub report: Option<PathBuf>,
+    /// The page, whose name ends in `.html`, and the table beside it.
+    pub report: Option<[PathBuf; 2]>,
     pub tolerance: Option<Tolerance>,
     pub threads: Option<usize>,
     pub progress: ShowProgress,
@@ -63,24 +60,21 @@ pub enum References {
     Commands(PathBuf),
 }
 
-/// Parts of a picture, and the picture to make of them.
+/// A picture to write in a format of bytes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Merging {
-    /// The parts, of which there is at least one. They end in `.tga` or `.png`.
-    pub parts: Vec<PathBuf>,
-    /// The picture to write, in a format of bytes.
+pub struct Converting {
+    pub source: Source,
     pub output: Output,
-    /// The part of the picture that they become; none for the whole.
-    pub region: Option<Window>,
     pub progress: ShowProgress,
 }
 
-/// A picture to convert, and the picture to write in a format of bytes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Converting {
-    pub picture: PathBuf,
-    pub output: Output,
-    pub progress: ShowProgress,
+/// The pixels of a picture to write.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    Picture(PathBuf),
+    /// At least one part in a file that ends in `.tga` or `.png`, and the part of the picture that they become; none for
+    /// the whole.
+    Parts(Vec<PathBuf>, Option<Window>),
 }
 
 /// A report on the time and the error of settings.
@@ -92,21 +86,6 @@ pub struct ErrorReporting {
     pub folder: PathBuf,
     /// The error to reach, in levels, not negative.
     pub target: Option<f64>,
-}
-
-impl Grading {
-    /// The page and the table beside it, if they are written.
-    pub fn report_files(&self) -> Option<[PathBuf; 2]> {
-        let page = self.report.as_ref()?;
-        Some([page.clone(), page.with_extension("csv")])
-    }
-}
-
-impl ErrorReporting {
-    /// The page and the table.
-    pub fn report_files(&self) -> [PathBuf; 2] {
-        ["report.html", "report.csv"].map(|name| self.folder.join(name))
-    }
 }
 
 /// Parses a command line. The first word of `argv` is the program's name.
@@ -135,16 +114,17 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, Diagno
             (None, None) => return fail("-grade needs -reference or -commands"),
         };
         let Flags { report, threads, .. } = flags;
+        let report = report.map(|page| [page.clone(), page.with_extension("csv")]);
         return Ok(Command::Grade(Grading { folder, references, report, tolerance, threads, progress }));
     }
-    if let Some(parts) = flags.merge.clone() {
-        let region = flags.region.as_deref().map(region).transpose()?;
+    let region = || flags.region.as_deref().map(region).transpose();
+    let source = match (flags.merge.clone(), flags.convert.clone()) {
+        (Some(parts), _) => Some(Source::Parts(parts, region()?)),
+        (None, picture) => picture.map(Source::Picture),
+    };
+    if let Some(source) = source {
         let output = output_of_bytes(&flags)?;
-        return Ok(Command::Merge(Merging { parts, output, region, progress }));
-    }
-    if let Some(picture) = flags.convert.clone() {
-        let output = output_of_bytes(&flags)?;
-        return Ok(Command::Convert(Converting { picture, output, progress }));
+        return Ok(Command::Convert(Converting { source, output, progress }));
     }
     let (report, target) = (flags.error_report.clone(), flags.target);
     // clap does not require a flag that conflicts with one that is given.

@@ -28,7 +28,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     // Load the scene and settle the options.
     let start = Instant::now();
     let loaded = many.install(|| options.load_scene())?;
-    let written = reporting.report_files().into_iter().chain(["-".into()]);
+    let files = ["report.html", "report.csv"].map(|name| folder.join(name));
+    let written = files.clone().into_iter().chain(["-".into()]);
     check_distinct(written, options.files().chain(loaded.files())).map_err(refused)?;
     let remarks = [no_lights(&loaded.scene), loaded.choice.remark()];
     remarks.into_iter().flatten().for_each(|found| log.tell(found));
@@ -40,7 +41,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     // A file that cannot be written is no reason to wait for the measurements.
     let unwritable = |error| Diagnostic::error(format!("cannot make the folder {}: {error}", quoted(folder)));
     fs::create_dir_all(folder).map_err(unwritable)?;
-    let [page_file, csv_file] = prepare_report(reporting.report_files())?;
+    let [page_file, csv_file] = prepare_report(&files)?;
 
     // Measure.
     let clock = || ProcessTime::now().as_duration();
@@ -73,7 +74,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let text = text(&report, &answers);
-    Ok(Outcome { passes, ..Outcome::new(text, reporting.report_files(), options.progress) })
+    Ok(Outcome { passes, ..Outcome::new(text, files, options.progress) })
 }
 
 /// Formats the progress of a sweep after this time, and how long the rest takes at this speed.

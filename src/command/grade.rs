@@ -31,7 +31,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     let references = References::open(&options.references)?;
     let names: Vec<_> = references.names().collect();
     let folder = Folder::new(&options.folder, listed, &names)?;
-    let written = options.report_files().into_iter().flatten().chain(["-".into()]);
+    let written = options.report.clone().into_iter().flatten().chain(["-".into()]);
     let commands = match &options.references {
         cli::References::Commands(file) => Some(("list of commands", file.clone())),
         cli::References::Folder(_) => None,
@@ -40,7 +40,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     check_distinct(written, commands.into_iter().chain(references.files()).chain(handed_in))
         .map_err(refused)?;
     // A file that cannot be written is no reason to wait for the comparison.
-    let files = options.report_files().map(prepare_report).transpose()?;
+    let files = options.report.as_ref().map(prepare_report).transpose()?;
 
     // Compare.
     let mut page = files.is_some().then(Page::default);
@@ -104,7 +104,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
         let complete = vec![page_file.text(&page.finish(&table))?, values_file.text(&csv(&table))?];
         Outputs::new(complete, signals)?.name_all()?;
     }
-    let written = options.report_files().into_iter().flatten();
+    let written = options.report.clone().into_iter().flatten();
     let outcome = Outcome::new(summary(&table), written, options.progress);
     Ok(Outcome { passes: options.tolerance.is_none() || table.passes(), ..outcome })
 }

@@ -1,7 +1,9 @@
 //! Messages on standard error, with colours on a terminal.
 
+use super::End;
 use raytracer::base::escape::quoted;
-use raytracer::diagnostic::Diagnostic;
+use raytracer::diagnostic::{Diagnostic, Severity};
+use raytracer::scene::load::Source;
 use std::cell::RefCell;
 use std::io::{IsTerminal, Write, stderr};
 use std::path::PathBuf;
@@ -22,6 +24,18 @@ impl Log {
     /// Writes a line to standard error. An error is ignored: without a reader, `eprintln!` would panic.
     pub fn say(&self, line: &str) {
         let _ = writeln!(stderr(), "{line}");
+    }
+
+    /// Tells these notes and warnings about a scene. If `is_strict`, warnings are errors, and end the run.
+    pub fn warn(&self, all: Vec<Diagnostic>, is_strict: bool, source: &Source) -> Result<(), End> {
+        let mut ends = false;
+        for mut found in all {
+            if is_strict && found.severity != Severity::Note {
+                (found.severity, ends) = (Severity::Error, true);
+            }
+            self.tell(if found.places.is_empty() { found } else { source.locate(found) });
+        }
+        if ends { Err(End { error: None, status: 1 }) } else { Ok(()) }
     }
 
     /// Tells a person at a terminal which files a run wrote in this time.

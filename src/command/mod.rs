@@ -6,15 +6,12 @@ mod log;
 mod progress;
 mod threads;
 mod outputs;
-mod warnings;
 mod parts;
 mod products;
-mod json;
 mod report;
 mod live;
 mod compare;
 mod render;
-mod merge;
 mod convert;
 mod grade;
 mod error_report;
@@ -102,7 +99,6 @@ fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
             }
         }
         Command::Grade(options) => grade::run(options, &signals, log)?,
-        Command::Merge(options) => merge::run(options, &signals)?,
         Command::Convert(options) => convert::run(options, &signals, log)?,
         Command::ReportErrors(options) => error_report::run(options, &signals, log)?,
     };

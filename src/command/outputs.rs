@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Checks that a page and the table beside it can be written.
-pub fn prepare_report(files: [PathBuf; 2]) -> Result<[OutputFile; 2], Diagnostic> {
-    let [page, table] = files.map(|file| OutputFile::prepare(&file));
+pub fn prepare_report(files: &[PathBuf; 2]) -> Result<[OutputFile; 2], Diagnostic> {
+    let [page, table] = files.each_ref().map(|file| OutputFile::prepare(file));
     Ok([page?, table?])
 }
 

@@ -8,19 +8,21 @@ use super::products::{Finished, Products};
 use super::progress::{ProgressLine, rows_text};
 use super::report::Report;
 use super::signals::Signals;
-use super::{End, Outcome, threads, warnings};
-use raytracer::cli::{Options, Output};
+use super::{End, Outcome, threads};
+use raytracer::cli::{Comparison, Options, Output};
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::{Exceptional, OutputFile};
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Rendered, Request, Stopped, Tracing};
 use raytracer::scene::edition::Edition;
+use raytracer::scene::load::LoadedScene;
 use raytracer::scene::model::Shows;
 use raytracer::stats::{self, Counts, Repeats, Timings};
 use raytracer::tools::explain::{CostMap, Explainer, PixelTree, Stop};
 use raytracer::tools::standard_error::standard_error;
-use raytracer::tools::warnings::{lights_without_effect, nothing_visible};
+use raytracer::tools::warnings;
+use raytracer::trace::Effects;
 use std::ffi::OsString;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -50,12 +52,12 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let pair = Pair::open(options, log)?;
 
     // Prepare.
-    let mut doubts = warnings::about_scene(&mut loaded, options);
+    let mut doubts = doubts_about(&mut loaded, options);
     let renderer = Renderer::new(loaded, meshes(options))?;
     if !options.visualize_grid {
-        doubts.extend(lights_without_effect(&renderer.scene, renderer.world(), &options.effects));
+        doubts.extend(warnings::lights_without_effect(&renderer.scene, renderer.world(), &options.effects));
     }
-    let warn = |doubts: Vec<Diagnostic>| warnings::say(doubts, options, &renderer.source, log);
+    let warn = |doubts: Vec<Diagnostic>| log.warn(doubts, options.strict, &renderer.source);
     warn(doubts)?;
     let request = request(options);
     let prepared = options.prepare(&renderer, &request)?;
@@ -82,7 +84,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     // Finish.
     if products.is_blank && !options.visualize_grid && renderer.scene.shows == Shows::Scene {
         let watch = |_| signals.goes_on();
-        warn(nothing_visible(&prepared, &request, &watch).into_iter().collect())?;
+        warn(warnings::nothing_visible(&prepared, &request, &watch).into_iter().collect())?;
     }
     warn(not_shown(&products.exceptional()))?;
     let encoding = products.encoding;
@@ -224,4 +226,39 @@ fn explanation(
     let explainer = Explainer::new(&prepared)?;
     let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
     explainer.pixel(&request, pixel, &stop).map(Some)
+}
+
+/// Returns the notes and warnings about a scene and the flags that it is rendered with.
+fn doubts_about(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
+    let scene = &loaded.scene;
+    let mut found = std::mem::take(&mut loaded.warnings);
+    found.extend(loaded.choice.remark());
+    found.extend(warnings::no_lights(scene));
+    if options.written().next().is_none() && !options.has_text() && !options.preview {
+        found.push(Diagnostic::warning("nothing is written: add `-output file.tga`"));
+    }
+    found.extend(warnings::triangles_without_area(scene, &loaded.meshes));
+    // The user has not asked for the bounces of an edition.
+    let effects = Effects { bounces: options.given.bounces.unwrap_or(0), ..options.effects };
+    let request = Request { effects, ..options.request() };
+    if !shows_colors(options) {
+        found.extend(warnings::colors_not_asked_for(&request, options.edition.unwrap_or_default()));
+        return found;
+    }
+    // `-bounces 0` is meant. In later editions every material with a highlight can mirror, so not to bounce is no
+    // mistake.
+    let is_meant = options.given.bounces == Some(0) || options.edition.unwrap_or_default() != Edition::Y2004;
+    found.extend(warnings::about_colors(scene, &request, is_meant));
+    found
+}
+
+/// Returns true if the run computes the colours of pixels for its pictures, its text or its page.
+fn shows_colors(options: &Options) -> bool {
+    let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
+    options.outputs.iter().any(|output| has_layer(&output.layer))
+        || options.comparison.as_ref().is_some_and(Comparison::needs_scene)
+        || options.stats
+        || options.pixel.is_some()
+        || options.page.is_some()
+        || options.outputs.is_empty()
 }

@@ -34,7 +34,7 @@ pub fn object_map(
     for primitive in primitives {
         let place = primitive.map_or(0, |id| {
             *of_primitives.entry(id).or_insert_with(|| {
-                let Some(part) = known.object(id) else { return 0 };
+                let part = known.object(id);
                 *of_positions.entry((part.at.line, part.at.column)).or_insert_with(|| {
                     objects.push(part);
                     u16::try_from(objects.len()).unwrap_or(0)
@@ -50,10 +50,7 @@ pub fn object_map(
 mod tests {
     use super::*;
     use crate::caster::choose::Structure;
-    use crate::render::renderer::{Meshes, Renderer};
-    use crate::scene::MeshFile;
-    use crate::scene::load::{Hints, Readers, Source, load_text};
-    use crate::scene::texels::ImageFile;
+    use crate::render::test_renderer::renderer_of;
     use std::time::{Duration, Instant};
 
     #[test]
@@ -62,12 +59,7 @@ mod tests {
             Group { numObjects 2 Material { }
             Sphere { center -1 1 0 radius .9 }
             Box { min 0 -2 -1 max 2 0 1 } }";
-        let source = Source { path: "s.txt".into(), text: text.into() };
-        let no_mesh = |_: &MeshFile, _, _| Err(Diagnostic::error("no mesh"));
-        let no_image = |_: &ImageFile, _| Err(Diagnostic::error("no picture"));
-        let readers = Readers { mesh: &no_mesh, image: &no_image };
-        let loaded = load_text(source, &Hints::default(), readers).unwrap();
-        let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
+        let renderer = renderer_of(text);
         let prepared =
             renderer.prepare(&Request { structure: Structure::List, ..Request::new([2, 2]) }).unwrap();
         let stop = Stop::at(Instant::now() + Duration::from_secs(60));

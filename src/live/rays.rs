@@ -131,13 +131,8 @@ fn cells_passed(lattice: &Lattice, tree: &PixelTree) -> Vec<DVec3> {
 mod tests {
     use super::*;
     use crate::caster::choose::{Resolution, Structure};
-    use crate::diagnostic::Diagnostic;
-    use crate::render::Request;
-    use crate::render::Tracing;
-    use crate::render::renderer::{Meshes, Renderer};
-    use crate::scene::MeshFile;
-    use crate::scene::load::{Hints, Readers, Source, load_text};
-    use crate::scene::texels::ImageFile;
+    use crate::render::test_renderer::renderer_of;
+    use crate::render::{Request, Tracing};
     use crate::tools::explain::{Explainer, Stop};
     use crate::trace::{Effects, Shadows};
     use std::time::{Duration, Instant};
@@ -149,12 +144,7 @@ mod tests {
         vertex2 0 -1 3 } }";
 
     fn rays(structure: Structure) -> (PixelTree, Rays) {
-        let source = Source { path: "s.txt".into(), text: GLASS.into() };
-        let no_mesh = |_: &MeshFile, _, _| Err(Diagnostic::error("no mesh"));
-        let no_image = |_: &ImageFile, _| Err(Diagnostic::error("no picture"));
-        let readers = Readers { mesh: &no_mesh, image: &no_image };
-        let loaded = load_text(source, &Hints::default(), readers).unwrap();
-        let renderer = Renderer::new(loaded, Meshes::Kept).unwrap();
+        let renderer = renderer_of(GLASS);
         let effects = Effects { shadows: Shadows::Opaque, bounces: 3, shade_back: true, min_weight: 0.0 };
         let request = Request { effects, structure, tracing: Tracing::Counted, ..Request::new([9, 9]) };
         let prepared = renderer.prepare(&request).unwrap();

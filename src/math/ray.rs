@@ -6,7 +6,7 @@ use serde::Serialize;
 /// The points `origin + t * direction` with `t_min <= t < t_max`.
 ///
 /// The order of the fields lets vector instructions load them four at a time.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[repr(C)]
 pub struct Ray {
     /// The point at t = 0.

@@ -253,4 +253,6 @@ pub fn render_in_memory(
 }
 
 #[cfg(test)]
+pub(crate) mod test_renderer;
+#[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! Finds close calls: decisions that different rounding could reverse, so another correct tracer may differ.
 
-use super::tree::CloseCallKind;
+use super::explainer::Explainer;
+use super::tree::{CloseCall, CloseCallKind};
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::edge_functions::Sides;
@@ -29,21 +30,18 @@ pub fn is_about_zero(cosine: f64) -> bool {
 /// The largest number of close calls reported for a ray.
 const MAX_CLOSE_CALLS: usize = 1 << 8;
 
-/// Returns the first primitives of the world with which a ray has a close call, except the one that it leaves. `sees`
-/// is its first hit. Examines every primitive.
-pub fn close_primitives(
-    world: &World,
-    ray: &Ray,
-    leaves: Option<u32>,
-    sees: Option<Hit>,
-) -> Vec<(CloseCallKind, u32)> {
-    let search = Search { world, ray, sees, shear: Shear::new(ray) };
-    world
-        .ids()
-        .filter(|&id| leaves != Some(id))
-        .filter_map(|id| search.close_call(id).map(|kind| (kind, id)))
-        .take(MAX_CLOSE_CALLS)
-        .collect()
+impl Explainer<'_, '_> {
+    /// Returns the first close calls of a ray with primitives other than the one that it leaves. `sees` is its first hit.
+    /// Examines every primitive.
+    pub fn close_calls(&self, ray: &Ray, leaves: Option<u32>, sees: Option<Hit>) -> Vec<CloseCall> {
+        let search = Search { world: self.world, ray, sees, shear: Shear::new(ray) };
+        let others = self.world.ids().filter(|&id| leaves != Some(id));
+        let found = others.filter_map(|id| {
+            let kind = search.close_call(id)?;
+            Some(CloseCall { kind, object: Some(self.object(id)) })
+        });
+        found.take(MAX_CLOSE_CALLS).collect()
+    }
 }
 
 struct Search<'a> {

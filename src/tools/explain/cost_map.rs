@@ -24,7 +24,6 @@ pub struct CostMap {
 const GAP: usize = 4;
 /// Columns of the scale.
 const SCALE: usize = 12;
-
 /// Columns from one digit to the next.
 const ADVANCE: usize = 4;
 /// Rows of a digit.
@@ -63,21 +62,25 @@ impl CostMap {
     pub fn draw(&self) -> Result<Picture, BadSize> {
         let [width, height] = self.size;
         let (_, most) = self.most_expensive();
+        let (last, lowest) = (height.saturating_sub(1), height.saturating_sub(DIGIT_HEIGHT));
+        let scale = width + GAP..width + GAP + SCALE;
+        let labels = [(0, most), (lowest / 2, most / 2), (lowest, 0)];
+        let left = scale.end + GAP;
+        let is_label = |x: usize, y: usize| {
+            labels.iter().any(|&(top, number)| y >= top && is_white(number, x - left, y - top))
+        };
+        let value = |x: usize, y: usize| match x {
+            _ if x < width => self.counts[y * width + x] as f64 / most.max(1) as f64,
+            _ if scale.contains(&x) && last == 0 => 1.0,
+            _ if scale.contains(&x) => (last - y) as f64 / last as f64,
+            _ => f64::from(x >= left && is_label(x, y)),
+        };
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-        let labels = width + GAP + SCALE + GAP;
-        let mut picture = Picture::new(side(labels + digits_width(most)), side(height))?;
-        let color = |count: u64| cubehelix(count as f64 / most.max(1) as f64);
-        for (index, &count) in self.counts.iter().enumerate() {
-            set(&mut picture, [index % width, index / width], color(count));
-        }
-        let last = height.saturating_sub(1);
+        let digits = most.to_string().len();
+        let mut picture = Picture::new(side(left + digits * ADVANCE), side(height))?;
         for y in 0..height {
-            let value = if last == 0 { 1.0 } else { (last - y) as f64 / last as f64 };
-            (0..SCALE).for_each(|x| set(&mut picture, [width + GAP + x, y], cubehelix(value)));
-        }
-        let lowest = height.saturating_sub(DIGIT_HEIGHT);
-        for (number, y) in [(most, 0), (most / 2, lowest / 2), (0, lowest)] {
-            draw_number(&mut picture, [labels, y], number);
+            let pixels = picture.row_mut(last - y).as_chunks_mut().0;
+            pixels.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = cubehelix(value(x, y)));
         }
         Ok(picture)
     }
@@ -118,30 +121,11 @@ pub fn cubehelix(value: f64) -> [u8; 3] {
         .map(|[c, s]| (255.0 * (value + amplitude * (c * cosine + s * sine))).round() as u8)
 }
 
-/// Returns the width of a number in pixels.
-fn digits_width(number: u64) -> usize {
-    number.to_string().len() * ADVANCE
-}
-
-/// Draws a number in white, with its top left corner in column `x` and row `y` from the top. Parts outside the picture
-/// are cut off.
-fn draw_number(picture: &mut Picture, [x, y]: [usize; 2], number: u64) {
-    for (place, digit) in number.to_string().bytes().enumerate() {
-        let glyph = GLYPHS[usize::from(digit - b'0')];
-        for (row, column) in (0..DIGIT_HEIGHT).flat_map(|row| (0..3).map(move |column| (row, column))) {
-            if glyph >> (14 - 3 * row - column) & 1 == 1 {
-                set(picture, [x + ADVANCE * place + column, y + row], [255; 3]);
-            }
-        }
-    }
-}
-
-/// Colours the pixel in column `x` and row `y` from the top, if it exists.
-fn set(picture: &mut Picture, [x, y]: [usize; 2], color: [u8; 3]) {
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    if x < width && y < height {
-        picture.row_mut(height - 1 - y)[3 * x..][..3].copy_from_slice(&color);
-    }
+/// Returns true if the pixel in this column and row of a number is white.
+fn is_white(number: u64, column: usize, row: usize) -> bool {
+    let (place, column) = (column / ADVANCE, column % ADVANCE);
+    let is_lit = |&digit: &u8| GLYPHS[usize::from(digit - b'0')] >> (14 - 3 * row - column) & 1 == 1;
+    column < 3 && row < DIGIT_HEIGHT && number.to_string().as_bytes().get(place).is_some_and(is_lit)
 }
 
 #[cfg(test)]
@@ -178,14 +162,10 @@ mod tests {
 
     #[test]
     fn a_number_stands_digit_by_digit() {
-        let mut picture = Picture::new(digits_width(17) as u32, 6).unwrap();
-        draw_number(&mut picture, [0, 1], 17);
-        let shown: Vec<String> = (0..6)
-            .map(|y| {
-                (0..8).map(|x| if picture.get(x, 5 - y) == Some([255; 3]) { '#' } else { '.' }).collect()
-            })
-            .collect();
-        assert_eq!(shown, ["........", ".#..###.", "##....#.", ".#...#..", ".#...#..", "###..#.."]);
+        let shown = [0, 1, 2, 3, 4, 5].map(|row| {
+            (0..8).map(|column| if is_white(17, column, row) { '#' } else { '.' }).collect::<String>()
+        });
+        assert_eq!(shown, [".#..###.", "##....#.", ".#...#..", ".#...#..", "###..#..", "........"]);
     }
 
     #[test]

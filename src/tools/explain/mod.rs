@@ -4,7 +4,6 @@ mod close_call;
 mod cost_map;
 mod explainer;
 mod pixel;
-mod recorder;
 mod stop;
 mod text;
 mod tree;

@@ -1,17 +1,20 @@
-//! Explains a pixel: traces each of its samples, with a recorder of their rays, and sums them to the picture's bytes.
+//! Explains a pixel: traces each of its samples, records their rays, and sums them to the picture's bytes.
 
+use super::close_call::is_about_zero;
 use super::explainer::Explainer;
-use super::recorder::Recorder;
 use super::stop::Stop;
-use super::tree::{LeftOut, PixelTree, RayNode, SampleTree};
+use super::tree::{CloseCall, CloseCallKind, Crossing, LeftOut, Lighting, NotFollowed};
+use super::tree::{PixelTree, RayNode, SampleTree, Shadow};
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, RED_FIRST, truncate_to_bytes};
+use crate::math::ray::Ray;
+use crate::picture::{Color, RED_FIRST, truncate_to_bytes};
 use crate::render::{Progress, Request};
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
-use crate::trace::{Memory, Tracer};
+use crate::stats::{Counts, Probe};
+use crate::trace::{Event, Memory, Observer, Secondary, Tracer, is_critical};
 use glam::DVec2;
-use std::ops::RangeInclusive;
+use std::mem::take;
 
 /// The largest number of rays kept for a pixel.
 const MAX_RAYS: usize = 1 << 12;
@@ -33,27 +36,23 @@ impl Explainer<'_, '_> {
             return Err(Diagnostic::error("outside the picture"));
         }
         let target = [x, height - 1 - y];
-        let reached = |middle: usize, count: usize| -> RangeInclusive<usize> {
+        let reached = |middle: usize, count: usize| {
             let support = request.filter.support().min(width.max(height));
             middle.saturating_sub(support)..=(middle + support).min(count - 1)
         };
         let (watch, is_over) = (|progress: Progress| stop.watch(progress), |_| stop.is_over());
-        let (camera, scene) = (self.prepared.camera(request), &self.prepared.renderer().scene);
+        let (camera, lights) = (self.prepared.camera(request), self.scene.lights.len());
         let tracer = Tracer::new(self.prepared.caster(), request.effects);
-        let mut memory = Memory::until(&is_over, scene.lights.len());
+        let mut memory = Memory::until(&is_over, lights);
         let mut tree = PixelTree {
             pixel: [x, y],
             has_grid: self.prepared.cells().is_some(),
-            highlight: scene.lighting.highlight,
-            has_cube_map: scene.cube_map.is_some(),
-            samples: vec![],
-            more_samples: 0,
-            left_out: LeftOut::default(),
-            color: Color::ZERO,
-            bytes: [0; CHANNELS],
+            highlight: self.scene.lighting.highlight,
+            has_cube_map: self.scene.cube_map.is_some(),
+            ..PixelTree::default()
         };
         let (mut room, mut lines) = (MAX_RAYS, MAX_LINES);
-        let mut sum: Option<Sum> = None;
+        let mut sum = Sum::default();
         for row in reached(target[1], height) {
             let mut row_sum = Sum::default();
             for column in reached(x, width) {
@@ -68,15 +67,16 @@ impl Explainer<'_, '_> {
                     // Trace the sample, and record its rays as long as there is room.
                     let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
                     let is_kept = tree.samples.len() < MAX_SAMPLES;
-                    let kept = if is_kept { room.min(lines / (1 + scene.lights.len())) } else { 0 };
+                    let kept = if is_kept { room.min(lines / (1 + lights)) } else { 0 };
                     let mut recorder = Recorder::new(self, ray, kept, stop);
                     let color = tracer.color(&ray, &mut memory, &mut recorder);
-                    let (rays, left_out) = recorder.finish();
+                    recorder.leave_out();
                     if stop.is_over() {
                         return Err(Diagnostic::error("the rays behind the pixel take too long"));
                     }
 
                     // Add it to the tree.
+                    let Recorder { rays, left_out, .. } = recorder;
                     row_sum.add(weight, color, part);
                     room -= rays.len();
                     lines = lines.saturating_sub(rays.iter().map(RayNode::lines).sum());
@@ -91,13 +91,137 @@ impl Explainer<'_, '_> {
                     }
                 }
             }
-            match &mut sum {
-                Some(sum) => sum.join(row_sum),
-                None => sum = Some(row_sum),
-            }
+            sum.join(row_sum);
         }
-        tree.color = sum.unwrap_or_default().color();
+        tree.color = sum.color();
         truncate_to_bytes::<RED_FIRST>(&[tree.color], &mut tree.bytes);
         Ok(tree)
+    }
+}
+
+/// Records the descendants of one camera ray while the tracer follows them, as long as there is room.
+struct Recorder<'e, 'p, 'r> {
+    explainer: &'e Explainer<'p, 'r>,
+    stop: &'e Stop,
+    /// The camera ray first, and each ray after its parent.
+    rays: Vec<RayNode>,
+    /// The largest number of rays kept.
+    room: usize,
+    left_out: LeftOut,
+    /// The index of each ray that waits on the tracer's stack, or `None` if it is not kept.
+    waiting: Vec<Option<usize>>,
+    current: Option<usize>,
+    /// The work since the last ray was finished.
+    counts: Counts,
+    /// The last ray towards a light, until the light's contribution is known.
+    shadow: Option<Shadow>,
+}
+
+impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
+    /// Starts with a camera ray.
+    fn new(explainer: &'e Explainer<'p, 'r>, ray: Ray, room: usize, stop: &'e Stop) -> Self {
+        let (rays, left_out, waiting, current, counts, shadow) = Default::default();
+        let mut recorder = Self { explainer, stop, rays, room, left_out, waiting, current, counts, shadow };
+        recorder.push(None, ray, Color::ONE, 1.0);
+        recorder.current = recorder.waiting.pop().flatten();
+        recorder.non_shadow_ray();
+        recorder
+    }
+
+    /// Counts the work for the current ray if it is not kept.
+    fn leave_out(&mut self) {
+        if self.current.is_none() {
+            self.left_out.counts = self.left_out.counts.merge(take(&mut self.counts));
+        }
+    }
+
+    /// Adds a ray, unless there is no room or its parent was not kept.
+    fn push(&mut self, kind: Option<Secondary>, ray: Ray, filter: Color, weight: f64) {
+        let place = self.rays.len();
+        let is_kept = place < self.room && (kind.is_none() || self.current.is_some());
+        self.waiting.push(is_kept.then_some(place));
+        if !is_kept {
+            self.left_out.rays += 1;
+            return;
+        }
+        let (mut bounces, mut leaves) = (0, None);
+        if let Some(parent) = self.current.map(|parent| &mut self.rays[parent]) {
+            parent.children.push(place);
+            (bounces, leaves) = (parent.bounces + 1, parent.hit.map(|hit| hit.primitive));
+        }
+        self.rays.push(RayNode { kind, bounces, ray, leaves, filter, weight, ..RayNode::default() });
+    }
+}
+
+impl Probe for Recorder<'_, '_, '_> {
+    const COUNTS: bool = true;
+
+    fn intersections(&mut self, count: usize) {
+        self.counts.intersections(count);
+    }
+
+    fn cell(&mut self) {
+        self.counts.cell();
+    }
+}
+
+impl Observer for Recorder<'_, '_, '_> {
+    fn non_shadow_ray(&mut self) {
+        self.counts.non_shadow_ray();
+    }
+
+    fn shadow_ray(&mut self) {
+        self.counts.shadow_ray();
+    }
+
+    fn observe<'e>(&mut self, event: impl FnOnce() -> Event<'e>) {
+        let (event, node) = (event(), self.current.map(|place| &mut self.rays[place]));
+        let (explainer, is_in_time) = (self.explainer, || !self.stop.is_over());
+        let close = |kind| CloseCall { kind, object: None };
+        match (event, node) {
+            (Event::Popped, _) => {
+                self.leave_out();
+                self.current = self.waiting.pop().flatten();
+            }
+            (Event::Pushed { kind, ray, filter, weight }, _) => self.push(Some(kind), ray, filter, weight),
+            // The other events concern the current ray.
+            (_, None) => {}
+            (Event::Met(hit), Some(node)) => {
+                (node.hit, node.counts) = (hit, take(&mut self.counts));
+                if is_in_time() {
+                    node.close_calls = explainer.close_calls(&node.ray, node.leaves, hit);
+                }
+            }
+            (Event::Surface { point, material }, Some(node)) => explainer.add_surface(node, point, material),
+            (Event::NotFollowed { kind, end }, Some(node)) => node.ends.push(NotFollowed { kind, end }),
+            (Event::Refracting { direction, normal, indices }, Some(node)) => {
+                if is_critical(direction, normal, indices) {
+                    node.close_calls.insert(0, close(CloseCallKind::Critical));
+                }
+            }
+            (Event::Ambient(color), Some(node)) => {
+                node.surface.iter_mut().for_each(|surface| surface.ambient = Some(color));
+            }
+            (Event::ShadowRay(ray), Some(_)) => self.shadow = Some(Shadow { ray, ..Shadow::default() }),
+            (Event::Crossed { hit, tint, leaves }, Some(_)) => {
+                if let Some(shadow) = &mut self.shadow {
+                    let object = explainer.object(hit.primitive);
+                    shadow.crossed.push(Crossing { object, hit, tint, leaves });
+                }
+            }
+            (Event::Light { incident, cosine, passed, parts }, Some(node)) => {
+                let (Some(surface), Some(hit)) = (&mut node.surface, node.hit) else { return };
+                let (counts, mut shadow) = (take(&mut self.counts), self.shadow.take());
+                if let Some(shadow) = shadow.as_mut().filter(|_| is_in_time()) {
+                    shadow.counts = counts;
+                    explainer.finish_shadow(shadow, surface.lights.len(), hit.primitive);
+                    if is_about_zero(cosine) {
+                        shadow.close_calls.push(close(CloseCallKind::Cosine));
+                    }
+                }
+                surface.lights.push(Lighting { incident, cosine, passed, parts, shadow });
+            }
+            (Event::Shaded(color), Some(node)) => node.color = color,
+        }
     }
 }

@@ -9,26 +9,23 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Stop {
     deadline: Instant,
-    is_over: AtomicBool,
+    is_cancelled: AtomicBool,
 }
 
 impl Stop {
     /// Stops at this time.
     pub fn at(deadline: Instant) -> Self {
-        Self { deadline, is_over: AtomicBool::new(false) }
+        Self { deadline, is_cancelled: AtomicBool::new(false) }
     }
 
     /// Stops now.
     pub fn cancel(&self) {
-        self.is_over.store(true, Ordering::Relaxed);
+        self.is_cancelled.store(true, Ordering::Relaxed);
     }
 
     /// Returns true if the work should end.
     pub fn is_over(&self) -> bool {
-        if !self.is_over.load(Ordering::Relaxed) && Instant::now() >= self.deadline {
-            self.cancel();
-        }
-        self.is_over.load(Ordering::Relaxed)
+        self.is_cancelled.load(Ordering::Relaxed) || Instant::now() >= self.deadline
     }
 
     /// Ends a render after the deadline. This is a [`Watch`](crate::render::Watch).

@@ -1,7 +1,7 @@
 //! Writes the tree of a pixel as text.
 
-use super::tree::{Crossing, LightBlocker, Lighting, MaterialPart, NotFollowed, ObjectPart};
-use super::tree::{PixelTree, RayNode, SampleTree, Shadow, Surface};
+use super::tree::{Crossing, LightBlocker, Lighting, MaterialPart, NotFollowed, PixelTree, RayNode};
+use super::tree::{SampleTree, Shadow, Surface, TextureWeight};
 use crate::diagnostic::Position;
 use crate::picture::Color;
 use crate::scene::MaterialId;
@@ -161,21 +161,18 @@ impl Text<'_> {
 
     fn surface(&mut self, surface: &Surface) {
         let Surface { object, t, point, material_at, material, textures, parts, paint, .. } = surface;
-        self.add(format!("sees {} at t {}", named(object), short(*t)));
+        self.add(format!("sees {object} at t {}", short(*t)));
         self.add(format!("point {}, normal {}", triple(point.position), triple(point.normal)));
-        for texture in textures {
-            let ([one, other], first) = (texture.children, texture.first);
+        for TextureWeight { name, material, at, children: [one, other], first } in textures {
+            let (texture, first, second) =
+                (named_material(*material, *at), short(*first), short(1.0 - first));
             self.add(format!(
-                "{} is a {}: material {one} weighs {}, material {other} {}",
-                named_material(texture.material, texture.at),
-                texture.name,
-                short(first),
-                short(1.0 - first)
+                "{texture} is a {name}: material {one} weighs {first}, material {other} {second}"
             ));
         }
         for MaterialPart { material, at, weight, phong } in parts {
-            let colors = self.colors(phong, true, &None);
-            self.add(format!("{} weighs {}: {colors}", named_material(*material, *at), short(*weight)));
+            let (part, colors) = (named_material(*material, *at), self.colors(phong, true, ""));
+            self.add(format!("{part} weighs {}: {colors}", short(*weight)));
         }
         // Highlights keep the exponents of their own materials.
         let mixed = if parts.is_empty() { "" } else { ", mixed" };
@@ -184,38 +181,36 @@ impl Text<'_> {
     }
 
     /// Returns the colours of a material. `paint` is the source of the diffuse one, if it is not the material itself.
-    fn colors(&self, phong: &Phong, has_exponent: bool, paint: &Option<String>) -> String {
-        let Phong { diffuse, specular, exponent, reflective, transparent, index_of_refraction } = *phong;
+    fn colors(&self, phong: &Phong, has_exponent: bool, paint: &str) -> String {
+        let [diffuse, specular, reflective, transparent] =
+            [phong.diffuse, phong.specular, phong.reflective, phong.transparent].map(triple);
         // A number is shown only if the colour that it belongs to is not black.
-        let power = |name: &str, color: Color, number: f64| match color == Color::ZERO {
+        let number = |name: &str, color: Color, number: f64| match color == Color::ZERO {
             true => String::new(),
             false => format!(" with {name} {}", short(number)),
         };
-        let shown = if has_exponent { specular } else { Color::ZERO };
-        let index = power("index of refraction", transparent, index_of_refraction);
-        let of_paint = paint.as_ref().map(|paint| format!(" of {paint}")).unwrap_or_default();
-        let others = match self.tree.highlight {
+        let shown = if has_exponent { phong.specular } else { Color::ZERO };
+        let index = number("index of refraction", phong.transparent, phong.index_of_refraction);
+        match self.tree.highlight {
             Highlight::Blinn => format!(
-                "specular {}{}, reflective {}, transparent {}",
-                triple(specular),
-                power("exponent", shown, exponent),
-                triple(reflective),
-                triple(transparent)
+                "diffuse {diffuse}{paint}, specular {specular}{}, reflective {reflective}, \
+                 transparent {transparent}{index}",
+                number("exponent", shown, phong.exponent)
             ),
             Highlight::Phong => {
-                format!("specular {}{}", triple(reflective), power("shininess", shown, exponent))
+                let shininess = number("shininess", shown, phong.exponent);
+                format!("diffuse {diffuse}{paint}, specular {reflective}{shininess}{index}")
             }
-        };
-        format!("diffuse {}{of_paint}, {others}{index}", triple(diffuse))
+        }
     }
 
     /// Adds what a light contributes, the vectors of the lighting formula, and the ray towards the light.
     fn light(&mut self, number: usize, light: &Lighting, surface: &Surface, to_viewer: DVec3) {
         let Lighting { incident, cosine, passed, parts, shadow } = light;
-        let (to_light, shown) = (incident.direction, triple(incident.direction));
+        let (highlight, to_light) = (self.tree.highlight, incident.direction);
         let is_shiny = parts[1] != Color::ZERO;
         // In later editions, highlights appear behind the surface, too.
-        let is_behind = *cosine <= 0.0 && !(self.tree.highlight == Highlight::Phong && is_shiny);
+        let is_behind = *cosine <= 0.0 && !(highlight == Highlight::Phong && is_shiny);
         let [diffuse, specular] = parts.map(|part| triple(*passed * part));
         let cosine = short(*cosine);
         self.add(match (is_behind, incident.color == Color::ZERO) {
@@ -226,19 +221,18 @@ impl Text<'_> {
         self.indent += 2;
         let normal = surface.point.normal;
         let normal = if normal.dot(to_viewer) < 0.0 { -normal } else { normal };
-        self.add(match self.tree.highlight {
-            _ if is_behind || !is_shiny => format!("L {shown} towards the light"),
+        let others = match highlight {
+            _ if is_behind || !is_shiny => String::new(),
             Highlight::Blinn => {
                 let half_way = unit_or_zero(to_light + to_viewer);
-                let (cosine, half_way) = (short(normal.dot(half_way)), triple(half_way));
-                format!("L {shown} towards the light, half-way vector H {half_way}, N.H {cosine}")
+                format!(", half-way vector H {}, N.H {}", triple(half_way), short(normal.dot(half_way)))
             }
             Highlight::Phong => {
                 let mirrored = 2.0 * to_viewer.dot(normal) * normal - to_viewer;
-                let (cosine, mirrored) = (short(mirrored.dot(to_light)), triple(mirrored));
-                format!("L {shown} towards the light, mirrored view R {mirrored}, R.L {cosine}")
+                format!(", mirrored view R {}, R.L {}", triple(mirrored), short(mirrored.dot(to_light)))
             }
-        });
+        };
+        self.add(format!("L {} towards the light{others}", triple(to_light)));
         if let Some(shadow) = shadow {
             self.shadow(light, shadow);
         }
@@ -247,18 +241,16 @@ impl Text<'_> {
 
     fn shadow(&mut self, light: &Lighting, shadow: &Shadow) {
         for Crossing { object, hit, tint, leaves } in &shadow.crossed {
-            let (object, t) = (named(object), short(hit.t));
-            self.add(match (*tint == Color::ZERO, leaves) {
-                (true, _) => format!("shadow ray blocked by {object} at t {t}"),
-                (_, false) => format!("shadow ray enters {object} at t {t}"),
-                (_, true) => {
-                    format!("shadow ray leaves {object} after t {t}, tinted {} per unit", triple(*tint))
-                }
+            let t = short(hit.t);
+            self.add(match leaves {
+                _ if *tint == Color::ZERO => format!("shadow ray blocked by {object} at t {t}"),
+                false => format!("shadow ray enters {object} at t {t}"),
+                true => format!("shadow ray leaves {object} after t {t}, tinted {} per unit", triple(*tint)),
             });
         }
         match &shadow.blocker {
             Some(LightBlocker { object, t }) => {
-                self.add(format!("shadow ray blocked by {} at t {}", named(object), short(*t)));
+                self.add(format!("shadow ray blocked by {object} at t {}", short(*t)));
             }
             None if !shadow.crossed.is_empty() => {}
             None if light.passed == Color::ZERO && light.cosine > 0.0 => {
@@ -291,14 +283,9 @@ fn head(SampleTree { pixel: [x, y], number, offset, weight, .. }: &SampleTree) -
     format!("sample {number} of pixel ({x}, {y}) at ({right}, {up}) from its centre, weight {weight}")
 }
 
-fn named(object: &Option<ObjectPart>) -> String {
-    object.as_ref().map_or("a surface".into(), |object| object.to_string())
-}
-
 /// Names a material with its line in the scene's text.
-fn named_material(material: MaterialId, at: Option<Position>) -> String {
-    let line = at.map(|at| format!(" in line {}", at.line)).unwrap_or_default();
-    format!("material {material}{line}")
+fn named_material(material: MaterialId, at: Position) -> String {
+    format!("material {material} in line {}", at.line)
 }
 
 fn name(kind: Secondary) -> &'static str {
@@ -335,10 +322,7 @@ fn triple(vector: DVec3) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::ray::Ray;
-    use crate::picture::CHANNELS;
     use crate::shading::light::Incident;
-    use crate::tools::explain::tree::LeftOut;
 
     #[test]
     fn nine_digits_are_shown_and_none_that_says_nothing() {
@@ -358,17 +342,6 @@ mod tests {
 
     #[test]
     fn a_light_on_a_triangle_is_told_from_one_in_sight() {
-        let tree = PixelTree {
-            pixel: [0; 2],
-            has_grid: false,
-            highlight: Highlight::Blinn,
-            has_cube_map: false,
-            samples: vec![],
-            more_samples: 0,
-            left_out: LeftOut::default(),
-            color: Color::ZERO,
-            bytes: [0; CHANNELS],
-        };
         for (passed, cosine, expected) in [
             (Color::ONE, 0.5, "shadow ray meets nothing"),
             (Color::ZERO, -0.5, "shadow ray meets nothing"),
@@ -376,10 +349,9 @@ mod tests {
         ] {
             let incident = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
             let light = Lighting { incident, cosine, passed, parts: [Color::ONE; 2], shadow: None };
-            let (ray, counts) = (Ray::new(DVec3::ZERO, DVec3::X), Counts::default());
-            let shadow = Shadow { ray, crossed: vec![], blocker: None, counts, close_calls: vec![] };
+            let tree = PixelTree::default();
             let mut text = Text { tree: &tree, lines: vec![], indent: 0, about: None };
-            text.shadow(&light, &shadow);
+            text.shadow(&light, &Shadow::default());
             assert_eq!(text.lines[0].text, expected);
         }
     }

@@ -18,7 +18,7 @@ use serde::Serialize;
 use std::fmt;
 
 /// A pixel with everything that contributes to it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct PixelTree {
     pub pixel: [usize; 2],
     pub has_grid: bool,
@@ -60,12 +60,17 @@ pub struct LeftOut {
 }
 
 /// A ray that was followed, and its hit.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct RayNode {
     /// How the ray left the surface at its origin. `None` for the camera ray.
     pub kind: Option<Secondary>,
     pub bounces: usize,
     pub ray: Ray,
+    /// The primitive that it leaves. `None` for the camera ray.
+    #[serde(skip)]
+    pub(super) leaves: Option<u32>,
+    #[serde(skip)]
+    pub(super) hit: Option<Hit>,
     /// The factor of its colour in the picture.
     pub filter: Color,
     pub weight: f64,
@@ -88,14 +93,14 @@ pub struct NotFollowed {
 /// A surface that a ray hits, and its lighting.
 #[derive(Clone, Debug, Serialize)]
 pub struct Surface {
-    pub object: Option<ObjectPart>,
+    pub object: ObjectPart,
     pub t: f64,
     pub point: SurfacePoint,
-    pub material_at: Option<Position>,
+    pub material_at: Position,
     pub material: Phong,
-    /// The source of the diffuse colour, if it is not the material itself.
+    /// The source of the diffuse colour, as in " of the noise". Empty if it is the material itself.
     #[serde(skip)]
-    pub paint: Option<String>,
+    pub paint: String,
     /// The textures with nonzero weight, outermost first.
     pub textures: Vec<TextureWeight>,
     pub parts: Vec<MaterialPart>,
@@ -117,7 +122,7 @@ pub struct Lighting {
 }
 
 /// A ray towards a light.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Shadow {
     /// The ray, which ends at the light.
     pub ray: Ray,
@@ -131,14 +136,14 @@ pub struct Shadow {
 /// The obstruction that ends an opaque shadow's ray.
 #[derive(Clone, Debug, Serialize)]
 pub struct LightBlocker {
-    pub object: Option<ObjectPart>,
+    pub object: ObjectPart,
     pub t: f64,
 }
 
 /// A surface between a point and a light.
 #[derive(Clone, Debug, Serialize)]
 pub struct Crossing {
-    pub object: Option<ObjectPart>,
+    pub object: ObjectPart,
     /// The hit, with t measured from the last surface.
     #[serde(flatten)]
     pub hit: Hit,
@@ -164,7 +169,7 @@ pub struct ObjectPart {
 pub struct TextureWeight {
     pub name: &'static str,
     pub material: MaterialId,
-    pub at: Option<Position>,
+    pub at: Position,
     pub children: [MaterialId; 2],
     /// The weight of the first material. The second has the rest.
     pub first: f64,
@@ -174,7 +179,7 @@ pub struct TextureWeight {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialPart {
     pub material: MaterialId,
-    pub at: Option<Position>,
+    pub at: Position,
     pub weight: f64,
     pub phong: Phong,
 }
@@ -186,11 +191,8 @@ pub enum CloseCallKind {
     Edge,
     Tangent,
     Parallel,
-    /// Something else is at the distance of the visible hit.
     SameT,
-    /// Something is at the ray's origin.
     Start,
-    /// Something is at the light.
     End,
     Cosine,
     Boundary,
@@ -215,8 +217,13 @@ impl PixelTree {
 
     /// Returns the names of the channels whose byte a few roundings could change.
     pub fn close_channels(&self) -> impl Iterator<Item = &'static str> {
+        const ROUNDINGS: f64 = 16.0;
         let channels = ["red", "green", "blue"].into_iter().zip(self.color.to_array());
-        channels.filter(|&(_, channel)| is_about_to_change(channel)).map(|(name, _)| name)
+        channels.filter_map(|(name, channel)| {
+            let (level, whole) = (255.0 * channel, (255.0 * channel).round());
+            let is_close = (level - whole).abs() <= ROUNDINGS * UNIT_ROUNDOFF * whole;
+            (is_close && (1.0..=255.0).contains(&whole)).then_some(name)
+        })
     }
 }
 
@@ -234,21 +241,6 @@ impl RayNode {
     }
 }
 
-impl CloseCall {
-    /// Makes a close call that involves no other object.
-    pub(super) fn of(kind: CloseCallKind) -> Self {
-        Self { kind, object: None }
-    }
-}
-
-/// Returns true if a few roundings could change the byte of a channel.
-fn is_about_to_change(channel: f64) -> bool {
-    const ROUNDINGS: f64 = 16.0;
-    let level = 255.0 * channel;
-    let whole = level.round();
-    (1.0..=255.0).contains(&whole) && (level - whole).abs() <= ROUNDINGS * UNIT_ROUNDOFF * whole
-}
-
 impl fmt::Display for ObjectPart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, at, triangle } = self;
@@ -261,8 +253,7 @@ impl fmt::Display for ObjectPart {
 
 impl fmt::Display for CloseCall {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("close call: ")?;
-        f.write_str(match self.kind {
+        let problem = match self.kind {
             CloseCallKind::Edge => "within roundings the ray passes through an edge",
             CloseCallKind::Tangent => "within roundings the ray is tangent",
             CloseCallKind::Parallel => "within roundings the ray lies in a plane",
@@ -272,10 +263,8 @@ impl fmt::Display for CloseCall {
             CloseCallKind::Cosine => "the cosine between normal and direction is 0 within roundings",
             CloseCallKind::Critical => "the angle is that of total internal reflection within roundings",
             CloseCallKind::Boundary => "the point lies in a boundary of the checkerboard within roundings",
-        })?;
-        match &self.object {
-            Some(object) => write!(f, ": {object}"),
-            None => Ok(()),
-        }
+        };
+        write!(f, "close call: {problem}")?;
+        self.object.as_ref().map_or(Ok(()), |object| write!(f, ": {object}"))
     }
 }

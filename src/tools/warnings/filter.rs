@@ -30,9 +30,8 @@ const EXAMINED: usize = 64;
 
 /// Warns about a filter that is too narrow for the samples.
 pub fn narrow_filter(request: &Request) -> Option<Diagnostic> {
-    let warning =
-        || Warning::NarrowFilter { flag: request.filter.flag(), wide_enough: wide_enough(request).flag() };
-    is_too_narrow(request).then(|| warning().into())
+    let warning = |flag, wide_enough| Warning::NarrowFilter { flag, wide_enough }.into();
+    is_too_narrow(request).then(|| warning(request.filter.flag(), wide_enough(request).flag()))
 }
 
 /// Returns the smallest filter of this kind, in thousandths of a pixel, that is not too narrow.

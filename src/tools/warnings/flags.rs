@@ -12,6 +12,7 @@ use crate::scene::material::Material;
 use crate::scene::model::Highlight;
 use crate::trace::{Effects, Shadows};
 use glam::DVec2;
+use std::collections::BTreeSet;
 
 /// Warns about the flags of a picture of colours. `says_no_bounces` is true if no bounces are meant, as by an explicit
 /// `-bounces 0`, which the course's commands combine with `-weight`.
@@ -31,8 +32,8 @@ fn without_effect(flag: impl Into<String>, why: impl Into<String>) -> Diagnostic
 fn samples_without_effect(request: &Request) -> impl Iterator<Item = Diagnostic> {
     let Request { sampler, filter, .. } = *request;
     let seed = sampler.rng().seed().filter(|_| sampler.pattern() == Pattern::Uniform);
-    let seed = seed
-        .map(|seed| without_effect(format!("-seed {seed}"), ": no samples are random, jittered or adaptive"));
+    let why = ": no samples are random, jittered or adaptive";
+    let seed = seed.map(|seed| without_effect(format!("-seed {seed}"), why));
     let weighs_one = filter.support() == 0 || filter.weight(DVec2::X) == 0.0;
     let is_idle = filter != Filter::PIXEL && sampler.is_center() && weighs_one && !shows_filter(request);
     let filter =
@@ -68,40 +69,34 @@ fn about_rays(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Di
     let used = used(scene);
     let heaviest = used.iter().map(|it| it.reflected.max(it.refracted)).fold(0.0, f64::max);
     let is_two_sided = scene.lighting.highlight == Highlight::Phong;
-    let mut found = vec![];
-    match bounces {
-        0 if min_weight > 0.0 && !says_no_bounces => {
-            found.push(without_effect(format!("-weight {min_weight}"), " without `-bounces`"));
+    let (bounced, weighed) = (format!("-bounces {bounces}"), format!("-weight {min_weight}"));
+    let of_bounces = match bounces {
+        0 if min_weight > 0.0 && !says_no_bounces => Some(without_effect(weighed, " without `-bounces`")),
+        1.. if heaviest == 0.0 => Some(without_effect(bounced, ": no object reflects or transmits light")),
+        1.. if heaviest <= min_weight => {
+            let why = format!(": `{weighed}` ends all rays that are reflected or transmitted");
+            Some(without_effect(bounced, why))
         }
-        0 => {}
-        _ if heaviest == 0.0 => found
-            .push(without_effect(format!("-bounces {bounces}"), ": no object reflects or transmits light")),
-        _ if heaviest <= min_weight => found.push(without_effect(
-            format!("-bounces {bounces}"),
-            format!(": `-weight {min_weight}` ends all rays that are reflected or transmitted"),
-        )),
-        _ => {}
-    }
-    if shadows == Shadows::Transparent && used.iter().all(|it| it.refracted == 0.0) {
-        let why = " beyond that of `-shadows`: no object transmits light";
-        found.push(without_effect("-transparent_shadows", why));
-    }
-    if shade_back && is_two_sided {
-        let why = " in this edition: surfaces look the same from both sides";
-        found.push(without_effect("-shade_back", why));
-    }
-    if bounces == 0
-        && !says_no_bounces
-        && let Some(it) = used.iter().find(|it| it.reflected > 0.0 || it.refracted > 0.0)
-    {
-        let warning = Warning::NotFollowed { is_transparent: it.refracted > 0.0 };
-        found.push(Diagnostic::from(warning).at(it.at));
-    }
-    if bounces > 0
-        && !(shade_back || is_two_sided)
-        && let Some(it) = used.iter().find(|it| it.refracted > min_weight)
-    {
-        found.push(Diagnostic::from(Warning::BlackInside).at(it.at));
+        _ => None,
+    };
+    let is_untinted = shadows == Shadows::Transparent && used.iter().all(|it| it.refracted == 0.0);
+    let why = " beyond that of `-shadows`: no object transmits light";
+    let of_shadows = is_untinted.then(|| without_effect("-transparent_shadows", why));
+    let why = " in this edition: surfaces look the same from both sides";
+    let of_back = (shade_back && is_two_sided).then(|| without_effect("-shade_back", why));
+    let mut found: Vec<_> = [of_bounces, of_shadows, of_back].into_iter().flatten().collect();
+    let missing = |it: &Secondary, without, hint| {
+        let does = if it.refracted > 0.0 { "transmits" } else { "reflects" };
+        Diagnostic::from(Warning::FlagMissing { does, without, hint }).at(it.at)
+    };
+    if bounces == 0 && !says_no_bounces {
+        let first = used.iter().find(|it| it.reflected > 0.0 || it.refracted > 0.0);
+        let hint = "add `-bounces 5`, or `-bounces 0` if that is meant";
+        found.extend(first.map(|it| missing(it, "`-bounces` no ray is followed", hint)));
+    } else if bounces > 0 && !shade_back && !is_two_sided {
+        let first = used.iter().find(|it| it.refracted > min_weight);
+        let without = "`-shade_back` it is black from inside";
+        found.extend(first.map(|it| missing(it, without, "add `-shade_back`")));
     }
     found
 }
@@ -132,8 +127,6 @@ fn used(scene: &Scene) -> Vec<Secondary> {
         let at = scene.positions.materials.get(id).copied().unwrap_or_default();
         all.push(Secondary { at, reflected, refracted });
     }
-    let mut used: Vec<usize> = scene.objects.iter().filter_map(|object| object.material()).collect();
-    used.sort_unstable();
-    used.dedup();
-    used.into_iter().filter_map(|id| all.get(id).copied()).collect()
+    let used: BTreeSet<usize> = scene.objects.iter().filter_map(|object| object.material()).collect();
+    used.into_iter().map(|id| all[id]).collect()
 }

@@ -1,16 +1,13 @@
 //! Warnings: valid input that is probably a mistake.
 //!
-//! Each function looks for one kind of mistake in the scene, its meshes and the flags. [`nothing_visible`] examines a
-//! picture that shows only its background a second time.
+//! Each function looks for one kind of mistake in the scene, its meshes and the flags.
 
 mod filter;
 mod flags;
 mod scene;
-mod view;
 
 pub use flags::{about_colors, colors_not_asked_for};
-pub use scene::{lights_without_effect, no_lights, triangles_without_area};
-pub use view::nothing_visible;
+pub use scene::{lights_without_effect, no_lights, nothing_visible, triangles_without_area};
 
 use crate::diagnostic::{Diagnostic, Severity};
 
@@ -22,8 +19,7 @@ enum Warning {
     FlatTrianglesOfMesh { count: usize, all: usize },
     NothingVisible { why: &'static str, hint: Option<String> },
     FlagsWithoutEffect { flags: Vec<String>, why: String },
-    NotFollowed { is_transparent: bool },
-    BlackInside,
+    FlagMissing { does: &'static str, without: &'static str, hint: &'static str },
     NarrowFilter { flag: String, wide_enough: String },
 }
 
@@ -49,16 +45,8 @@ impl From<Warning> for Diagnostic {
                 let named: Vec<String> = flags.iter().map(|flag| format!("`{flag}`")).collect();
                 (format!("{} {} no effect{why}", named.join(", "), have(flags.len())), None)
             }
-            Warning::NotFollowed { is_transparent } => {
-                let way = if is_transparent { "transmits" } else { "reflects" };
-                let hint = "add `-bounces 5`, or `-bounces 0` if that is meant";
-                let problem = format!("the material {way} light, but without `-bounces` no ray is followed");
-                (problem, Some(hint.into()))
-            }
-            Warning::BlackInside => {
-                let problem =
-                    "the material transmits light, but without `-shade_back` it is black from inside";
-                (problem.into(), Some("add `-shade_back`".into()))
+            Warning::FlagMissing { does, without, hint } => {
+                (format!("the material {does} light, but without {without}"), Some(hint.into()))
             }
             Warning::NarrowFilter { flag, wide_enough } => {
                 let wrong = "pixels whose samples have no weight, or weights that nearly cancel, are wrong";
