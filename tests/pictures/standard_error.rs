@@ -41,7 +41,7 @@ fn it_is_that_against_converged_pictures() {
         let renderer = Renderer::open(&path).expect("a scene");
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces, ..Effects::default() };
         for filter in [Filter::PIXEL, Filter::Tent { radius: 1.0 }] {
-            let base = Request { effects, filter, ..Request::new([36, 26]) };
+            let base = Request { effects, filter, ..Request::new([44, 32]) };
             let prepared = renderer
                 .prepare(&Request { structure: Structure::List, ..Request::new([1; 2]) })
                 .expect("no grid");
