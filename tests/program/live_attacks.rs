@@ -35,6 +35,11 @@ fn memory_of(server: &Server) -> u64 {
     peak.split_whitespace().next().and_then(|number| number.parse().ok()).expect("a number")
 }
 
+/// A server of one thread for each question.
+fn on_one_thread(folder: &Folder) -> Server {
+    Server::of(folder.command("-input s.txt -gui -port 0 -no_browser -threads 1 -size 4 4"))
+}
+
 /// Asks, and leaves after a while, while there is work to do. There must be nothing to do a second later.
 fn leave(server: &Server, path: &str, body: &[u8], after: Duration) {
     let mut stream = server.connect();
@@ -187,7 +192,7 @@ fn a_later_question_of_its_kind_overtakes_an_earlier_one() {
 #[test]
 fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_nobody() {
     let folder = Folder::with_scene(GLASS);
-    let server = Server::on_one_thread(folder.path());
+    let server = on_one_thread(&folder);
     let deep = view(0, &format!("-size 2048 2048 {DEEP}"));
     // With this filter the samples of 25 pixels count.
     let wide = view(0, &format!("-size 2048 2048 {DEEP} -mitchell_filter 2"));
@@ -261,7 +266,7 @@ fn connections_that_send_no_body_make_room() {
 #[test]
 fn a_client_that_says_no_more_gets_its_answer() {
     let folder = Folder::with_scene(GLASS);
-    let server = Server::on_one_thread(folder.path());
+    let server = on_one_thread(&folder);
     let slow = wanted(1, &view(0, "-size 40 40 -bounces 12 -random_samples 4"));
     let mut stream = server.connect();
     stream.write_all(&server.request("POST /picture", &[], &bytes(&slow))).expect("a request");

@@ -29,12 +29,6 @@ impl Server {
         Self::of(program(folder, line.split_whitespace()))
     }
 
-    /// Serves the scene with one thread for each question.
-    pub fn on_one_thread(folder: &Path) -> Self {
-        let line = "-input s.txt -gui -port 0 -no_browser -threads 1 -size 4 4";
-        Self::of(program(folder, line.split_whitespace()))
-    }
-
     /// Serves the page of a command that says its address.
     pub fn of(mut command: Command) -> Self {
         let mut child =
