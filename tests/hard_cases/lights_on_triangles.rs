@@ -211,7 +211,7 @@ fn textbook_is_lit(world: &World, from: DVec3, light: DVec3) -> bool {
 
 #[test]
 fn case_65_lights_on_triangles() {
-    let inputs = rays(800, 200_000);
+    let inputs = rays(300, 200_000);
     let failures = Failures::default();
     let (counts, []) = measure(inputs, |index| one(index, &failures));
     let [lights, points, wrongly_lit, speckled, wrong_away] = counts;

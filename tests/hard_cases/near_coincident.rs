@@ -199,7 +199,7 @@ fn planes(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 2] {
 #[test]
 fn case_69_surfaces_some_roundings_apart() {
     const SEED: u64 = 1069;
-    let pairs = rays(8_000, 1_000_000);
+    let pairs = rays(2_500, 1_000_000);
     let failures = Failures::default();
     let ([cast, split, textbook], []) =
         measure(pairs, |index| (seen(&mut Rng::at(SEED, index), &failures, index), []));

@@ -130,7 +130,7 @@ fn of_pixels(documents: &mut Vec<Value>) {
     ] {
         let folder = Folder::with_scene(text);
         folder.write("m.obj", OBJ);
-        let places = (0..6).flat_map(|y| (0..6).map(move |x| (4 * x, 3 * y)));
+        let places = (0..4).flat_map(|y| (0..4).map(move |x| (6 * x + 2, 4 * y + 3)));
         let explain = |(x, y)| document(&folder, &format!("-input s.txt -size 24 18 {flags} -pixel {x} {y}"));
         documents.extend(places.map(explain));
     }

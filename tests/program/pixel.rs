@@ -2,6 +2,7 @@
 
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ, numbers};
 use crate::support::{Folder, Tga};
+use rayon::prelude::*;
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Renderer};
@@ -52,7 +53,9 @@ fn cases() -> Vec<Case> {
         filter: Filter::Box { radius: 0.3 },
         ..request(shadows(Shadows::Opaque, 2))
     };
+    // Each pixel plans the samples of those around it again.
     let adaptive = Request {
+        size: [12, 9],
         sampler: Sampler::of_adaptive(Drand48::UNSEEDED),
         adaptive: Some(Adaptive { most: 20, error: 3.0 }),
         ..request(shadows(Shadows::Opaque, 2))
@@ -83,7 +86,8 @@ fn far_off() -> Stop {
 }
 
 /// What each case shows. Three tests read it, and the search for it takes seconds.
-static EXPLAINED: LazyLock<Vec<Explained>> = LazyLock::new(|| cases().into_iter().map(explained).collect());
+static EXPLAINED: LazyLock<Vec<Explained>> =
+    LazyLock::new(|| cases().into_par_iter().map(explained).collect());
 
 struct Explained {
     case: Case,
@@ -97,7 +101,8 @@ struct Explained {
 fn explained(case: Case) -> Explained {
     let folder = Folder::with_scene(case.text);
     folder.write("m.obj", OBJ);
-    let flags = format!("-input s.txt -output o.tga -size {} {} {}", SIZE[0], SIZE[1], case.flags);
+    let [width, height] = case.request.size;
+    let flags = format!("-input s.txt -output o.tga -size {width} {height} {}", case.flags);
     folder.run(&flags).ok();
     let statistics = folder.run(&format!("{flags} -stats")).ok().stdout;
     let loaded = load::load(&folder.path().join("s.txt")).expect("a scene");
@@ -107,7 +112,7 @@ fn explained(case: Case) -> Explained {
     let prepared = renderer.prepare(&request).expect("a grid");
     let explainer = Explainer::new(&prepared).expect("objects");
     let stop = far_off();
-    let places = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let trees: Vec<PixelTree> =
         places.map(|place| explainer.pixel(&case.request, place, &stop).expect("a pixel")).collect();
     let rendered = prepared.render(&case.request).expect("a picture");

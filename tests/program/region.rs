@@ -321,11 +321,15 @@ fn a_part_that_says_something_else_is_refused() {
         folder.run(&format!("-input s.txt -size 5 6 -region 0 3 5 3 -output {name}")).ok();
         let bytes = folder.read(&name);
         // PNG has checksums of its own, for its pixels too. TGA's origin is for other programs.
-        let checked: Vec<usize> = match end {
-            "tga" => (0..18 + usize::from(bytes[0])).filter(|place| !(8..12).contains(place)).collect(),
-            _ => (0..bytes.len()).collect(),
+        let (checked, flips): (Vec<usize>, &[u8]) = match end {
+            "tga" => {
+                let head = 0..18 + usize::from(bytes[0]);
+                (head.filter(|place| !(8..12).contains(place)).collect(), &[1, 0x20, 0x80])
+            }
+            _ => ((0..bytes.len()).collect(), &[0x20]),
         };
-        for (place, flip) in checked.into_iter().flat_map(|place| [1, 0x20, 0x80].map(|flip| (place, flip))) {
+        for (place, flip) in checked.into_iter().flat_map(|place| flips.iter().map(move |flip| (place, flip)))
+        {
             let mut changed = bytes.clone();
             changed[place] ^= flip;
             folder.write(&name, changed);

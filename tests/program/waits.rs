@@ -17,7 +17,7 @@ use std::os::fd::AsFd;
 use std::os::unix::fs::OpenOptionsExt;
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::thread::sleep;
+use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
 const ENDING: [(Signal, i32); 3] = [(Signal::SIGINT, 130), (Signal::SIGTERM, 143), (Signal::SIGHUP, 129)];
@@ -39,6 +39,16 @@ fn end(child: &mut Child) -> Option<ExitStatus> {
     let _ = child.kill();
     let _ = child.wait();
     None
+}
+
+/// Does something for each signal and the status with which it ends a run. All wait at the same time.
+fn for_each_signal(work: impl Fn(Signal, i32) + Sync) {
+    thread::scope(|scope| {
+        for (signal, status) in ENDING {
+            let work = &work;
+            scope.spawn(move || work(signal, status));
+        }
+    });
 }
 
 /// Sends a signal to a run that waits. What it is waiting for never comes.
@@ -67,7 +77,7 @@ fn make_pipe(folder: &Folder, name: &str) {
 fn a_signal_ends_the_wait_for_a_scene() {
     let folder = Folder::with_scene(&sphere());
     make_pipe(&folder, "p");
-    for (signal, status) in ENDING {
+    for_each_signal(|signal, status| {
         let line = "-input p -output o.tga";
         assert_eq!(interrupt(&mut folder.command(line), signal), Some(status), "{signal} {line}");
         let (input, _kept) = pipe().expect("a pipe");
@@ -77,7 +87,7 @@ fn a_signal_ends_the_wait_for_a_scene() {
         let (input, mut output) = pipe().expect("a pipe");
         output.write_all(b"OrthographicCamera {").unwrap();
         assert_eq!(interrupt(folder.command(line).stdin(input), signal), Some(status), "{signal} {line}");
-    }
+    });
     assert_eq!(folder.names(), ["p", "s.txt"]);
 }
 
@@ -88,7 +98,8 @@ fn a_signal_ends_the_wait_for_the_reader_of_a_pipe() {
         make_pipe(&folder, name);
     }
     folder.run("-input s.txt -size 4 4 -region 0 0 4 4 -output a.tga").ok();
-    for (signal, status) in ENDING {
+    std::fs::create_dir_all(folder.path().join("name")).unwrap();
+    for_each_signal(|signal, status| {
         for line in [
             "-input s.txt -output p tga",
             "-input s.txt -normals n.tga -output p tga",
@@ -96,36 +107,35 @@ fn a_signal_ends_the_wait_for_the_reader_of_a_pipe() {
             "-merge a.tga -output p tga",
             "-grade . -reference . -report p.html",
         ] {
-            std::fs::create_dir_all(folder.path().join("name")).unwrap();
             assert_eq!(interrupt(&mut folder.command(line), signal), Some(status), "{signal} {line}");
         }
-    }
+    });
     assert_eq!(folder.names(), ["a.tga", "name", "p", "p.html", "p.json", "s.txt"]);
 }
 
 #[test]
 fn a_signal_ends_the_wait_for_room_in_a_pipe_and_complete_pictures_are_kept() {
-    let folder = Folder::with_scene(&sphere());
-    folder.run("-input s.txt -size 200 200 -normals expected.tga").ok();
-    folder.run("-input s.txt -size 200 200 -output b.tga").ok();
-    for name in ["p", "p.json", "d.png"] {
-        make_pipe(&folder, name);
-    }
     // Readers that do not read: more than this does not fit into a pipe.
-    let open = |name: &str| {
+    let open = |folder: &Folder, name: &str| {
         let mut read = OpenOptions::new();
         read.read(true).custom_flags(nix::libc::O_NONBLOCK);
         read.open(folder.path().join(name)).unwrap()
     };
-    let fill = |name: &str| {
+    let fill = |folder: &Folder, name: &str| {
         let mut write = OpenOptions::new();
         write.write(true).custom_flags(nix::libc::O_NONBLOCK);
         let mut file = write.open(folder.path().join(name)).unwrap();
         while file.write(&[0; 4096]).is_ok() {}
         file
     };
-    let _readers = ["p", "p.json", "d.png"].map(|name| (open(name), fill(name)));
-    for (signal, status) in ENDING {
+    for_each_signal(|signal, status| {
+        let folder = Folder::with_scene(&sphere());
+        folder.run("-input s.txt -size 200 200 -normals expected.tga").ok();
+        folder.run("-input s.txt -size 200 200 -output b.tga").ok();
+        let _readers = ["p", "p.json", "d.png"].map(|name| {
+            make_pipe(&folder, name);
+            (open(&folder, name), fill(&folder, name))
+        });
         for line in [
             "-input s.txt -size 200 200 -normals n.tga -output p tga",
             "-input s.txt -size 200 200 -output p tga -normals n.tga -depth 1 2 d.tga",
@@ -145,8 +155,8 @@ fn a_signal_ends_the_wait_for_room_in_a_pipe_and_complete_pictures_are_kept() {
         fill_up(&mut output);
         let line = "-input s.txt -size 4 4 -stats";
         assert_eq!(interrupt(folder.command(line).stdout(output), signal), Some(status), "{signal} {line}");
-    }
-    assert!(folder.names().iter().all(|name| !name.starts_with('.')), "{:?}", folder.names());
+        assert!(folder.names().iter().all(|name| !name.starts_with('.')), "{:?}", folder.names());
+    });
 }
 
 /// Writes to a pipe until there is no room in it.
