@@ -31,13 +31,14 @@ use object_space::ObjectSpaces;
 use search::{Made, Search, try_all};
 use speckles::speckles;
 use std::borrow::Cow;
+use std::iter;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 use student::{MAX_BOUNCES, Student};
-use window::{part_of_colors, telling_windows};
+use window::{flipped, part_of_colors, telling_windows};
 
 /// Upper bounds on the camera rays in the windows of successive searches.
-const RAYS_OF_WINDOWS: [usize; 2] = [1 << 11, 1 << 15];
+const RAYS_OF_WINDOWS: [usize; 2] = [1 << 11, 1 << 13];
 
 /// The largest number of mistakes of which each is tried together with all others.
 const MAX_GROUNDS: usize = 3;
@@ -90,20 +91,17 @@ impl<'a> Original<'a> {
         if self.is_cancelled() {
             return None;
         }
-        // Pixels may move into the window.
-        let moves = mistakes.iter().any(|mistake| matches!(mistake.make(), Make::Pixels(_)));
-        let of_window = |colors: &FloatPicture| {
-            window.map_or_else(|| colors.clone(), |window| part_of_colors(colors, window))
-        };
-        let request = Request { window: window.filter(|_| !moves), ..self.request.clone() };
+        // Pixels move into the window from another one.
+        let window = window.map(|window| flipped(window, self.request.size, flips(mistakes)));
+        let request = Request { window, ..self.request.clone() };
         let changed = Changed::new(self.renderer(), &request, mistakes)?;
-        let mut colors = match changed.is_unchanged(&request) {
-            true if moves => self.colors.clone(),
-            true => of_window(&self.colors),
-            false => changed.render(self)?,
+        let mut colors = match (changed.is_unchanged(&request), window) {
+            (true, None) => self.colors.clone(),
+            (true, Some(window)) => part_of_colors(&self.colors, window),
+            (false, _) => changed.render(self)?,
         };
         finish(mistakes, &mut colors);
-        Some(if moves { of_window(&colors) } else { colors })
+        Some(colors)
     }
 
     /// Finds why the picture `a` differs from the reference `b`. Both have the original's size.
@@ -114,8 +112,8 @@ impl<'a> Original<'a> {
     /// Finds why each wrong picture differs from the reference `b`. All have the original's size. The mistakes in
     /// `first` are tried first, and together with all others.
     ///
-    /// Searches first in a window of about two thousand camera rays where many pixels differ, and checks each finding
-    /// on the whole picture. Pictures that remain unexplained are searched for two mistakes, and in a larger window.
+    /// Searches first in a window of about two thousand camera rays where many pixels differ, and checks the
+    /// likely findings on the whole picture. Pictures that remain unexplained are searched for two mistakes, and in a larger window.
     pub fn explain_all(&self, wrong: &[Picture], b: &Picture, first: &[Mistake]) -> Vec<Finding> {
         let reference = if self.colors.to_picture() == *b { &self.colors } else { &of_bytes(b) };
         let made = Rc::new(Made::new(reference));
@@ -123,7 +121,8 @@ impl<'a> Original<'a> {
         let mut searches: Vec<Search> = wrong.iter().map(search).collect();
         let first = &first[..first.len().min(MAX_GROUNDS)];
         let singles: Vec<Vec<Mistake>> = Mistake::all().map(|mistake| vec![mistake]).collect();
-        self.try_all(None, first.chunks(1), searches.iter_mut());
+        let learned: Vec<Vec<Mistake>> = first.chunks(1).map(<[Mistake]>::to_vec).collect();
+        self.search(reference, &learned, RAYS_OF_WINDOWS[0], &mut searches);
         for rays in RAYS_OF_WINDOWS {
             self.search(reference, &singles, rays, &mut searches);
             let pairs = pairs(&searches, first);
@@ -167,7 +166,36 @@ impl<'a> Original<'a> {
         all: impl IntoIterator<Item = &'m [Mistake]>,
         searches: impl Iterator<Item = &'s mut Search<'p>>,
     ) {
-        try_all(all, |mistakes| self.made(mistakes, window), &mut searches.collect::<Vec<_>>());
+        let mut v = searches.collect::<Vec<_>>();
+        let t = std::time::Instant::now();
+        let n = std::cell::Cell::new(0);
+        let made = std::cell::RefCell::new(vec![]);
+        try_all(
+            all,
+            |mistakes| {
+                n.set(n.get() + 1);
+                let t = std::time::Instant::now();
+                let r = self.made(mistakes, window);
+                made.borrow_mut().push((t.elapsed(), format!("{mistakes:?}")));
+                r
+            },
+            &mut v,
+        );
+        let mut m = made.into_inner();
+        m.sort();
+        m.reverse();
+        m.truncate(4);
+        if std::env::var("DBG").is_ok() {
+            eprintln!(
+                "TRY {:?} window {:?} n {} searches {} likely {:?} top {:?}",
+                t.elapsed(),
+                window.map(|w| (w.width, w.height)),
+                n.get(),
+                v.len(),
+                v.iter().map(|s| s.likely().count()).collect::<Vec<_>>(),
+                m
+            );
+        }
     }
 
     fn layer(&self) -> Layer {
@@ -179,8 +207,8 @@ impl<'a> Original<'a> {
     }
 }
 
-/// Returns pairs of mistakes to try: the best ones of unexplained pictures and the `first` ones, each with all others
-/// that show.
+/// Returns pairs of mistakes to try: the best ones of unexplained pictures and the `first` ones, each alone and with all
+/// others that show.
 fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
     let open = || searches.iter().filter(|search| !search.is_settled());
     let mut grounds: Vec<Mistake> = open().filter_map(Search::best).chain(first.iter().copied()).collect();
@@ -188,8 +216,11 @@ fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
     grounds.truncate(MAX_GROUNDS);
     let shows = |mistake: &Mistake| open().any(|search| search.tried().contains(mistake));
     let others: Vec<Mistake> = Mistake::all().skip(1).filter(shows).collect();
-    let pairs = grounds.iter().flat_map(|&ground| others.iter().map(move |&other| vec![ground, other]));
-    pairs.filter(|pair| !pair[0].is_akin(pair[1])).collect()
+    let with_others = |&ground: &Mistake| {
+        let others = others.iter().filter(move |other| !ground.is_akin(**other));
+        iter::once(vec![ground]).chain(others.map(move |&other| vec![ground, other]))
+    };
+    grounds.iter().flat_map(with_others).collect()
 }
 
 /// The changes that mistakes make before a picture is rendered.
@@ -207,7 +238,7 @@ impl Changed {
         let (mut scene, mut changed, mut switch) = (original.scene.clone(), request.clone(), None);
         for &mistake in mistakes {
             match mistake.make() {
-                Make::Levels(_) | Make::Pixels(_) => {}
+                Make::Colors(_) | Make::Flip(_) => {}
                 Make::Request(change) => change(&mut changed, &scene),
                 Make::Scene(change) => change(&mut scene),
                 Make::Text(change) => change(&mut scene, &original.source.text),
@@ -248,16 +279,27 @@ impl Changed {
     }
 }
 
+/// Returns true if these mistakes flip the picture left to right, and if they flip it upside down.
+fn flips(mistakes: &[Mistake]) -> [bool; 2] {
+    mistakes.iter().fold([false; 2], |all, mistake| match mistake.make() {
+        Make::Flip(flips) => [all[0] ^ flips[0], all[1] ^ flips[1]],
+        _ => all,
+    })
+}
+
 /// Makes the mistakes of these that change finished pictures.
 fn finish(mistakes: &[Mistake], picture: &mut FloatPicture) {
+    let [across, down] = flips(mistakes);
+    if across {
+        picture.colors.chunks_exact_mut(picture.size[0]).for_each(<[Color]>::reverse);
+    }
+    if down {
+        let rows = picture.colors.chunks_exact(picture.size[0]).rev();
+        picture.colors = rows.flatten().copied().collect();
+    }
     for mistake in mistakes {
-        match mistake.make() {
-            Make::Levels(change) => {
-                let changed = |color: &mut Color| *color = (255.0 * *color).map(change) / 255.0;
-                picture.colors.iter_mut().for_each(changed);
-            }
-            Make::Pixels(change) => change(&mut picture.colors, picture.size[0]),
-            _ => {}
+        if let Make::Colors(change) = mistake.make() {
+            picture.colors.iter_mut().for_each(|color| *color = change(*color));
         }
     }
 }

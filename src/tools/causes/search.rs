@@ -141,6 +141,8 @@ pub struct Search<'p> {
     /// A pixel is wrong if it differs by more levels than that besides rounding: one if many pixels do, or else none.
     level: u8,
     candidates: Vec<Candidate>,
+    /// The mistakes tried in this picture, one by one and together.
+    checked: Vec<Vec<Mistake>>,
     /// The single mistakes tried that show.
     tried: Vec<Mistake>,
 }
@@ -149,7 +151,16 @@ impl<'p> Search<'p> {
     pub fn new(wrong: Cow<'p, Picture>, reference: Rc<Made>) -> Self {
         let (whole, differences) = (Rest::of(&wrong, &reference), reference.all_levels(&wrong));
         let level = u8::from(!whole.is_hardly_visible(differences.len() as f64));
-        Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![] }
+        Self {
+            wrong,
+            reference,
+            differences,
+            whole,
+            level,
+            candidates: vec![],
+            checked: vec![],
+            tried: vec![],
+        }
     }
 
     /// Returns a search in a window of the picture.
@@ -202,9 +213,20 @@ impl<'p> Search<'p> {
         &self.differences
     }
 
-    /// Returns the mistakes that explain at least part of the difference, one by one and together.
+    /// Returns the mistakes that may explain more of a larger picture than all others: single ones that the best one
+    /// does not lead, and better pairs.
     pub fn likely(&self) -> impl Iterator<Item = &[Mistake]> {
-        self.candidates.iter().map(|candidate| candidate.mistakes.as_slice())
+        let size = |best: Option<&Candidate>| best.map_or(0.0, |best| best.rest.size() as f64);
+        let (single, pair) = (size(self.best_of(1)), size(self.best_of(2)));
+        let at_edges = AT_EDGES * self.pixels() + 2.0;
+        let is_likely = move |candidate: &&Candidate| {
+            let size = candidate.rest.size() as f64;
+            match candidate.mistakes.len() {
+                1 => size <= MIN_LEAD * (single + at_edges),
+                _ => size <= MIN_LEAD * (pair + at_edges) && MIN_LEAD * size <= single,
+            }
+        };
+        self.candidates.iter().filter(is_likely).map(|candidate| candidate.mistakes.as_slice())
     }
 
     /// Returns the single mistakes tried that show.
@@ -321,9 +343,16 @@ pub fn try_all<'m>(
     };
     let is_of_pixels = |mistakes: &[Mistake]| mistakes.iter().all(|mistake| mistake.is_of_pixels());
     let is_equal = |candidate: &Candidate| candidate.rest.differing == 0 && is_of_pixels(&candidate.mistakes);
-    let is_over = |search: &&mut Search| search.candidates.iter().any(is_equal);
+    let is_over = |search: &Search| search.candidates.iter().any(is_equal);
     for mistakes in all {
-        if !is_of_pixels(mistakes) && searches.iter().all(is_over) {
+        let is_new = |search: &&mut Search| !search.checked.iter().any(|checked| checked == mistakes);
+        let mut searches: Vec<&mut &mut Search> =
+            searches.iter_mut().filter(|search| is_new(search)).collect();
+        if searches.is_empty() {
+            continue;
+        }
+        searches.iter_mut().for_each(|search| search.checked.push(mistakes.to_vec()));
+        if !is_of_pixels(mistakes) && searches.iter().all(|search| is_over(search)) {
             break;
         }
         let made = make(mistakes).map(|made| Rc::new(Made::new(&made)));

@@ -42,6 +42,19 @@ pub fn telling_windows(differences: &[&[u8]], size: [usize; 2], pixels: usize) -
     }
 }
 
+/// Returns the window whose pixels move into this one when a picture of this size is flipped left to right, and upside
+/// down.
+pub fn flipped(window: Window, size: [usize; 2], [across, down]: [bool; 2]) -> Window {
+    let Window { mut x, mut y, width, height } = window;
+    if across {
+        x = size[0] - width - x;
+    }
+    if down {
+        y = size[1] - height - y;
+    }
+    Window { x, y, width, height }
+}
+
 /// Returns the part of a picture in a window.
 pub fn part(picture: &Picture, window: Window) -> Picture {
     let pixels: Vec<Rgb> = part_of_rows(colors(picture), picture.width() as usize, window);
