@@ -38,7 +38,7 @@ use student::{MAX_BOUNCES, Student};
 use window::{flipped, part_of_colors, telling_windows};
 
 /// Upper bounds on the camera rays in the windows of successive searches.
-const RAYS_OF_WINDOWS: [usize; 2] = [1 << 11, 1 << 13];
+const RAYS_OF_WINDOWS: [usize; 3] = [1 << 8, 1 << 11, 1 << 13];
 
 /// The largest number of mistakes of which each is tried together with all others.
 const MAX_GROUNDS: usize = 3;
@@ -122,11 +122,11 @@ impl<'a> Original<'a> {
         let first = &first[..first.len().min(MAX_GROUNDS)];
         let singles: Vec<Vec<Mistake>> = Mistake::all().map(|mistake| vec![mistake]).collect();
         let learned: Vec<Vec<Mistake>> = first.chunks(1).map(<[Mistake]>::to_vec).collect();
-        self.search(reference, &learned, RAYS_OF_WINDOWS[0], &mut searches);
+        self.search(&learned, RAYS_OF_WINDOWS[0], &mut searches);
         for rays in RAYS_OF_WINDOWS {
-            self.search(reference, &singles, rays, &mut searches);
+            self.search(&singles, rays, &mut searches);
             let pairs = pairs(&searches, first);
-            self.search(reference, &pairs, rays, &mut searches);
+            self.search(&pairs, rays, &mut searches);
             if self.request.camera_rays() <= rays {
                 break;
             }
@@ -138,24 +138,24 @@ impl<'a> Original<'a> {
         searches.iter().zip(wrong).map(finding).collect()
     }
 
-    /// Tries mistakes in windows of at most `rays` camera rays, and the likely ones on the whole picture.
-    fn search(&self, reference: &FloatPicture, all: &[Vec<Mistake>], rays: usize, searches: &mut [Search]) {
-        let all = || all.iter().map(Vec::as_slice);
+    /// Tries mistakes in windows of at most `rays` camera rays, and the likely ones on the whole picture. Leaves out the
+    /// ones that did not explain a smaller window where they show.
+    fn search(&self, all: &[Vec<Mistake>], rays: usize, searches: &mut [Search]) {
         let mut open: Vec<&mut Search> = searches.iter_mut().filter(|search| !search.is_settled()).collect();
         // A reduced picture needs the pixels around the window.
         if self.request.camera_rays() <= rays || self.request.is_reduced {
-            return self.try_all(None, all(), open.into_iter());
+            return self.try_all(None, all.iter().map(Vec::as_slice), open.into_iter());
         }
         let pixels = rays / self.request.sampler.count() as usize;
-        let differences: Vec<&[u8]> = open.iter().map(|search| search.differences()).collect();
-        for (window, pictures) in telling_windows(&differences, self.request.size, pixels) {
-            let made = Rc::new(Made::new(&part_of_colors(reference, window)));
-            let mut parts: Vec<Search> =
-                pictures.iter().map(|&at| open[at].in_window(window, made.clone())).collect();
-            self.try_all(Some(window), all(), parts.iter_mut());
+        let left: Vec<Vec<u8>> = open.iter().map(|search| search.left()).collect();
+        for (window, pictures) in telling_windows(&left, self.request.size, pixels) {
+            let is_new = |mistakes: &&[Mistake]| pictures.iter().any(|&at| !open[at].has_tried(mistakes));
+            let all: Vec<&[Mistake]> = all.iter().map(Vec::as_slice).filter(is_new).collect();
+            let mut parts: Vec<Search> = pictures.iter().map(|&at| open[at].in_window(window)).collect();
+            self.try_all(Some(window), all, parts.iter_mut());
             for (&at, part) in pictures.iter().zip(&parts) {
-                self.try_all(None, part.likely(), std::iter::once(&mut *open[at]));
-                part.tried().iter().for_each(|&mistake| open[at].add_tried(mistake));
+                self.try_all(None, part.likely(), iter::once(&mut *open[at]));
+                part.tried().iter().for_each(|mistakes| open[at].add_tried(mistakes));
             }
         }
     }
@@ -207,18 +207,18 @@ impl<'a> Original<'a> {
     }
 }
 
-/// Returns pairs of mistakes to try: the best ones of unexplained pictures and the `first` ones, each alone and with all
-/// others that show.
+/// Returns pairs of mistakes to try: the best ones of unexplained pictures and the `first` ones, each with all others
+/// that show.
 fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
     let open = || searches.iter().filter(|search| !search.is_settled());
     let mut grounds: Vec<Mistake> = open().filter_map(Search::best).chain(first.iter().copied()).collect();
     grounds.dedup();
     grounds.truncate(MAX_GROUNDS);
-    let shows = |mistake: &Mistake| open().any(|search| search.tried().contains(mistake));
+    let shows = |mistake: &Mistake| open().any(|search| search.has_tried(&[*mistake]));
     let others: Vec<Mistake> = Mistake::all().skip(1).filter(shows).collect();
     let with_others = |&ground: &Mistake| {
         let others = others.iter().filter(move |other| !ground.is_akin(**other));
-        iter::once(vec![ground]).chain(others.map(move |&other| vec![ground, other]))
+        others.map(move |&other| vec![ground, other])
     };
     grounds.iter().flat_map(with_others).collect()
 }

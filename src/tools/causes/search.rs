@@ -6,7 +6,7 @@
 
 use super::finding::Finding;
 use super::mistakes::Mistake;
-use super::window::part;
+use super::window::{part, part_of_rows};
 use crate::picture::{Color, FloatPicture, Picture, Window};
 use crate::tools::compare::{EdgeMap, Rgb, Tolerance, colors, largest_channel_difference};
 use std::borrow::Cow;
@@ -51,6 +51,13 @@ impl Made {
             made.colors.iter().map(pixel).collect()
         };
         Self { picture: made.to_picture(), low: moved(-ROUNDING), high: moved(ROUNDING) }
+    }
+
+    /// Returns the part in a window.
+    fn in_window(&self, window: Window) -> Self {
+        let width = self.picture.width() as usize;
+        let [low, high] = [&self.low, &self.high].map(|pixels| part_of_rows(pixels, width, window));
+        Self { picture: part(&self.picture, window), low, high }
     }
 
     /// Returns the levels by which a pixel differs by more than rounding.
@@ -141,39 +148,36 @@ pub struct Search<'p> {
     /// A pixel is wrong if it differs by more levels than that besides rounding: one if many pixels do, or else none.
     level: u8,
     candidates: Vec<Candidate>,
-    /// The mistakes tried in this picture, one by one and together.
-    checked: Vec<Vec<Mistake>>,
-    /// The single mistakes tried that show.
-    tried: Vec<Mistake>,
+    /// The mistakes tried that show, one by one and together.
+    tried: Vec<Vec<Mistake>>,
 }
 
 impl<'p> Search<'p> {
     pub fn new(wrong: Cow<'p, Picture>, reference: Rc<Made>) -> Self {
         let (whole, differences) = (Rest::of(&wrong, &reference), reference.all_levels(&wrong));
         let level = u8::from(!whole.is_hardly_visible(differences.len() as f64));
-        Self {
-            wrong,
-            reference,
-            differences,
-            whole,
-            level,
-            candidates: vec![],
-            checked: vec![],
-            tried: vec![],
-        }
+        Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![] }
     }
 
-    /// Returns a search in a window of the picture.
-    pub fn in_window(&self, window: Window, reference: Rc<Made>) -> Search<'static> {
-        let part = Search::new(Cow::Owned(part(&self.wrong, window)), reference);
-        Search { level: self.level, ..part }
+    /// Returns a search in a window of the picture that knows the best single mistake.
+    pub fn in_window(&self, window: Window) -> Search<'static> {
+        let reference = Rc::new(self.reference.in_window(window));
+        let mut search = Search::new(Cow::Owned(part(&self.wrong, window)), reference);
+        search.level = self.level;
+        if let Some(best) = self.best_of(1) {
+            search.add(&best.mistakes, Rc::new(best.made.in_window(window)), best.share);
+        }
+        search
+    }
+
+    fn add(&mut self, mistakes: &[Mistake], made: Rc<Made>, share: f64) {
+        let rest = Rest::of(&self.wrong, &made);
+        self.candidates.push(Candidate { mistakes: mistakes.to_vec(), made, rest, share });
     }
 
     /// Tries mistakes whose picture differs by `changes` from the reference.
     pub fn try_mistakes(&mut self, mistakes: &[Mistake], made: &Rc<Made>, changes: &[u8]) {
-        if let [mistake] = mistakes {
-            self.add_tried(*mistake);
-        }
+        self.add_tried(mistakes);
         // Count the pixels that are wrong, remain wrong, are changed, become or remain right, and become wrong.
         let (mut wrong, mut left, mut changed, mut right, mut contradicted) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (at, (&before, &change)) in self.differences.iter().zip(changes).enumerate() {
@@ -198,9 +202,7 @@ impl<'p> Search<'p> {
             _ => explains(MIN_SHARES) || explains(MIN_SHARES_IF_PRECISE),
         };
         if is_meant && contradicted <= max_contradicted * changed + ELSEWHERE * self.pixels() {
-            let rest = Rest::of(&self.wrong, made);
-            let (mistakes, made) = (mistakes.to_vec(), made.clone());
-            self.candidates.push(Candidate { mistakes, made, rest, share });
+            self.add(mistakes, made.clone(), share);
         }
     }
 
@@ -208,9 +210,10 @@ impl<'p> Search<'p> {
         self.differences.len() as f64
     }
 
-    /// Returns the levels by which each pixel differs from the reference by more than rounding.
-    pub fn differences(&self) -> &[u8] {
-        &self.differences
+    /// Returns the levels by which each pixel differs by more than rounding from the picture of the best single mistake,
+    /// or else from the reference.
+    pub fn left(&self) -> Vec<u8> {
+        self.best_of(1).map_or(&self.reference, |best| &best.made).all_levels(&self.wrong)
     }
 
     /// Returns the mistakes that may explain more of a larger picture than all others: single ones that the best one
@@ -229,15 +232,19 @@ impl<'p> Search<'p> {
         self.candidates.iter().filter(is_likely).map(|candidate| candidate.mistakes.as_slice())
     }
 
-    /// Returns the single mistakes tried that show.
-    pub fn tried(&self) -> &[Mistake] {
+    /// Returns the mistakes tried that show, one by one and together.
+    pub fn tried(&self) -> &[Vec<Mistake>] {
         &self.tried
     }
 
-    /// Adds a mistake to the ones tried.
-    pub fn add_tried(&mut self, mistake: Mistake) {
-        if !self.tried.contains(&mistake) {
-            self.tried.push(mistake);
+    pub fn has_tried(&self, mistakes: &[Mistake]) -> bool {
+        self.tried.iter().any(|tried| tried == mistakes)
+    }
+
+    /// Adds mistakes to the ones tried.
+    pub fn add_tried(&mut self, mistakes: &[Mistake]) {
+        if !self.has_tried(mistakes) {
+            self.tried.push(mistakes.to_vec());
         }
     }
 
@@ -287,7 +294,7 @@ impl<'p> Search<'p> {
                 tolerance: tolerance(whole),
             },
             Some(best) => Finding::Part { cause: best.mistakes[0], share: best.share },
-            None => Finding::Unknown { tried: self.tried.len() },
+            None => Finding::Unknown { tried: self.tried.iter().filter(|tried| tried.len() == 1).count() },
         }
     }
 
@@ -345,13 +352,8 @@ pub fn try_all<'m>(
     let is_equal = |candidate: &Candidate| candidate.rest.differing == 0 && is_of_pixels(&candidate.mistakes);
     let is_over = |search: &Search| search.candidates.iter().any(is_equal);
     for mistakes in all {
-        let is_new = |search: &&mut Search| !search.checked.iter().any(|checked| checked == mistakes);
-        let mut searches: Vec<&mut &mut Search> =
-            searches.iter_mut().filter(|search| is_new(search)).collect();
-        if searches.is_empty() {
-            continue;
-        }
-        searches.iter_mut().for_each(|search| search.checked.push(mistakes.to_vec()));
+        let is_new = |search: &&mut &mut Search| !search.has_tried(mistakes);
+        let mut searches: Vec<&mut &mut Search> = searches.iter_mut().filter(is_new).collect();
         if !is_of_pixels(mistakes) && searches.iter().all(|search| is_over(search)) {
             break;
         }
