@@ -31,14 +31,13 @@ use object_space::ObjectSpaces;
 use search::{Made, Search, try_all};
 use speckles::speckles;
 use std::borrow::Cow;
-use std::iter;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 use student::{MAX_BOUNCES, Student};
 use window::{flipped, part_of_colors, telling_windows};
 
 /// Upper bounds on the camera rays in the windows of successive searches.
-const RAYS_OF_WINDOWS: [usize; 3] = [1 << 8, 1 << 11, 1 << 13];
+const RAYS_OF_WINDOWS: [usize; 2] = [1 << 9, 1 << 12];
 
 /// The largest number of mistakes of which each is tried together with all others.
 const MAX_GROUNDS: usize = 3;
@@ -112,8 +111,9 @@ impl<'a> Original<'a> {
     /// Finds why each wrong picture differs from the reference `b`. All have the original's size. The mistakes in
     /// `first` are tried first, and together with all others.
     ///
-    /// Searches first in a window of about two thousand camera rays where many pixels differ, and checks the
-    /// likely findings on the whole picture. Pictures that remain unexplained are searched for two mistakes, and in a larger window.
+    /// Searches first in a window of about five hundred camera rays where many pixels differ, and checks the likely
+    /// findings on the whole picture. Pictures that remain unexplained are searched for two mistakes, and in a larger
+    /// window.
     pub fn explain_all(&self, wrong: &[Picture], b: &Picture, first: &[Mistake]) -> Vec<Finding> {
         let reference = if self.colors.to_picture() == *b { &self.colors } else { &of_bytes(b) };
         let made = Rc::new(Made::new(reference));
@@ -138,64 +138,33 @@ impl<'a> Original<'a> {
         searches.iter().zip(wrong).map(finding).collect()
     }
 
-    /// Tries mistakes in windows of at most `rays` camera rays, and the likely ones on the whole picture. Leaves out the
-    /// ones that did not explain a smaller window where they show.
+    /// Tries mistakes in windows of at most `rays` camera rays, and the likely ones on the whole picture.
     fn search(&self, all: &[Vec<Mistake>], rays: usize, searches: &mut [Search]) {
+        let all = || all.iter().map(Vec::as_slice);
         let mut open: Vec<&mut Search> = searches.iter_mut().filter(|search| !search.is_settled()).collect();
         // A reduced picture needs the pixels around the window.
         if self.request.camera_rays() <= rays || self.request.is_reduced {
-            return self.try_all(None, all.iter().map(Vec::as_slice), open.into_iter());
+            return self.try_all(None, all(), &mut open);
         }
         let pixels = rays / self.request.sampler.count() as usize;
         let left: Vec<Vec<u8>> = open.iter().map(|search| search.left()).collect();
         for (window, pictures) in telling_windows(&left, self.request.size, pixels) {
-            let is_new = |mistakes: &&[Mistake]| pictures.iter().any(|&at| !open[at].has_tried(mistakes));
-            let all: Vec<&[Mistake]> = all.iter().map(Vec::as_slice).filter(is_new).collect();
             let mut parts: Vec<Search> = pictures.iter().map(|&at| open[at].in_window(window)).collect();
-            self.try_all(Some(window), all, parts.iter_mut());
+            self.try_all(Some(window), all(), &mut parts.iter_mut().collect::<Vec<_>>());
             for (&at, part) in pictures.iter().zip(&parts) {
-                self.try_all(None, part.likely(), iter::once(&mut *open[at]));
-                part.tried().iter().for_each(|mistakes| open[at].add_tried(mistakes));
+                self.try_all(None, part.likely(), &mut [&mut *open[at]]);
+                open[at].add_shown(part.shown());
             }
         }
     }
 
-    fn try_all<'m, 's, 'p: 's>(
+    fn try_all<'m>(
         &self,
         window: Option<Window>,
         all: impl IntoIterator<Item = &'m [Mistake]>,
-        searches: impl Iterator<Item = &'s mut Search<'p>>,
+        searches: &mut [&mut Search],
     ) {
-        let mut v = searches.collect::<Vec<_>>();
-        let t = std::time::Instant::now();
-        let n = std::cell::Cell::new(0);
-        let made = std::cell::RefCell::new(vec![]);
-        try_all(
-            all,
-            |mistakes| {
-                n.set(n.get() + 1);
-                let t = std::time::Instant::now();
-                let r = self.made(mistakes, window);
-                made.borrow_mut().push((t.elapsed(), format!("{mistakes:?}")));
-                r
-            },
-            &mut v,
-        );
-        let mut m = made.into_inner();
-        m.sort();
-        m.reverse();
-        m.truncate(4);
-        if std::env::var("DBG").is_ok() {
-            eprintln!(
-                "TRY {:?} window {:?} n {} searches {} likely {:?} top {:?}",
-                t.elapsed(),
-                window.map(|w| (w.width, w.height)),
-                n.get(),
-                v.len(),
-                v.iter().map(|s| s.likely().count()).collect::<Vec<_>>(),
-                m
-            );
-        }
+        try_all(all, |mistakes| self.made(mistakes, window), searches);
     }
 
     fn layer(&self) -> Layer {
@@ -214,7 +183,7 @@ fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
     let mut grounds: Vec<Mistake> = open().filter_map(Search::best).chain(first.iter().copied()).collect();
     grounds.dedup();
     grounds.truncate(MAX_GROUNDS);
-    let shows = |mistake: &Mistake| open().any(|search| search.has_tried(&[*mistake]));
+    let shows = |mistake: &Mistake| open().any(|search| search.shown().contains(mistake));
     let others: Vec<Mistake> = Mistake::all().skip(1).filter(shows).collect();
     let with_others = |&ground: &Mistake| {
         let others = others.iter().filter(move |other| !ground.is_akin(**other));

@@ -21,7 +21,7 @@ const ELSEWHERE: f64 = 0.001;
 /// The largest share of all pixels that single precision changes by one level more than rounding.
 const BY_A_LEVEL: f64 = 0.01;
 /// The largest such share if a mistake explains the other differences. Other tracers compute their own way.
-const BY_A_LEVEL_AND_MISTAKE: f64 = 0.2;
+pub const BY_A_LEVEL_AND_MISTAKE: f64 = 0.2;
 /// The smallest share of the wrong pixels that a mistake makes right, and the smallest share of the pixels changed by
 /// it. A change that is only similar to the mistake leaves an error in the same pixels.
 const MIN_SHARES: [f64; 2] = [0.6, 0.75];
@@ -148,15 +148,17 @@ pub struct Search<'p> {
     /// A pixel is wrong if it differs by more levels than that besides rounding: one if many pixels do, or else none.
     level: u8,
     candidates: Vec<Candidate>,
-    /// The mistakes tried that show, one by one and together.
+    /// The mistakes tried in this picture that show, one by one and together.
     tried: Vec<Vec<Mistake>>,
+    /// The single mistakes tried that show, also in windows.
+    shown: Vec<Mistake>,
 }
 
 impl<'p> Search<'p> {
     pub fn new(wrong: Cow<'p, Picture>, reference: Rc<Made>) -> Self {
         let (whole, differences) = (Rest::of(&wrong, &reference), reference.all_levels(&wrong));
         let level = u8::from(!whole.is_hardly_visible(differences.len() as f64));
-        Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![] }
+        Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![], shown: vec![] }
     }
 
     /// Returns a search in a window of the picture that knows the best single mistake.
@@ -177,7 +179,10 @@ impl<'p> Search<'p> {
 
     /// Tries mistakes whose picture differs by `changes` from the reference.
     pub fn try_mistakes(&mut self, mistakes: &[Mistake], made: &Rc<Made>, changes: &[u8]) {
-        self.add_tried(mistakes);
+        self.tried.push(mistakes.to_vec());
+        if mistakes.len() == 1 {
+            self.add_shown(mistakes);
+        }
         // Count the pixels that are wrong, remain wrong, are changed, become or remain right, and become wrong.
         let (mut wrong, mut left, mut changed, mut right, mut contradicted) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (at, (&before, &change)) in self.differences.iter().zip(changes).enumerate() {
@@ -232,19 +237,21 @@ impl<'p> Search<'p> {
         self.candidates.iter().filter(is_likely).map(|candidate| candidate.mistakes.as_slice())
     }
 
-    /// Returns the mistakes tried that show, one by one and together.
-    pub fn tried(&self) -> &[Vec<Mistake>] {
-        &self.tried
-    }
-
-    pub fn has_tried(&self, mistakes: &[Mistake]) -> bool {
+    fn has_tried(&self, mistakes: &[Mistake]) -> bool {
         self.tried.iter().any(|tried| tried == mistakes)
     }
 
-    /// Adds mistakes to the ones tried.
-    pub fn add_tried(&mut self, mistakes: &[Mistake]) {
-        if !self.has_tried(mistakes) {
-            self.tried.push(mistakes.to_vec());
+    /// Returns the single mistakes tried that show, also in windows.
+    pub fn shown(&self) -> &[Mistake] {
+        &self.shown
+    }
+
+    /// Adds single mistakes that show in a window.
+    pub fn add_shown(&mut self, mistakes: &[Mistake]) {
+        for &mistake in mistakes {
+            if !self.shown.contains(&mistake) {
+                self.shown.push(mistake);
+            }
         }
     }
 
@@ -263,7 +270,7 @@ impl<'p> Search<'p> {
     pub fn is_settled(&self) -> bool {
         match self.finding() {
             Finding::Equal { .. } => true,
-            Finding::Rounding { .. } => !self.tried.is_empty(),
+            Finding::Rounding { .. } => !self.shown.is_empty(),
             _ => false,
         }
     }
@@ -294,7 +301,7 @@ impl<'p> Search<'p> {
                 tolerance: tolerance(whole),
             },
             Some(best) => Finding::Part { cause: best.mistakes[0], share: best.share },
-            None => Finding::Unknown { tried: self.tried.iter().filter(|tried| tried.len() == 1).count() },
+            None => Finding::Unknown { tried: self.shown.len() },
         }
     }
 
@@ -350,12 +357,15 @@ pub fn try_all<'m>(
     };
     let is_of_pixels = |mistakes: &[Mistake]| mistakes.iter().all(|mistake| mistake.is_of_pixels());
     let is_equal = |candidate: &Candidate| candidate.rest.differing == 0 && is_of_pixels(&candidate.mistakes);
-    let is_over = |search: &Search| search.candidates.iter().any(is_equal);
+    let is_over = |search: &&mut Search| search.candidates.iter().any(is_equal);
     for mistakes in all {
+        if !is_of_pixels(mistakes) && searches.iter().all(is_over) {
+            break;
+        }
         let is_new = |search: &&mut &mut Search| !search.has_tried(mistakes);
         let mut searches: Vec<&mut &mut Search> = searches.iter_mut().filter(is_new).collect();
-        if !is_of_pixels(mistakes) && searches.iter().all(|search| is_over(search)) {
-            break;
+        if searches.is_empty() {
+            continue;
         }
         let made = make(mistakes).map(|made| Rc::new(Made::new(&made)));
         if let Some(made) = made.filter(|made| shows(mistakes, made)) {
