@@ -11,6 +11,11 @@ use std::f64::consts::PI;
 /// The gamma of most screens.
 pub const GAMMA: f64 = 2.2;
 
+/// Changes the levels of a colour, 255 times its channels.
+pub fn levels(color: Color, change: impl Fn(f64) -> f64) -> Color {
+    (255.0 * color).map(change) / 255.0
+}
+
 /// Returns a level of a picture whose colours are raised to a power.
 pub fn powered(level: f64, power: f64) -> f64 {
     255.0 * libm::pow(level.max(0.0) / 255.0, power)
@@ -23,15 +28,6 @@ pub fn srgb_encoded(level: f64) -> f64 {
     } else {
         1.055 * powered(level, 1.0 / 2.4) - 255.0 * 0.055
     }
-}
-
-pub fn upside_down(pixels: &mut [Color], width: usize) {
-    pixels.reverse();
-    mirrored(pixels, width);
-}
-
-pub fn mirrored(pixels: &mut [Color], width: usize) {
-    pixels.chunks_exact_mut(width).for_each(<[Color]>::reverse);
 }
 
 fn camera<'r>(request: &'r mut Request, scene: &Scene) -> &'r mut Camera {

@@ -137,10 +137,10 @@ pub enum OppositeFaces {
 /// How the picture of a mistake is made.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Make {
-    /// By changing the levels of the finished picture, 255 times its colours.
-    Levels(fn(f64) -> f64),
-    /// By changing the finished picture, of this width.
-    Pixels(fn(&mut [Color], usize)),
+    /// By changing the colours of the finished picture.
+    Colors(fn(Color) -> Color),
+    /// By flipping the finished picture left to right, and upside down.
+    Flip([bool; 2]),
     /// By another request.
     Request(fn(&mut Request, &Scene)),
     /// By changing the scene.
@@ -151,7 +151,7 @@ pub(super) enum Make {
     Student,
 }
 
-use Make::{Levels, Pixels, Student, Text};
+use Make::{Colors, Flip, Student, Text};
 use Mistake::*;
 
 const fn swapped(faces: OppositeFaces) -> Mistake {
@@ -169,23 +169,22 @@ const fn epsilon(distance: f64) -> Mistake {
 /// Every mistake, its description, and how it is made. Cheap ones come first.
 #[rustfmt::skip]
 const TABLE: &[(Mistake, &str, Make)] = &[
-    (Unchanged, "", Pixels(|_, _| {})),
-    (UpsideDown, "upside down", Pixels(upside_down)),
-    (Mirrored, "mirrored left to right", Pixels(mirrored)),
-    (Turned, "turned by 180 degrees", Pixels(|pixels, _| pixels.reverse())),
-    (RedAndBlueSwapped, "with red and blue swapped",
-        Pixels(|pixels, _| pixels.iter_mut().for_each(|color| *color = color.zyx()))),
-    (Rounded, "with colours rounded to bytes instead of cut", Levels(|level| level + 0.5)),
-    (RoundedUp, "with colours rounded up to bytes instead of cut", Levels(|level| level + (1.0 - 1e-9))),
-    (OneLevelBrighter, "one level brighter everywhere", Levels(|level| level.clamp(0.0, 255.0) + 1.0)),
-    (OneLevelDarker, "one level darker everywhere", Levels(|level| level.clamp(0.0, 255.5) - 1.0)),
-    (Wrapped, "with bytes that start again at 0 above 255", Levels(|level| level.max(0.0).rem_euclid(256.0))),
-    (Times256, "with colours times 256 instead of 255", Levels(|level| 256.0 / 255.0 * level)),
-    (GammaEncoded, "with a gamma of 2.2", Levels(|level| powered(level, 1.0 / GAMMA))),
+    (Unchanged, "", Flip([false, false])),
+    (UpsideDown, "upside down", Flip([false, true])),
+    (Mirrored, "mirrored left to right", Flip([true, false])),
+    (Turned, "turned by 180 degrees", Flip([true, true])),
+    (RedAndBlueSwapped, "with red and blue swapped", Colors(Color::zyx)),
+    (Rounded, "with colours rounded to bytes instead of cut", Colors(|color| levels(color, |level| level + 0.5))),
+    (RoundedUp, "with colours rounded up to bytes instead of cut", Colors(|color| levels(color, |level| level + (1.0 - 1e-9)))),
+    (OneLevelBrighter, "one level brighter everywhere", Colors(|color| levels(color, |level| level.clamp(0.0, 255.0) + 1.0))),
+    (OneLevelDarker, "one level darker everywhere", Colors(|color| levels(color, |level| level.clamp(0.0, 255.5) - 1.0))),
+    (Wrapped, "with bytes that start again at 0 above 255", Colors(|color| levels(color, |level| level.max(0.0).rem_euclid(256.0)))),
+    (Times256, "with colours times 256 instead of 255", Colors(|color| levels(color, |level| 256.0 / 255.0 * level))),
+    (GammaEncoded, "with a gamma of 2.2", Colors(|color| levels(color, |level| powered(level, 1.0 / GAMMA)))),
     (BytesGammaEncoded, "with a gamma of 2.2 applied to its bytes",
-        Levels(|level| powered(level.clamp(0.0, 255.0).trunc(), 1.0 / GAMMA).round() + 0.5)),
-    (GammaDecoded, "with an inverse gamma of 2.2", Levels(|level| powered(level, GAMMA))),
-    (SrgbEncoded, "with the curve of sRGB", Levels(srgb_encoded)),
+        Colors(|color| levels(color, |level| powered(level.clamp(0.0, 255.0).trunc(), 1.0 / GAMMA).round() + 0.5))),
+    (GammaDecoded, "with an inverse gamma of 2.2", Colors(|color| levels(color, |level| powered(level, GAMMA)))),
+    (SrgbEncoded, "with the curve of sRGB", Colors(|color| levels(color, srgb_encoded))),
     (OtherHandedness, "by a camera of the other handedness (turned by 180 degrees)",
         Make::Request(turn_up_vector)),
     (HalfScreen, "with a screen of half the size", Make::Request(|request, scene| zoom(request, scene, 0.5))),
@@ -351,7 +350,7 @@ impl Mistake {
 
     /// Returns true if the finished picture is changed, if anything.
     pub(super) fn is_of_pixels(self) -> bool {
-        matches!(self.make(), Levels(_) | Pixels(_))
+        matches!(self.make(), Colors(_) | Flip(_))
     }
 
     fn entry(self) -> &'static (Self, &'static str, Make) {
@@ -367,7 +366,7 @@ impl Mistake {
     pub fn kind(self) -> &'static str {
         match self.make() {
             _ if self == Unchanged => "unchanged",
-            Levels(_) | Pixels(_) => "pixels",
+            Colors(_) | Flip(_) => "pixels",
             Make::Request(_) => "request",
             Make::Scene(_) | Text(_) => "scene",
             Student => "rule",

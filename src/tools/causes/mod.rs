@@ -34,10 +34,10 @@ use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 use student::{MAX_BOUNCES, Student};
-use window::{part_of_colors, telling_windows};
+use window::{flipped, part_of_colors, telling_windows};
 
 /// Upper bounds on the camera rays in the windows of successive searches.
-const RAYS_OF_WINDOWS: [usize; 2] = [1 << 11, 1 << 15];
+const RAYS_OF_WINDOWS: [usize; 2] = [1 << 9, 1 << 12];
 
 /// The largest number of mistakes of which each is tried together with all others.
 const MAX_GROUNDS: usize = 3;
@@ -90,20 +90,17 @@ impl<'a> Original<'a> {
         if self.is_cancelled() {
             return None;
         }
-        // Pixels may move into the window.
-        let moves = mistakes.iter().any(|mistake| matches!(mistake.make(), Make::Pixels(_)));
-        let of_window = |colors: &FloatPicture| {
-            window.map_or_else(|| colors.clone(), |window| part_of_colors(colors, window))
-        };
-        let request = Request { window: window.filter(|_| !moves), ..self.request.clone() };
+        // Pixels move into the window from another one.
+        let window = window.map(|window| flipped(window, self.request.size, flips(mistakes)));
+        let request = Request { window, ..self.request.clone() };
         let changed = Changed::new(self.renderer(), &request, mistakes)?;
-        let mut colors = match changed.is_unchanged(&request) {
-            true if moves => self.colors.clone(),
-            true => of_window(&self.colors),
-            false => changed.render(self)?,
+        let mut colors = match (changed.is_unchanged(&request), window) {
+            (true, None) => self.colors.clone(),
+            (true, Some(window)) => part_of_colors(&self.colors, window),
+            (false, _) => changed.render(self)?,
         };
         finish(mistakes, &mut colors);
-        Some(if moves { of_window(&colors) } else { colors })
+        Some(colors)
     }
 
     /// Finds why the picture `a` differs from the reference `b`. Both have the original's size.
@@ -114,8 +111,9 @@ impl<'a> Original<'a> {
     /// Finds why each wrong picture differs from the reference `b`. All have the original's size. The mistakes in
     /// `first` are tried first, and together with all others.
     ///
-    /// Searches first in a window of about two thousand camera rays where many pixels differ, and checks each finding
-    /// on the whole picture. Pictures that remain unexplained are searched for two mistakes, and in a larger window.
+    /// Searches first in a window of about five hundred camera rays where many pixels differ, and checks the likely
+    /// findings on the whole picture. Pictures that remain unexplained are searched for two mistakes, and in a larger
+    /// window.
     pub fn explain_all(&self, wrong: &[Picture], b: &Picture, first: &[Mistake]) -> Vec<Finding> {
         let reference = if self.colors.to_picture() == *b { &self.colors } else { &of_bytes(b) };
         let made = Rc::new(Made::new(reference));
@@ -123,11 +121,12 @@ impl<'a> Original<'a> {
         let mut searches: Vec<Search> = wrong.iter().map(search).collect();
         let first = &first[..first.len().min(MAX_GROUNDS)];
         let singles: Vec<Vec<Mistake>> = Mistake::all().map(|mistake| vec![mistake]).collect();
-        self.try_all(None, first.chunks(1), searches.iter_mut());
+        let learned: Vec<Vec<Mistake>> = first.chunks(1).map(<[Mistake]>::to_vec).collect();
+        self.search(&learned, RAYS_OF_WINDOWS[0], &mut searches);
         for rays in RAYS_OF_WINDOWS {
-            self.search(reference, &singles, rays, &mut searches);
+            self.search(&singles, rays, &mut searches);
             let pairs = pairs(&searches, first);
-            self.search(reference, &pairs, rays, &mut searches);
+            self.search(&pairs, rays, &mut searches);
             if self.request.camera_rays() <= rays {
                 break;
             }
@@ -140,34 +139,32 @@ impl<'a> Original<'a> {
     }
 
     /// Tries mistakes in windows of at most `rays` camera rays, and the likely ones on the whole picture.
-    fn search(&self, reference: &FloatPicture, all: &[Vec<Mistake>], rays: usize, searches: &mut [Search]) {
+    fn search(&self, all: &[Vec<Mistake>], rays: usize, searches: &mut [Search]) {
         let all = || all.iter().map(Vec::as_slice);
         let mut open: Vec<&mut Search> = searches.iter_mut().filter(|search| !search.is_settled()).collect();
         // A reduced picture needs the pixels around the window.
         if self.request.camera_rays() <= rays || self.request.is_reduced {
-            return self.try_all(None, all(), open.into_iter());
+            return self.try_all(None, all(), &mut open);
         }
         let pixels = rays / self.request.sampler.count() as usize;
-        let differences: Vec<&[u8]> = open.iter().map(|search| search.differences()).collect();
-        for (window, pictures) in telling_windows(&differences, self.request.size, pixels) {
-            let made = Rc::new(Made::new(&part_of_colors(reference, window)));
-            let mut parts: Vec<Search> =
-                pictures.iter().map(|&at| open[at].in_window(window, made.clone())).collect();
-            self.try_all(Some(window), all(), parts.iter_mut());
+        let left: Vec<Vec<u8>> = open.iter().map(|search| search.left()).collect();
+        for (window, pictures) in telling_windows(&left, self.request.size, pixels) {
+            let mut parts: Vec<Search> = pictures.iter().map(|&at| open[at].in_window(window)).collect();
+            self.try_all(Some(window), all(), &mut parts.iter_mut().collect::<Vec<_>>());
             for (&at, part) in pictures.iter().zip(&parts) {
-                self.try_all(None, part.likely(), std::iter::once(&mut *open[at]));
-                part.tried().iter().for_each(|&mistake| open[at].add_tried(mistake));
+                self.try_all(None, part.likely(), &mut [&mut *open[at]]);
+                open[at].add_shown(part.shown());
             }
         }
     }
 
-    fn try_all<'m, 's, 'p: 's>(
+    fn try_all<'m>(
         &self,
         window: Option<Window>,
         all: impl IntoIterator<Item = &'m [Mistake]>,
-        searches: impl Iterator<Item = &'s mut Search<'p>>,
+        searches: &mut [&mut Search],
     ) {
-        try_all(all, |mistakes| self.made(mistakes, window), &mut searches.collect::<Vec<_>>());
+        try_all(all, |mistakes| self.made(mistakes, window), searches);
     }
 
     fn layer(&self) -> Layer {
@@ -186,10 +183,13 @@ fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
     let mut grounds: Vec<Mistake> = open().filter_map(Search::best).chain(first.iter().copied()).collect();
     grounds.dedup();
     grounds.truncate(MAX_GROUNDS);
-    let shows = |mistake: &Mistake| open().any(|search| search.tried().contains(mistake));
+    let shows = |mistake: &Mistake| open().any(|search| search.shown().contains(mistake));
     let others: Vec<Mistake> = Mistake::all().skip(1).filter(shows).collect();
-    let pairs = grounds.iter().flat_map(|&ground| others.iter().map(move |&other| vec![ground, other]));
-    pairs.filter(|pair| !pair[0].is_akin(pair[1])).collect()
+    let with_others = |&ground: &Mistake| {
+        let others = others.iter().filter(move |other| !ground.is_akin(**other));
+        others.map(move |&other| vec![ground, other])
+    };
+    grounds.iter().flat_map(with_others).collect()
 }
 
 /// The changes that mistakes make before a picture is rendered.
@@ -207,7 +207,7 @@ impl Changed {
         let (mut scene, mut changed, mut switch) = (original.scene.clone(), request.clone(), None);
         for &mistake in mistakes {
             match mistake.make() {
-                Make::Levels(_) | Make::Pixels(_) => {}
+                Make::Colors(_) | Make::Flip(_) => {}
                 Make::Request(change) => change(&mut changed, &scene),
                 Make::Scene(change) => change(&mut scene),
                 Make::Text(change) => change(&mut scene, &original.source.text),
@@ -248,16 +248,27 @@ impl Changed {
     }
 }
 
+/// Returns true if these mistakes flip the picture left to right, and if they flip it upside down.
+fn flips(mistakes: &[Mistake]) -> [bool; 2] {
+    mistakes.iter().fold([false; 2], |all, mistake| match mistake.make() {
+        Make::Flip(flips) => [all[0] ^ flips[0], all[1] ^ flips[1]],
+        _ => all,
+    })
+}
+
 /// Makes the mistakes of these that change finished pictures.
 fn finish(mistakes: &[Mistake], picture: &mut FloatPicture) {
+    let [across, down] = flips(mistakes);
+    if across {
+        picture.colors.chunks_exact_mut(picture.size[0]).for_each(<[Color]>::reverse);
+    }
+    if down {
+        let rows = picture.colors.chunks_exact(picture.size[0]).rev();
+        picture.colors = rows.flatten().copied().collect();
+    }
     for mistake in mistakes {
-        match mistake.make() {
-            Make::Levels(change) => {
-                let changed = |color: &mut Color| *color = (255.0 * *color).map(change) / 255.0;
-                picture.colors.iter_mut().for_each(changed);
-            }
-            Make::Pixels(change) => change(&mut picture.colors, picture.size[0]),
-            _ => {}
+        if let Make::Colors(change) = mistake.make() {
+            picture.colors.iter_mut().for_each(|color| *color = change(*color));
         }
     }
 }

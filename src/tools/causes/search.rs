@@ -6,7 +6,7 @@
 
 use super::finding::Finding;
 use super::mistakes::Mistake;
-use super::window::part;
+use super::window::{part, part_of_rows};
 use crate::picture::{Color, FloatPicture, Picture, Window};
 use crate::tools::compare::{EdgeMap, Rgb, Tolerance, colors, largest_channel_difference};
 use std::borrow::Cow;
@@ -21,7 +21,7 @@ const ELSEWHERE: f64 = 0.001;
 /// The largest share of all pixels that single precision changes by one level more than rounding.
 const BY_A_LEVEL: f64 = 0.01;
 /// The largest such share if a mistake explains the other differences. Other tracers compute their own way.
-const BY_A_LEVEL_AND_MISTAKE: f64 = 0.2;
+pub const BY_A_LEVEL_AND_MISTAKE: f64 = 0.2;
 /// The smallest share of the wrong pixels that a mistake makes right, and the smallest share of the pixels changed by
 /// it. A change that is only similar to the mistake leaves an error in the same pixels.
 const MIN_SHARES: [f64; 2] = [0.6, 0.75];
@@ -51,6 +51,13 @@ impl Made {
             made.colors.iter().map(pixel).collect()
         };
         Self { picture: made.to_picture(), low: moved(-ROUNDING), high: moved(ROUNDING) }
+    }
+
+    /// Returns the part in a window.
+    fn in_window(&self, window: Window) -> Self {
+        let width = self.picture.width() as usize;
+        let [low, high] = [&self.low, &self.high].map(|pixels| part_of_rows(pixels, width, window));
+        Self { picture: part(&self.picture, window), low, high }
     }
 
     /// Returns the levels by which a pixel differs by more than rounding.
@@ -141,27 +148,40 @@ pub struct Search<'p> {
     /// A pixel is wrong if it differs by more levels than that besides rounding: one if many pixels do, or else none.
     level: u8,
     candidates: Vec<Candidate>,
-    /// The single mistakes tried that show.
-    tried: Vec<Mistake>,
+    /// The mistakes tried in this picture that show, one by one and together.
+    tried: Vec<Vec<Mistake>>,
+    /// The single mistakes tried that show, also in windows.
+    shown: Vec<Mistake>,
 }
 
 impl<'p> Search<'p> {
     pub fn new(wrong: Cow<'p, Picture>, reference: Rc<Made>) -> Self {
         let (whole, differences) = (Rest::of(&wrong, &reference), reference.all_levels(&wrong));
         let level = u8::from(!whole.is_hardly_visible(differences.len() as f64));
-        Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![] }
+        Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![], shown: vec![] }
     }
 
-    /// Returns a search in a window of the picture.
-    pub fn in_window(&self, window: Window, reference: Rc<Made>) -> Search<'static> {
-        let part = Search::new(Cow::Owned(part(&self.wrong, window)), reference);
-        Search { level: self.level, ..part }
+    /// Returns a search in a window of the picture that knows the best single mistake.
+    pub fn in_window(&self, window: Window) -> Search<'static> {
+        let reference = Rc::new(self.reference.in_window(window));
+        let mut search = Search::new(Cow::Owned(part(&self.wrong, window)), reference);
+        search.level = self.level;
+        if let Some(best) = self.best_of(1) {
+            search.add(&best.mistakes, Rc::new(best.made.in_window(window)), best.share);
+        }
+        search
+    }
+
+    fn add(&mut self, mistakes: &[Mistake], made: Rc<Made>, share: f64) {
+        let rest = Rest::of(&self.wrong, &made);
+        self.candidates.push(Candidate { mistakes: mistakes.to_vec(), made, rest, share });
     }
 
     /// Tries mistakes whose picture differs by `changes` from the reference.
     pub fn try_mistakes(&mut self, mistakes: &[Mistake], made: &Rc<Made>, changes: &[u8]) {
-        if let [mistake] = mistakes {
-            self.add_tried(*mistake);
+        self.tried.push(mistakes.to_vec());
+        if mistakes.len() == 1 {
+            self.add_shown(mistakes);
         }
         // Count the pixels that are wrong, remain wrong, are changed, become or remain right, and become wrong.
         let (mut wrong, mut left, mut changed, mut right, mut contradicted) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -187,9 +207,7 @@ impl<'p> Search<'p> {
             _ => explains(MIN_SHARES) || explains(MIN_SHARES_IF_PRECISE),
         };
         if is_meant && contradicted <= max_contradicted * changed + ELSEWHERE * self.pixels() {
-            let rest = Rest::of(&self.wrong, made);
-            let (mistakes, made) = (mistakes.to_vec(), made.clone());
-            self.candidates.push(Candidate { mistakes, made, rest, share });
+            self.add(mistakes, made.clone(), share);
         }
     }
 
@@ -197,25 +215,43 @@ impl<'p> Search<'p> {
         self.differences.len() as f64
     }
 
-    /// Returns the levels by which each pixel differs from the reference by more than rounding.
-    pub fn differences(&self) -> &[u8] {
-        &self.differences
+    /// Returns the levels by which each pixel differs by more than rounding from the picture of the best single mistake,
+    /// or else from the reference.
+    pub fn left(&self) -> Vec<u8> {
+        self.best_of(1).map_or(&self.reference, |best| &best.made).all_levels(&self.wrong)
     }
 
-    /// Returns the mistakes that explain at least part of the difference, one by one and together.
+    /// Returns the mistakes that may explain more of a larger picture than all others: single ones that the best one
+    /// does not lead, and better pairs.
     pub fn likely(&self) -> impl Iterator<Item = &[Mistake]> {
-        self.candidates.iter().map(|candidate| candidate.mistakes.as_slice())
+        let size = |best: Option<&Candidate>| best.map_or(0.0, |best| best.rest.size() as f64);
+        let (single, pair) = (size(self.best_of(1)), size(self.best_of(2)));
+        let at_edges = AT_EDGES * self.pixels() + 2.0;
+        let is_likely = move |candidate: &&Candidate| {
+            let size = candidate.rest.size() as f64;
+            match candidate.mistakes.len() {
+                1 => size <= MIN_LEAD * (single + at_edges),
+                _ => size <= MIN_LEAD * (pair + at_edges) && MIN_LEAD * size <= single,
+            }
+        };
+        self.candidates.iter().filter(is_likely).map(|candidate| candidate.mistakes.as_slice())
     }
 
-    /// Returns the single mistakes tried that show.
-    pub fn tried(&self) -> &[Mistake] {
-        &self.tried
+    fn has_tried(&self, mistakes: &[Mistake]) -> bool {
+        self.tried.iter().any(|tried| tried == mistakes)
     }
 
-    /// Adds a mistake to the ones tried.
-    pub fn add_tried(&mut self, mistake: Mistake) {
-        if !self.tried.contains(&mistake) {
-            self.tried.push(mistake);
+    /// Returns the single mistakes tried that show, also in windows.
+    pub fn shown(&self) -> &[Mistake] {
+        &self.shown
+    }
+
+    /// Adds single mistakes that show in a window.
+    pub fn add_shown(&mut self, mistakes: &[Mistake]) {
+        for &mistake in mistakes {
+            if !self.shown.contains(&mistake) {
+                self.shown.push(mistake);
+            }
         }
     }
 
@@ -234,7 +270,7 @@ impl<'p> Search<'p> {
     pub fn is_settled(&self) -> bool {
         match self.finding() {
             Finding::Equal { .. } => true,
-            Finding::Rounding { .. } => !self.tried.is_empty(),
+            Finding::Rounding { .. } => !self.shown.is_empty(),
             _ => false,
         }
     }
@@ -265,7 +301,7 @@ impl<'p> Search<'p> {
                 tolerance: tolerance(whole),
             },
             Some(best) => Finding::Part { cause: best.mistakes[0], share: best.share },
-            None => Finding::Unknown { tried: self.tried.len() },
+            None => Finding::Unknown { tried: self.shown.len() },
         }
     }
 
@@ -325,6 +361,11 @@ pub fn try_all<'m>(
     for mistakes in all {
         if !is_of_pixels(mistakes) && searches.iter().all(is_over) {
             break;
+        }
+        let is_new = |search: &&mut &mut Search| !search.has_tried(mistakes);
+        let mut searches: Vec<&mut &mut Search> = searches.iter_mut().filter(is_new).collect();
+        if searches.is_empty() {
+            continue;
         }
         let made = make(mistakes).map(|made| Rc::new(Made::new(&made)));
         if let Some(made) = made.filter(|made| shows(mistakes, made)) {

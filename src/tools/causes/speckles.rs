@@ -7,6 +7,7 @@
 use super::Original;
 use super::changes::has_secondary_rays;
 use super::finding::Finding;
+use super::search::BY_A_LEVEL_AND_MISTAKE;
 use super::student::{SelfHitting, Student};
 use crate::math::ray::Ray;
 use crate::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
@@ -50,8 +51,12 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Finding
         return None;
     }
     let (differing, mixed) = differing(request, colors(a), colors(b), &EdgeMap::new(b));
-    let all = colors(a).iter().zip(colors(b)).filter(|&(&a, &b)| !nearly(a, b)).count();
-    if mixed < HARDLY_MIXED || (differing.len() as f64) < MIN_AWAY * all as f64 {
+    let count = |differ: fn(Rgb, Rgb) -> bool| {
+        colors(a).iter().zip(colors(b)).filter(|&(&a, &b)| differ(a, b)).count() as f64
+    };
+    let (visible, by_a_level) = (count(|a, b| !nearly(a, b)), count(|a, b| a != b && nearly(a, b)));
+    let is_other = by_a_level > BY_A_LEVEL_AND_MISTAKE * colors(a).len() as f64;
+    if is_other || mixed < HARDLY_MIXED || (differing.len() as f64) < MIN_AWAY * visible {
         return None;
     }
     let step = differing.len().div_ceil(MAX_PIXELS).max(1);

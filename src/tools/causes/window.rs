@@ -9,7 +9,11 @@ const MIN_SIDE: usize = 8;
 /// Chooses windows of about this many pixels to search in, each with the indices of the pictures whose difference it
 /// shows. A picture is assigned to a window with at least half as many of its differing pixels as any other window.
 /// `differences` has the difference of each picture's pixels, 0 if there is none.
-pub fn telling_windows(differences: &[&[u8]], size: [usize; 2], pixels: usize) -> Vec<(Window, Vec<usize>)> {
+pub fn telling_windows(
+    differences: &[Vec<u8>],
+    size: [usize; 2],
+    pixels: usize,
+) -> Vec<(Window, Vec<usize>)> {
     let side = pixels.isqrt().max(MIN_SIDE);
     let columns = size[0].div_ceil(side);
     let tiles = columns * size[1].div_ceil(side);
@@ -42,6 +46,19 @@ pub fn telling_windows(differences: &[&[u8]], size: [usize; 2], pixels: usize) -
     }
 }
 
+/// Returns the window whose pixels move into this one when a picture of this size is flipped left to right, and upside
+/// down.
+pub fn flipped(window: Window, size: [usize; 2], [across, down]: [bool; 2]) -> Window {
+    let Window { mut x, mut y, width, height } = window;
+    if across {
+        x = size[0] - width - x;
+    }
+    if down {
+        y = size[1] - height - y;
+    }
+    Window { x, y, width, height }
+}
+
 /// Returns the part of a picture in a window.
 pub fn part(picture: &Picture, window: Window) -> Picture {
     let pixels: Vec<Rgb> = part_of_rows(colors(picture), picture.width() as usize, window);
@@ -55,7 +72,7 @@ pub fn part_of_colors(picture: &FloatPicture, window: Window) -> FloatPicture {
 }
 
 /// Copies the window's pixels. The window must lie in the picture.
-fn part_of_rows<T: Copy>(pixels: &[T], width: usize, window: Window) -> Vec<T> {
+pub fn part_of_rows<T: Copy>(pixels: &[T], width: usize, window: Window) -> Vec<T> {
     let rows = pixels.chunks_exact(width).skip(window.y).take(window.height);
     rows.flat_map(|row| &row[window.x..][..window.width]).copied().collect()
 }
@@ -79,7 +96,7 @@ mod tests {
             differences(&[]),
             differences(&[[46, 0], [46, 1], [46, 2], [0, 0]]),
         ];
-        let windows = telling_windows(&pictures.each_ref().map(Vec::as_slice), [90, 50], 2048);
+        let windows = telling_windows(&pictures, [90, 50], 2048);
         let expected = [
             (Window { x: 45, y: 0, width: 45, height: 45 }, vec![0, 3]),
             (Window { x: 45, y: 45, width: 45, height: 5 }, vec![1]),

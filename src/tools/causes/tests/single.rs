@@ -109,6 +109,17 @@ fn a_correct_tracer_in_single_precision_rounds() {
     assert!(differing > 8, "{differing}");
 }
 
+#[test]
+fn a_picture_darker_by_a_level_shows_no_acne() {
+    let mirrors = Effects { shadows: Shadows::Opaque, bounces: 2, ..Effects::default() };
+    let request = Request { effects: mirrors, ..Request::new([150; 2]) };
+    let case = Case::new("scene6_11_mirrored_floor.txt", request);
+    let mistakes = [Mistake::OneLevelDarker];
+    let (original, wrong) = (case.original(), picture(&case, &mistakes).unwrap());
+    let found = original.explain(&wrong, &original.colors.to_picture());
+    assert!(names_only(&original, &found, &mistakes), "{found}");
+}
+
 /// The number of mistakes that show and of mistakes that are named, alone and in pairs.
 type Score = [[u32; 2]; 2];
 
