@@ -149,7 +149,7 @@ fn the_largest_pictures_at_once_take_less_than_a_gigabyte() {
 fn rays_that_meet_much_end_with_their_client() {
     // Every ray meets half of the triangles, and casts a ray to each light.
     let corner = |k: usize| format!("{} {} {}", (k * 7919) % 997, (k * 104_729) % 991, k % 13);
-    let triangles = (0..4000).map(|k| {
+    let triangles = (0..16_000).map(|k| {
         let [a, b, c] = [k, k + 1, k + 2].map(corner);
         format!("Triangle {{ vertex0 {a} vertex1 {b} vertex2 {c} }}")
     });
@@ -157,7 +157,7 @@ fn rays_that_meet_much_end_with_their_client() {
     let folder = Folder::with_scene(&format!(
         "OrthographicCamera {{ center 500 500 100 direction 0 0 -1 up 0 1 0 size 900 }}
         Lights {{ numLights 20 {lights} }}
-        Group {{ numObjects 4000 Material {{ diffuseColor 1 1 1 reflectiveColor 1 1 1 }} {} }}",
+        Group {{ numObjects 16000 Material {{ diffuseColor 1 1 1 reflectiveColor 1 1 1 }} {} }}",
         triangles.collect::<String>()
     ));
     let server = Server::start(folder.path(), "-size 4 4");
