@@ -34,7 +34,7 @@ pub const BYTES_OF_READING: u64 = 100_000_000;
 pub const MAX_SIDE: usize = 2048;
 /// Primitives in the cells of a grid, each counted once for each cell: building it takes less than a second.
 pub const MAX_REFERENCES: u64 = 1 << 22;
-/// Camera rays of a picture for whose difference a cause is looked for: the search renders it some fifty times.
+/// Camera rays of a picture for whose difference a cause is looked for: the search renders it several times.
 pub const MAX_CAUSE_RAYS: usize = 1 << 22;
 
 /// The triangles, shapes and planes of a scene that is typed in, including its meshes, and of all such scenes together

@@ -125,16 +125,16 @@ impl Session {
         let view = question.view.map(|shown| self.view(shown, sketch)).transpose()?;
         let of_view = view.as_ref().map_or(0, |view| view.bytes(pictures, copies));
         let bytes = if is_file { BYTES_OF_READING } else { of_view };
-        self.workers.run(bytes, stop, has_left, || match (path, view, question.pixel) {
+        self.workers.run(bytes, stop, has_left, || match (path, view, question.pixel, question.text) {
             ("/start", ..) => Ok(self.start()),
             ("/reference", ..) => self.take_reference(query, body),
-            ("/scene", ..) if let Some(text) = question.text => self.type_in(text, &question.words, stop),
-            ("/picture", Some(view), _) => self.picture(&view, stop),
-            ("/compare", Some(view), _) => self.compare(view, stop),
-            ("/cause", Some(view), _) => self.cause(view, stop),
-            ("/objects", Some(view), _) => self.objects(&view, stop),
-            ("/trace", Some(view), Some(pixel)) => self.trace(&view, pixel, stop),
-            ("/save", Some(view), _) => self.save(&view, stop),
+            ("/scene", .., Some(text)) => self.type_in(text, &question.words, stop),
+            ("/picture", Some(view), ..) => self.picture(&view, stop),
+            ("/compare", Some(view), ..) => self.compare(view, stop),
+            ("/cause", Some(view), ..) => self.cause(view, stop),
+            ("/objects", Some(view), ..) => self.objects(&view, stop),
+            ("/trace", Some(view), Some(pixel), _) => self.trace(&view, pixel, stop),
+            ("/save", Some(view), ..) => self.save(&view, stop),
             _ => Err(Answer::text(400, "not a question: it is incomplete")),
         })?
     }

@@ -163,8 +163,8 @@ impl Prepared<'_> {
         Ok((FloatPicture { size, colors }, counts))
     }
 
-    /// Renders a request row by row, and returns the counts and the costs of the pixels. Rows are handed out from the top as soon as they are
-    /// finished.
+    /// Renders a request row by row, and returns the counts and the costs of the pixels. Rows are handed out from the top
+    /// as soon as they are finished.
     pub fn render_rows(
         &self,
         request: &Request,

@@ -139,7 +139,7 @@ pub enum OppositeFaces {
 pub(super) enum Make {
     /// By changing the colours of the finished picture.
     Colors(fn(Color) -> Color),
-    /// By flipping the finished picture left to right, and upside down.
+    /// By flipping the finished picture: left to right if the first is true, upside down if the second is.
     Flip([bool; 2]),
     /// By another request.
     Request(fn(&mut Request, &Scene)),
@@ -348,7 +348,7 @@ impl Mistake {
         of_pixels.filter(move |&mistake| has_colors || !needs_colors(mistake))
     }
 
-    /// Returns true if the finished picture is changed, if anything.
+    /// Returns true if the mistake is made in the finished picture, without rendering.
     pub(super) fn is_of_pixels(self) -> bool {
         matches!(self.make(), Colors(_) | Flip(_))
     }

@@ -36,8 +36,11 @@ use std::rc::Rc;
 use student::{MAX_BOUNCES, Student};
 use window::{flipped, part_of_colors, telling_windows};
 
-/// Upper bounds on the camera rays in the windows of successive searches.
+/// About how many camera rays the windows of successive searches have.
 const RAYS_OF_WINDOWS: [usize; 2] = [1 << 9, 1 << 12];
+
+/// The shortest side of a window, in pixels. Fewer pixels show too little.
+const MIN_SIDE: usize = 8;
 
 /// The largest number of mistakes of which each is tried together with all others.
 const MAX_GROUNDS: usize = 3;
@@ -90,7 +93,7 @@ impl<'a> Original<'a> {
         if self.is_cancelled() {
             return None;
         }
-        // Pixels move into the window from another one.
+        // A flip moves pixels into the window from another one.
         let window = window.map(|window| flipped(window, self.request.size, flips(mistakes)));
         let request = Request { window, ..self.request.clone() };
         let changed = Changed::new(self.renderer(), &request, mistakes)?;
@@ -111,25 +114,28 @@ impl<'a> Original<'a> {
     /// Finds why each wrong picture differs from the reference `b`. All have the original's size. The mistakes in
     /// `first` are tried first, and together with all others.
     ///
-    /// Searches first in a window of about five hundred camera rays where many pixels differ, and checks the likely
-    /// findings on the whole picture. Pictures that remain unexplained are searched for two mistakes, and in a larger
-    /// window.
+    /// Tries mistakes in the finished picture first. Then searches in a window of about five hundred camera rays where
+    /// many pixels differ, and checks the likely findings on the whole picture. Pictures that remain unexplained are
+    /// searched for two mistakes, and in a larger window.
     pub fn explain_all(&self, wrong: &[Picture], b: &Picture, first: &[Mistake]) -> Vec<Finding> {
         let reference = if self.colors.to_picture() == *b { &self.colors } else { &of_bytes(b) };
         let made = Rc::new(Made::new(reference));
         let search = |wrong| Search::new(Cow::Borrowed(wrong), made.clone());
         let mut searches: Vec<Search> = wrong.iter().map(search).collect();
         let first = &first[..first.len().min(MAX_GROUNDS)];
-        let singles: Vec<Vec<Mistake>> = Mistake::all().map(|mistake| vec![mistake]).collect();
-        let learned: Vec<Vec<Mistake>> = first.chunks(1).map(<[Mistake]>::to_vec).collect();
-        self.search(&learned, RAYS_OF_WINDOWS[0], &mut searches);
-        for rays in RAYS_OF_WINDOWS {
-            self.search(&singles, rays, &mut searches);
+        let alone = |mistake| vec![mistake];
+        let (of_pixels, others): (Vec<Mistake>, Vec<Mistake>) =
+            Mistake::all().partition(|mistake| mistake.is_of_pixels());
+        let others: Vec<Vec<Mistake>> = others.into_iter().map(alone).collect();
+        let learned: Vec<Vec<Mistake>> = first.iter().copied().map(alone).collect();
+        self.try_all(None, of_pixels.chunks(1), &mut searches.iter_mut().collect::<Vec<_>>());
+        let mut sides = RAYS_OF_WINDOWS.map(|rays| self.side_of_windows(rays)).to_vec();
+        sides.dedup();
+        self.search(&learned, sides[0], &mut searches);
+        for side in sides {
+            self.search(&others, side, &mut searches);
             let pairs = pairs(&searches, first);
-            self.search(&pairs, rays, &mut searches);
-            if self.request.camera_rays() <= rays {
-                break;
-            }
+            self.search(&pairs, side, &mut searches);
         }
         let finding = |(search, wrong): (&Search, _)| match search.finding() {
             Finding::Unknown { tried } => speckles(self, wrong, b).unwrap_or(Finding::Unknown { tried }),
@@ -138,17 +144,22 @@ impl<'a> Original<'a> {
         searches.iter().zip(wrong).map(finding).collect()
     }
 
-    /// Tries mistakes in windows of at most `rays` camera rays, and the likely ones on the whole picture.
-    fn search(&self, all: &[Vec<Mistake>], rays: usize, searches: &mut [Search]) {
+    /// Returns the side of windows with about this many camera rays, in pixels. `None` if the whole picture is small, or
+    /// if it is reduced and so needs the pixels around the window.
+    fn side_of_windows(&self, rays: usize) -> Option<usize> {
+        let is_whole = self.request.camera_rays() <= rays || self.request.is_reduced;
+        let side = (rays / self.request.sampler.count() as usize).isqrt().max(MIN_SIDE);
+        (!is_whole).then_some(side)
+    }
+
+    /// Tries mistakes in windows with this side, and the likely ones on the whole picture. Without a side, tries them all
+    /// on the whole picture.
+    fn search(&self, all: &[Vec<Mistake>], side: Option<usize>, searches: &mut [Search]) {
         let all = || all.iter().map(Vec::as_slice);
         let mut open: Vec<&mut Search> = searches.iter_mut().filter(|search| !search.is_settled()).collect();
-        // A reduced picture needs the pixels around the window.
-        if self.request.camera_rays() <= rays || self.request.is_reduced {
-            return self.try_all(None, all(), &mut open);
-        }
-        let pixels = rays / self.request.sampler.count() as usize;
+        let Some(side) = side else { return self.try_all(None, all(), &mut open) };
         let left: Vec<Vec<u8>> = open.iter().map(|search| search.left()).collect();
-        for (window, pictures) in telling_windows(&left, self.request.size, pixels) {
+        for (window, pictures) in telling_windows(&left, self.request.size, side) {
             let mut parts: Vec<Search> = pictures.iter().map(|&at| open[at].in_window(window)).collect();
             self.try_all(Some(window), all(), &mut parts.iter_mut().collect::<Vec<_>>());
             for (&at, part) in pictures.iter().zip(&parts) {

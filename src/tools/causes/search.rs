@@ -10,6 +10,7 @@ use super::window::{part, part_of_rows};
 use crate::picture::{Color, FloatPicture, Picture, Window};
 use crate::tools::compare::{EdgeMap, Rgb, Tolerance, colors, largest_channel_difference};
 use std::borrow::Cow;
+use std::cell::LazyCell;
 use std::rc::Rc;
 
 /// The largest error of a colour in single precision, in levels.
@@ -148,7 +149,7 @@ pub struct Search<'p> {
     /// A pixel is wrong if it differs by more levels than that besides rounding: one if many pixels do, or else none.
     level: u8,
     candidates: Vec<Candidate>,
-    /// The mistakes tried in this picture that show, one by one and together.
+    /// The mistakes tried in this picture, one by one and together.
     tried: Vec<Vec<Mistake>>,
     /// The single mistakes tried that show, also in windows.
     shown: Vec<Mistake>,
@@ -179,7 +180,6 @@ impl<'p> Search<'p> {
 
     /// Tries mistakes whose picture differs by `changes` from the reference.
     pub fn try_mistakes(&mut self, mistakes: &[Mistake], made: &Rc<Made>, changes: &[u8]) {
-        self.tried.push(mistakes.to_vec());
         if mistakes.len() == 1 {
             self.add_shown(mistakes);
         }
@@ -224,21 +224,15 @@ impl<'p> Search<'p> {
     /// Returns the mistakes that may explain more of a larger picture than all others: single ones that the best one
     /// does not lead, and better pairs.
     pub fn likely(&self) -> impl Iterator<Item = &[Mistake]> {
-        let size = |best: Option<&Candidate>| best.map_or(0.0, |best| best.rest.size() as f64);
-        let (single, pair) = (size(self.best_of(1)), size(self.best_of(2)));
+        let size = |candidate: &Candidate| candidate.rest.size() as f64;
+        let single = self.best_of(1).map_or(self.whole.size() as f64, size);
+        let best = self.best_of(2).map_or(0.0, size);
         let at_edges = AT_EDGES * self.pixels() + 2.0;
-        let is_likely = move |candidate: &&Candidate| {
-            let size = candidate.rest.size() as f64;
-            match candidate.mistakes.len() {
-                1 => size <= MIN_LEAD * (single + at_edges),
-                _ => size <= MIN_LEAD * (pair + at_edges) && MIN_LEAD * size <= single,
-            }
+        let is_likely = move |candidate: &&Candidate| match candidate.mistakes.len() {
+            1 => size(candidate) <= MIN_LEAD * (single + at_edges),
+            _ => size(candidate) <= (MIN_LEAD * (best + at_edges)).min(single / MIN_LEAD + at_edges),
         };
         self.candidates.iter().filter(is_likely).map(|candidate| candidate.mistakes.as_slice())
-    }
-
-    fn has_tried(&self, mistakes: &[Mistake]) -> bool {
-        self.tried.iter().any(|tried| tried == mistakes)
     }
 
     /// Returns the single mistakes tried that show, also in windows.
@@ -268,9 +262,11 @@ impl<'p> Search<'p> {
 
     /// Returns true if the answer is final.
     pub fn is_settled(&self) -> bool {
+        // Mistakes in the finished picture are tried first. They may resemble others.
+        let has_tried_others = || self.shown.iter().any(|mistake| !mistake.is_of_pixels());
         match self.finding() {
-            Finding::Equal { .. } => true,
-            Finding::Rounding { .. } => !self.shown.is_empty(),
+            Finding::Equal { pixels: 0, .. } => true,
+            Finding::Equal { .. } | Finding::Rounding { .. } => has_tried_others(),
             _ => false,
         }
     }
@@ -342,31 +338,25 @@ fn tolerance(rest: &Rest) -> Tolerance {
     Tolerance { levels: 1, pixels }
 }
 
-/// Tries all of these mistakes in each search. Skips those that cannot be seen in the reference. Ends early if the
-/// finished picture was changed, and nothing else is wrong.
+/// Tries all of these mistakes in each search that has not tried them. Skips those that cannot be seen in the reference.
 pub fn try_all<'m>(
     all: impl IntoIterator<Item = &'m [Mistake]>,
     make: impl Fn(&[Mistake]) -> Option<FloatPicture>,
     searches: &mut [&mut Search],
 ) {
     let Some(reference) = searches.first().map(|search| search.reference.clone()) else { return };
-    let own = make(&[Mistake::Unchanged]).map(|own| Made::new(&own));
+    let own = LazyCell::new(|| make(&[Mistake::Unchanged]).map(|own| Made::new(&own)));
     let shows = |mistakes: &[Mistake], made: &Made| {
-        let is_own = own.as_ref().is_some_and(|own| own.is_like(made));
-        !reference.is_like(made) && (mistakes == [Mistake::Unchanged] || !is_own)
+        let is_own = || own.as_ref().is_some_and(|own| own.is_like(made));
+        !reference.is_like(made) && (mistakes == [Mistake::Unchanged] || !is_own())
     };
-    let is_of_pixels = |mistakes: &[Mistake]| mistakes.iter().all(|mistake| mistake.is_of_pixels());
-    let is_equal = |candidate: &Candidate| candidate.rest.differing == 0 && is_of_pixels(&candidate.mistakes);
-    let is_over = |search: &&mut Search| search.candidates.iter().any(is_equal);
     for mistakes in all {
-        if !is_of_pixels(mistakes) && searches.iter().all(is_over) {
-            break;
-        }
-        let is_new = |search: &&mut &mut Search| !search.has_tried(mistakes);
+        let is_new = |search: &&mut &mut Search| !search.tried.iter().any(|tried| tried == mistakes);
         let mut searches: Vec<&mut &mut Search> = searches.iter_mut().filter(is_new).collect();
         if searches.is_empty() {
             continue;
         }
+        searches.iter_mut().for_each(|search| search.tried.push(mistakes.to_vec()));
         let made = make(mistakes).map(|made| Rc::new(Made::new(&made)));
         if let Some(made) = made.filter(|made| shows(mistakes, made)) {
             let changes = reference.all_levels(&made.picture);

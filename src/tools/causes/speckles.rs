@@ -55,8 +55,9 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Finding
         colors(a).iter().zip(colors(b)).filter(|&(&a, &b)| differ(a, b)).count() as f64
     };
     let (visible, by_a_level) = (count(|a, b| !nearly(a, b)), count(|a, b| a != b && nearly(a, b)));
-    let is_other = by_a_level > BY_A_LEVEL_AND_MISTAKE * colors(a).len() as f64;
-    if is_other || mixed < HARDLY_MIXED || (differing.len() as f64) < MIN_AWAY * visible {
+    // Acne does not change many pixels by a level.
+    let differs_by_a_level = by_a_level > BY_A_LEVEL_AND_MISTAKE * colors(a).len() as f64;
+    if differs_by_a_level || mixed < HARDLY_MIXED || (differing.len() as f64) < MIN_AWAY * visible {
         return None;
     }
     let step = differing.len().div_ceil(MAX_PIXELS).max(1);

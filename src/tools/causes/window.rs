@@ -3,18 +3,10 @@
 use crate::picture::{FloatPicture, Picture, Window};
 use crate::tools::compare::{Rgb, colors};
 
-/// The shortest side of a window, in pixels.
-const MIN_SIDE: usize = 8;
-
-/// Chooses windows of about this many pixels to search in, each with the indices of the pictures whose difference it
+/// Chooses windows with this side, in pixels, to search in, each with the indices of the pictures whose difference it
 /// shows. A picture is assigned to a window with at least half as many of its differing pixels as any other window.
 /// `differences` has the difference of each picture's pixels, 0 if there is none.
-pub fn telling_windows(
-    differences: &[Vec<u8>],
-    size: [usize; 2],
-    pixels: usize,
-) -> Vec<(Window, Vec<usize>)> {
-    let side = pixels.isqrt().max(MIN_SIDE);
+pub fn telling_windows(differences: &[Vec<u8>], size: [usize; 2], side: usize) -> Vec<(Window, Vec<usize>)> {
     let columns = size[0].div_ceil(side);
     let tiles = columns * size[1].div_ceil(side);
     // The number of differing pixels in each tile.
@@ -96,7 +88,7 @@ mod tests {
             differences(&[]),
             differences(&[[46, 0], [46, 1], [46, 2], [0, 0]]),
         ];
-        let windows = telling_windows(&pictures, [90, 50], 2048);
+        let windows = telling_windows(&pictures, [90, 50], 45);
         let expected = [
             (Window { x: 45, y: 0, width: 45, height: 45 }, vec![0, 3]),
             (Window { x: 45, y: 45, width: 45, height: 5 }, vec![1]),
