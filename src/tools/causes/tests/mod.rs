@@ -3,6 +3,7 @@
 mod acne;
 mod confusion;
 mod single;
+mod windows;
 
 use super::{Finding, Mistake, Original};
 use crate::caster::choose::Structure;
