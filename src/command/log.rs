@@ -26,7 +26,7 @@ impl Log {
         let _ = writeln!(stderr(), "{line}");
     }
 
-    /// Tells these notes and warnings about a scene. If `is_strict`, warnings are errors, and end the run.
+    /// Tells these notes and warnings, with places in `source`. If `is_strict`, warnings are errors, and end the run.
     pub fn warn(&self, all: Vec<Diagnostic>, is_strict: bool, source: &Source) -> Result<(), End> {
         let mut ends = false;
         for mut found in all {

@@ -92,6 +92,10 @@ impl Scenes {
         stop: &Stop,
     ) -> Result<Arc<OpenScene>, Diagnostic> {
         let mut last = lock(&self.reading);
+        // The page has sent a newer text while this one waited.
+        if stop.is_over() {
+            return Err(Diagnostic::error("the page no longer waits for this text"));
+        }
         let left = Cell::new(MAX_MESH_BYTES);
         let read = |file: &MeshFile, _, is_textured| match self.known_mesh(&file.name) {
             Some(known) => Ok(known),

@@ -14,11 +14,12 @@ class Refused extends Error {
   }
 }
 
-// The kinds of questions of which the page needs the last answer only, and what ends the last question of each kind.
+// The kinds of questions of which the page needs the last answer only.
 const KINDS = {
   '/picture': 'picture', '/compare': 'picture', '/cause': 'picture',
   '/scene': 'scene', '/objects': 'objects', '/trace': 'trace',
 };
+// Ends the last question of each kind.
 const asked = {};
 
 // Asks, and returns { meta, bytes }. A refusal is thrown, with its status and its reason. A later question of its kind

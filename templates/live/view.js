@@ -128,7 +128,7 @@ const view = {
     status(`${rate.toFixed(0)} pictures/s, ${sketch.sides.join(' × ')}`);
   },
 
-  // The hand rests: the whole picture, and then finer ones. What is on its way is overtaken.
+  // The hand rests: the whole picture, and then finer ones.
   rest() {
     this.finished = false;
     if (!this.scene || this.sketching) return;

@@ -66,7 +66,7 @@ fn pictures_with_random_samples_stay_the_same() {
     same_pictures_with("-jittered_samples 2 -gaussian_filter 0.5 -transparent_shadows -bounces 0", &VARIANTS);
 }
 
-/// Counted without a grid, every ray tests every primitive, which takes a second for some scenes with adaptive samples.
+/// No variant counts without a grid: every ray would test every primitive, a second for some scenes with these samples.
 #[test]
 fn pictures_with_adaptive_samples_stay_the_same() {
     let variants = [VARIANTS[0], "-threads 7 -grid 40 40 33 -stats", "-threads 2 -grid 7 5 3"];
