@@ -227,6 +227,7 @@ impl<'p> Search<'p> {
         let size = |candidate: &Candidate| candidate.rest.size() as f64;
         let single = self.best_of(1).map_or(self.whole.size() as f64, size);
         let best = self.best_of(2).map_or(0.0, size);
+        // A window at an edge shows more than its share of the pixels that single precision changes.
         let at_edges = AT_EDGES * self.pixels() + 2.0;
         let is_likely = move |candidate: &&Candidate| match candidate.mistakes.len() {
             1 => size(candidate) <= MIN_LEAD * (single + at_edges),

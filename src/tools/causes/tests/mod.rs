@@ -7,14 +7,12 @@ mod windows;
 
 use super::{Finding, Mistake, Original};
 use crate::caster::choose::Structure;
-use crate::diagnostic::Diagnostic;
 use crate::render::Request;
 use crate::render::renderer::{Meshes, Renderer};
+use crate::render::test_renderer::renderer_of;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
-use crate::scene::MeshFile;
-use crate::scene::load::{Hints, Readers, Source, load, load_text};
-use crate::scene::texels::ImageFile;
+use crate::scene::load::load;
 use crate::trace::{Effects, Shadows};
 use std::path::Path;
 
@@ -54,16 +52,14 @@ struct Case {
 
 impl Case {
     fn new(name: &'static str, request: Request) -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
-        let loaded = if name == "everything" {
-            let source = Source { path: name.into(), text: SCENE.into() };
-            let no_mesh = |_: &MeshFile, _, _| Err(Diagnostic::error("no mesh"));
-            let no_image = |_: &ImageFile, _| Err(Diagnostic::error("no picture"));
-            load_text(source, &Hints::default(), Readers { mesh: &no_mesh, image: &no_image })
-        } else {
-            load(&path)
+        let renderer = match name {
+            "everything" => renderer_of(SCENE),
+            _ => {
+                let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+                Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap()
+            }
         };
-        Self { name, renderer: Renderer::new(loaded.unwrap(), Meshes::Kept).unwrap(), request }
+        Self { name, renderer, request }
     }
 
     fn original(&self) -> Original<'_> {

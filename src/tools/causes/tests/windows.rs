@@ -16,8 +16,8 @@ fn assert_named(found: &Finding, mistakes: &[Mistake]) {
 }
 
 #[test]
-fn a_window_that_a_flip_makes_right_hides_no_other_mistake() {
-    // The background is wrong in the window. There, any flip of a sphere's edge and most changes of colours look alike.
+fn a_mistake_that_makes_only_a_window_right_hides_no_other() {
+    // A change of the finished picture can make a flat window right, and leave most of the picture wrong.
     let case = Case::new("scene3_09_exponent_variations.txt", Request::new([150; 2]));
     let original = case.original();
     let (wrong, right) = (original.picture(Mistake::BlackBackground), original.picture(Mistake::Unchanged));
@@ -33,7 +33,7 @@ fn a_learned_mistake_is_the_ground_of_a_second_one_where_edges_differ() {
         let original = case.original();
         let right = original.picture(Mistake::Unchanged).unwrap();
         let made = original.made(&mistakes, None).unwrap().to_picture();
-        // One of 300 pixels is another one's, as at edges in single precision.
+        // One of 300 pixels differs, at edges, as in single precision.
         let edges = EdgeMap::new(&made);
         let mut pixels = colors(&made).to_vec();
         let at_edges: Vec<usize> =
