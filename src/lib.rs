@@ -63,3 +63,6 @@ pub mod tools;
 pub mod cli;
 #[cfg(feature = "gui")]
 pub mod live;
+#[cfg(not(target_family = "wasm"))]
+#[doc(hidden)]
+pub mod command;

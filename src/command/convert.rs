@@ -6,9 +6,9 @@ use super::outputs::Outputs;
 use super::progress::{ProgressLine, rows_text};
 use super::signals::Signals;
 use super::{End, Outcome, refused};
-use raytracer::cli::{Converting, Source};
-use raytracer::image_io::{Content, Merge, OutputFile, ReadFile, Rows, check_distinct, convert};
-use raytracer::render::Progress;
+use crate::cli::{Converting, Source};
+use crate::image_io::{Content, Merge, OutputFile, ReadFile, Rows, check_distinct, convert};
+use crate::render::Progress;
 
 /// Reads the picture or the parts, and writes the picture.
 pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome, End> {

@@ -2,8 +2,8 @@
 
 use super::log::Log;
 use super::signals::Signals;
-use raytracer::cli::{LivePage, Options};
-use raytracer::diagnostic::Diagnostic;
+use crate::cli::{LivePage, Options};
+use crate::diagnostic::Diagnostic;
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::Path;
 
@@ -42,7 +42,7 @@ pub fn show(_: &Options, _: &Signals, _: &Log) -> Result<(), Diagnostic> {
 #[cfg(feature = "gui")]
 mod server {
     use super::*;
-    use raytracer::live::Server;
+    use crate::live::Server;
     use std::env;
     use std::io::{self, Write};
     use std::process::{Command, Stdio};

@@ -1,9 +1,9 @@
 //! Messages on standard error, with colours on a terminal.
 
 use super::End;
-use raytracer::base::escape::quoted;
-use raytracer::diagnostic::{Diagnostic, Severity};
-use raytracer::scene::load::Source;
+use crate::base::escape::quoted;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::scene::load::Source;
 use std::cell::RefCell;
 use std::io::{IsTerminal, Write, stderr};
 use std::path::PathBuf;

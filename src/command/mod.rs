@@ -1,6 +1,5 @@
 //! The commands of the program, one file per command. No other module prints or ends the program.
 
-mod allocator;
 mod signals;
 mod log;
 mod progress;
@@ -18,9 +17,9 @@ mod error_report;
 
 use log::Log;
 use outputs::Outputs;
-use raytracer::cli::{self, Command, ShowProgress};
-use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::OutputFile;
+use crate::cli::{self, Command, ShowProgress};
+use crate::diagnostic::Diagnostic;
+use crate::image_io::OutputFile;
 use signals::Signals;
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -3,12 +3,12 @@
 use super::log::Log;
 use super::signals::Signals;
 use super::{End, refused};
-use raytracer::cli::{Options, Output};
-use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{
+use crate::cli::{Options, Output};
+use crate::diagnostic::Diagnostic;
+use crate::image_io::{
     CompleteFile, OutputFile, ReadFile, Written, check_distinct, part_beside, put_in_place,
 };
-use raytracer::render::Layer;
+use crate::render::Layer;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

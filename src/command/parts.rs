@@ -1,12 +1,12 @@
 //! Parts of pictures: what a part says about the whole, and the lines about the parts that a stopped run keeps.
 
-use raytracer::base::escape::escape;
-use raytracer::base::shell::Shell;
-use raytracer::cli::{Options, command_of_merge, command_of_rest};
-use raytracer::image_io::Part;
-use raytracer::render::renderer::Prepared;
-use raytracer::render::{Layer, Request, Window};
-use raytracer::sampling::sampler::Sampler;
+use crate::base::escape::escape;
+use crate::base::shell::Shell;
+use crate::cli::{Options, command_of_merge, command_of_rest};
+use crate::image_io::Part;
+use crate::render::renderer::Prepared;
+use crate::render::{Layer, Request, Window};
+use crate::sampling::sampler::Sampler;
 use siphasher::sip128::{Hasher128, SipHasher13};
 use std::ffi::{OsStr, OsString};
 use std::hash::Hasher;
@@ -103,7 +103,7 @@ fn shown(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raytracer::cli::{Command, parse};
+    use crate::cli::{Command, parse};
 
     fn lines_of(line: &str, rows: usize, kept: &[Option<&str>]) -> Vec<String> {
         let argv: Vec<OsString> = line.split(' ').map(OsString::from).collect();

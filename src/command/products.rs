@@ -1,13 +1,13 @@
 //! Takes the rows of each layer, for a file, a picture in memory, or a cost map.
 
 use super::parts::{part, window};
-use raytracer::base::memory::with_room;
-use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, PictureWriter};
-use raytracer::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
-use raytracer::render::renderer::Prepared;
-use raytracer::render::{Cost, Layer, Request, Window};
-use raytracer::tools::explain::CostMap;
+use crate::base::memory::with_room;
+use crate::diagnostic::Diagnostic;
+use crate::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, PictureWriter};
+use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
+use crate::render::renderer::Prepared;
+use crate::render::{Cost, Layer, Request, Window};
+use crate::tools::explain::CostMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 

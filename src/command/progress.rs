@@ -1,8 +1,8 @@
 //! The progress of a run, in a line on standard error.
 
 use super::log::has_reader;
-use raytracer::cli::ShowProgress;
-use raytracer::render;
+use crate::cli::ShowProgress;
+use crate::render;
 use std::io::{Write, stderr};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};

@@ -4,7 +4,7 @@
 //! the watch of the render sees it, and the complete rows are kept.
 
 use super::End;
-use raytracer::image_io::NAMING;
+use crate::image_io::NAMING;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
 use std::ops::ControlFlow;

@@ -1,11 +1,11 @@
 //! A folder with a folder of pictures for every name.
 
-use raytracer::base::escape::quoted;
-use raytracer::base::memory;
-use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{Format, load_picture};
-use raytracer::picture::CHANNELS;
-use raytracer::tools::grade::Submission;
+use crate::base::escape::quoted;
+use crate::base::memory;
+use crate::diagnostic::Diagnostic;
+use crate::image_io::{Format, load_picture};
+use crate::picture::CHANNELS;
+use crate::tools::grade::Submission;
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::ErrorKind;

@@ -2,16 +2,16 @@
 
 use super::super::compare::shows_scene;
 use super::folder::entries;
-use raytracer::base::escape::quoted;
-use raytracer::caster::choose::Structure;
-use raytracer::cli::{self, Command, Options, Output};
-use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{Format, ReadFile, read_picture};
-use raytracer::picture::Picture;
-use raytracer::render::renderer::{Meshes, Renderer};
-use raytracer::render::{Layer, Request, Tracing, Watch};
-use raytracer::scene::load::mesh_files;
-use raytracer::tools::causes::{Finding, Mistake, Original, explain_finished};
+use crate::base::escape::quoted;
+use crate::caster::choose::Structure;
+use crate::cli::{self, Command, Options, Output};
+use crate::diagnostic::Diagnostic;
+use crate::image_io::{Format, ReadFile, read_picture};
+use crate::picture::Picture;
+use crate::render::renderer::{Meshes, Renderer};
+use crate::render::{Layer, Request, Tracing, Watch};
+use crate::scene::load::mesh_files;
+use crate::tools::causes::{Finding, Mistake, Original, explain_finished};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
