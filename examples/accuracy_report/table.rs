@@ -75,10 +75,10 @@ impl Table {
 
 /// The sentence about the origin of the measurements.
 fn sentence(Origin { commit, tier }: &Origin, rows: usize) -> String {
-    let tier = match tier.as_deref() {
-        None => "the ordinary tier".to_owned(),
-        Some("long") => "the long tier".to_owned(),
-        Some(limit) => format!("the long tier, limited to {limit} inputs per case"),
+    let inputs = match tier.as_deref() {
+        None => "the usual number of inputs".to_owned(),
+        Some("long") => "`HARD_CASES=long`".to_owned(),
+        Some(limit) => format!("at most {limit} inputs per case"),
     };
-    format!("All {rows} rows were measured together, in {tier}, at commit {commit}.")
+    format!("All {rows} rows were measured together, with {inputs}, at commit {commit}.")
 }

@@ -41,9 +41,13 @@ pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic 
     let text = error.render().to_string();
     let message = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();
     let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    let message = message.replace("the following required arguments were not provided:", "missing");
-    // The standard library's words for a number that has a fraction or is none.
-    let message = message.replace("invalid digit found in string", "not a whole number");
+    let mut message = message.replace("the following required arguments were not provided:", "missing");
+    if error.kind() == ErrorKind::MissingRequiredArgument {
+        // clap writes flags of which one is required as `<--a <x>|--b <y>>`.
+        message = message.replace("<--", "--").replace("|--", " or --").replace(">>", ">");
+    }
+    // The standard library's words for a number that has a fraction or is none, and Rust's form of a range.
+    let message = message.replace("invalid digit found in string", "not a whole number").replace("..=", " to ");
     Diagnostic { hint: hint(&error, words), ..Diagnostic::error(one_line(&single(&message))) }
 }
 

@@ -67,7 +67,7 @@ pub(super) struct Flags {
     #[arg(long, group = "usual", num_args = 1..=2, value_names = ["picture", "format"])]
     pub output: Option<Vec<OsString>>,
 
-    /// Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. t0 < t1. As .pfm or .exr, the
+    /// Writes a picture of distances: white at t0 and nearer, black at t1 and beyond. As .pfm or .exr, it has the
     /// distances themselves.
     ///
     /// The edition 2019 has black at t0 and white at t1.
@@ -76,7 +76,8 @@ pub(super) struct Flags {
     #[arg(long, group = "layers", num_args = 3..=4, value_names = ["t0", "t1", "picture", "format"])]
     pub depth: Option<Vec<OsString>>,
 
-    /// Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue; as .pfm or .exr, x, y, z themselves.
+    /// Writes a picture of surface normals: |x|, |y|, |z| as red, green, blue. As .pfm or .exr, it has x, y, z
+    /// themselves.
     ///
     /// The edition 2019 has (x + 1) / 2 and so on, and grey where nothing is hit.
     #[arg(long, group = "layers", visible_alias = "normal", num_args = 1..=2, value_names = ["picture", "format"])]
@@ -94,7 +95,8 @@ pub(super) struct Flags {
     #[arg(long, group = "layers", num_args = 2..=3, value_names = ["picture", "zoom"])]
     pub render_filter: Option<Vec<OsString>>,
 
-    /// Renders only this part of every picture, with the same bytes as in the whole. The top left pixel is 0 0.
+    /// Renders only this part of every picture, w by h pixels from column x and row y, with the same bytes as in the
+    /// whole. The top left pixel is 0 0.
     ///
     /// Example: raytracer -input scene.txt -output top.png -region 0 0 100 50
     #[arg(long, num_args = 4, value_names = ["x", "y", "w", "h"], value_parser = value_parser!(u16))]
@@ -111,7 +113,7 @@ pub(super) struct Flags {
 
     /// Converts the picture to the 8-bit format given by -output. Needs no scene.
     ///
-    /// Bytes stay the same. Floating-point colours are clamped and cut to bytes as in a rendered picture; a note counts
+    /// Bytes stay the same. Floating-point colours are clamped and cut to bytes as in a rendered picture. A note counts
     /// the clamped pixels.
     ///
     /// Example: raytracer -convert mine.tga -output mine.png
@@ -128,11 +130,11 @@ pub(super) struct Flags {
     #[arg(value_parser = sides, default_values = ["100", "100"])]
     pub size: Vec<Sides>,
 
-    /// Reads scene and flags as in this edition of the course. Default: the edition that the scene's words show, else
-    /// 2004.
+    /// Reads scene and flags as in this edition of the course. Default: 2004, or else the edition that has the words of
+    /// the scene.
     ///
     /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2023, and aalto is Aalto University's. They
-    /// differ in scene words, camera, highlights, normals, recursion, and the colours of depths and normals.
+    /// differ in scene words, camera, highlights, normals, bounces, and the colours of depths and normals.
     #[arg(long, value_name = "name")]
     #[arg(value_parser = PossibleValuesParser::new(Edition::NAMES).try_map(|name| Edition::named(&name).ok_or("")))]
     pub edition: Option<Edition>,
@@ -143,7 +145,7 @@ pub(super) struct Flags {
     #[arg(long, conflicts_with_all = ["pixel", "visualize_grid"])]
     pub uv: bool,
 
-    /// Lights surfaces seen from behind; without it they are black.
+    /// Lights surfaces seen from behind. Without it they are black.
     ///
     /// Scenes with glass need it, because a ray inside the glass sees its surface from behind. In the editions of 2012
     /// and 2019 surfaces look the same from both sides anyway.
@@ -166,7 +168,7 @@ pub(super) struct Flags {
     #[arg(long)]
     pub transparent_shadows: bool,
 
-    /// Traces reflected and refracted rays to this depth. Default: 0; in the edition 2012a5, 4.
+    /// Follows reflected and refracted rays up to n times. Default: 0; in the edition 2012a5, 4.
     ///
     /// Where a material both reflects and transmits, each bounce can double the number of rays; -weight ends those that
     /// contribute little.
@@ -183,10 +185,10 @@ pub(super) struct Flags {
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), group = "samples")]
     pub random_samples: Option<u32>,
 
-    /// Takes n samples per pixel at the centres of a grid's cells; the grid is as nearly square as n allows: 4 by 2 for
-    /// 8.
+    /// Takes n samples per pixel at the centres of a grid's cells.
     ///
-    /// In Aalto's edition this flag takes random samples, and -regular_samples takes these.
+    /// The grid is as nearly square as n allows: 4 by 2 for 8. In Aalto's edition this flag takes random samples, and
+    /// -regular_samples takes these.
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), group = "samples")]
     pub uniform_samples: Option<u32>,
 
@@ -256,7 +258,7 @@ pub(super) struct Flags {
     #[arg(long, visible_alias = "visualize_grid_count", requires = "grid")]
     pub visualize_grid: bool,
 
-    /// Compares this picture with the reference. Default: the rendered picture.
+    /// Compares this picture with the reference. Without -reference, that is the rendered picture.
     ///
     /// The formats may differ. With a scene, the program also searches for the likely cause of a difference.
     ///
@@ -264,7 +266,8 @@ pub(super) struct Flags {
     #[arg(long, value_name = "picture", value_parser = picture(), groups = ["usual", "compared"])]
     pub compare: Option<PathBuf>,
 
-    /// The picture to compare with, or the folder of pictures for -grade. Default: the rendered picture.
+    /// The picture to compare with, or the folder of pictures for -grade. Without -compare, the rendered picture is
+    /// compared.
     #[arg(long, value_name = "picture", groups = ["compared", "references"])]
     pub reference: Option<PathBuf>,
 
@@ -273,7 +276,7 @@ pub(super) struct Flags {
     #[arg(value_parser = path(|file| Format::of(file).is_some_and(|format| !format.is_float()), NOT_BYTES))]
     pub difference: Option<PathBuf>,
 
-    /// Ends with status 3 if more than n pixels differ by more than this many levels.
+    /// Ends with status 3 if more than n pixels differ by more than this many levels (1/255).
     ///
     /// Example: raytracer -compare mine.tga -reference theirs.png -tolerance 1 20
     #[arg(long, num_args = 2, value_names = ["levels", "n"], requires = "compared")]
@@ -288,7 +291,7 @@ pub(super) struct Flags {
 
     /// Renders the references for -grade with the command lines in this file.
     ///
-    /// Each line is a command line. Empty lines and lines that start with # are skipped.
+    /// Empty lines and lines that start with # are skipped.
     #[arg(long, value_name = "commands", groups = ["compared", "references"], requires = "grade")]
     pub commands: Option<PathBuf>,
 
@@ -297,21 +300,21 @@ pub(super) struct Flags {
     #[arg(value_parser = path(|path| has_ending(path, "html"), "must end in .html"))]
     pub report: Option<PathBuf>,
 
-    /// Measures time and error with other samples, filters, bounces and grids; writes report.html and report.csv.
+    /// Measures time and error with other samples, filters, bounces and grids. Writes report.html and report.csv.
     ///
     /// Example: raytracer -input scene.txt -size 60 60 -shadows -error_report folder
     #[arg(long, value_name = "folder", conflicts_with_all = RENDERING)]
     #[arg(conflicts_with_all = ["output", "region", "jitter", "filter", "visualize_grid", "reference", "tolerance"])]
     pub error_report: Option<PathBuf>,
 
-    /// Prints the cheapest measured setting with a root mean square error of at most this, in levels. Ends with status 3
-    /// if there is none.
+    /// Prints the fastest measured setting with a root mean square error of at most this, in levels (1/255). Ends with
+    /// status 3 if there is none.
     #[arg(long, value_name = "rmse", value_parser = number(NOT_NEGATIVE), requires = "error_report")]
     pub target: Option<f64>,
 
     /// Prints counters and times after rendering.
     ///
-    /// The program then runs and counts the course's algorithm, so the counters are comparable.
+    /// With this flag the program runs the course's algorithm, so that the counters are comparable.
     #[arg(long, group = "usual")]
     pub stats: bool,
 
@@ -321,7 +324,7 @@ pub(super) struct Flags {
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(1..=10_000))]
     pub repeat: Option<u32>,
 
-    /// Draws the cost of each pixel as a heat map; kind is rays, tests or cells, as -stats counts them.
+    /// Draws the cost of each pixel as a heat map. The kind is rays, tests or cells, as -stats counts them.
     ///
     /// Example: raytracer -input scene.txt -grid 20 20 20 -cost_map tests cost.png
     #[arg(long, num_args = 2..=3, value_names = ["kind", "picture", "format"])]
@@ -334,7 +337,7 @@ pub(super) struct Flags {
     #[arg(conflicts_with = "visualize_grid", requires = "input")]
     pub pixel: Option<Vec<u16>>,
 
-    /// Writes everything the run reports as .json; - writes it to standard output instead of the text.
+    /// Writes everything that the run reports to a .json file; - writes it to standard output instead of the text.
     #[arg(long, value_name = "document")]
     #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "must be - or end in .json"))]
     pub json: Option<PathBuf>,
@@ -343,7 +346,7 @@ pub(super) struct Flags {
     #[arg(long, group = "usual")]
     pub gui: bool,
 
-    /// Serves the page of -gui at this port of 127.0.0.1, also without a terminal; 0 is any free port.
+    /// Serves the page of -gui at this port of 127.0.0.1, also without a terminal. 0 is any free port.
     #[arg(long, value_name = "n", value_parser = value_parser!(u16), requires = "gui")]
     pub port: Option<u16>,
 
@@ -363,13 +366,14 @@ pub(super) struct Flags {
     #[arg(long)]
     pub specular_fix: bool,
 
-    /// Renders with n threads, 1 to 4096. Default: all cores. The picture stays the same.
+    /// Renders with n threads, 1 to 4096. Default: one per core. The picture stays the same.
     ///
     /// By default, short work starts on one thread, and the others join if it lasts.
     #[arg(long, value_name = "n", value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_THREADS))]
     pub threads: Option<usize>,
 
-    /// Prints the progress every ten seconds if standard error is no terminal. A terminal shows it after one second.
+    /// Prints the progress every ten seconds if standard error is not a terminal. A terminal shows it anyway, after one
+    /// second.
     #[arg(long, alias = "show_progress", conflicts_with = "quiet")]
     pub progress: bool,
 

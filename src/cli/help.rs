@@ -25,8 +25,9 @@ Examples:
             -depth 8 20 depth.tga -normals normals.tga
 
 The exit status is 1 for a file that cannot be read or written and for an error
-in the scene, 2 for an error in the command line, 3 for a difference above the
-tolerance, and 130, 143 or 129 for a run stopped by Ctrl-C, SIGTERM or SIGHUP.
+in the scene, 2 for an error in the command line, 3 for a difference above
+-tolerance or a -target that is not reached, and 130, 143 or 129 for a run
+stopped by Ctrl-C, SIGTERM or SIGHUP.
 ";
 
 /// Returns the help that `words` ask for, which have clap's dashes. The first is `--h` or `--help`, and the next may

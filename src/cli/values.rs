@@ -19,7 +19,7 @@ type Numbers = (RangeInclusive<f64>, &'static str);
 pub(super) const FINITE: Numbers = (f64::MIN..=f64::MAX, "not a finite number");
 pub(super) const NOT_NEGATIVE: Numbers = (0.0..=f64::MAX, "not a finite number of 0 or more");
 /// The filter's weights divide by its size and the square of that, which must not underflow.
-pub(super) const FILTER_SIZE: Numbers = (1e-6..=1e6, "not in 0.000001..=1000000 pixels");
+pub(super) const FILTER_SIZE: Numbers = (1e-6..=1e6, "must be from 0.000001 to 1000000 pixels");
 
 pub(super) const NOT_PICTURE: &str = "must end in .tga, .png, .bmp, .ppm, .pfm or .exr";
 pub(super) const NOT_BYTES: &str = "must end in .tga, .png, .bmp or .ppm";
@@ -44,7 +44,7 @@ pub(super) fn value<P: TypedValueParser>(
 pub(super) fn sides(word: &str) -> Result<Sides, &'static str> {
     let side = |text: &str| text.parse().ok().filter(|side| SIDES.contains(side));
     let sides: Option<Sides> = word.split(['x', 'X']).map(side).collect();
-    sides.ok_or("not a whole number in 1..=65535")
+    sides.ok_or("must be a whole number from 1 to 65535")
 }
 
 pub(super) fn number((range, problem): Numbers) -> impl TypedValueParser<Value = f64> {

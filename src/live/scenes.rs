@@ -116,7 +116,9 @@ impl Scenes {
             return Err(Diagnostic::error(most));
         }
         if lights.saturating_mul(primitives) > MAX_LIGHT_PAIRS {
-            let too_many = format!("{lights} lights and {primitives} primitives are more than a page opens");
+            let too_many = format!(
+                "a page opens scenes of at most {MAX_LIGHT_PAIRS} lights times primitives, not {lights} times {primitives}"
+            );
             return Err(Diagnostic::error(too_many));
         }
         memory::ask(primitives as u64 * BYTES_PER_PRIMITIVE)?;

@@ -100,7 +100,7 @@ fn located() -> Vec<(String, &'static str, &'static str)> {
         (
             with(&light("@PointLight { position 0 0 9 color 1 1 1 attenuation -1 0 0 }"), &white, BALL),
             "",
-            "the light has no effect: its attenuation is above 0 at no distance",
+            "the light has no effect: it is attenuated to nothing at every distance",
         ),
         (
             with(LIGHT, &materials("@Material { diffuseColor .1 .1 .1 transparentColor .9 .9 .9 }"), BALL),
@@ -228,11 +228,11 @@ fn warnings_about_flags_are_one_line() {
         ),
         (
             "-output o.tga -tent_filter 0.7",
-            "warning: `-tent_filter 0.7` has no effect: it weighs only the sample at the pixel's centre\n",
+            "warning: `-tent_filter 0.7` has no effect: only the sample at the pixel's centre has weight\n",
         ),
         (
             "-output o.tga -gaussian_filter 0.1 -uniform_samples 1",
-            "warning: `-gaussian_filter 0.1` has no effect: it weighs only the sample at the pixel's centre\n",
+            "warning: `-gaussian_filter 0.1` has no effect: only the sample at the pixel's centre has weight\n",
         ),
         (
             "-output o.tga -transparent_shadows",
@@ -244,8 +244,8 @@ fn warnings_about_flags_are_one_line() {
         ),
         (
             "-output o.tga -uniform_samples 4 -tent_filter 0.1",
-            "warning: `-tent_filter 0.1` is too narrow: pixels whose samples have no weight, or weights that nearly \
-             cancel, are wrong\n  hint: `-tent_filter 0.354` is wide enough\n",
+            "warning: `-tent_filter 0.1` is too narrow: in some pixels no sample has weight, or the weights nearly \
+             cancel\n  hint: `-tent_filter 0.354` is wide enough\n",
         ),
     ] {
         assert_eq!(folder.run(&format!("-input s.txt {flags}")).ok().stderr, expected, "{flags}");

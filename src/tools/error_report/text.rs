@@ -50,7 +50,9 @@ fn in_words(answer: &Answer<'_>) -> String {
     let Answer { target, chosen, .. } = answer;
     let (seconds, error) = (chosen.least(), chosen.error);
     if answer.is_reached() {
-        return format!("  an RMSE of {target} is reached in {seconds:.4} s, with {error:.3}:");
+        return format!(
+            "  the fastest setting with an RMSE of at most {target} has {error:.3} in {seconds:.4} s:"
+        );
     }
     format!("  nothing measured reaches an RMSE of {target}; the nearest is {error:.3} in {seconds:.4} s:")
 }

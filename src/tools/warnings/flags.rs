@@ -37,7 +37,7 @@ fn samples_without_effect(request: &Request) -> impl Iterator<Item = Diagnostic>
     let weighs_one = filter.support() == 0 || filter.weight(DVec2::X) == 0.0;
     let is_idle = filter != Filter::PIXEL && sampler.is_center() && weighs_one && !shows_filter(request);
     let filter =
-        is_idle.then(|| without_effect(filter.flag(), ": it weighs only the sample at the pixel's centre"));
+        is_idle.then(|| without_effect(filter.flag(), ": only the sample at the pixel's centre has weight"));
     seed.into_iter().chain(filter)
 }
 

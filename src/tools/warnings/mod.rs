@@ -49,7 +49,7 @@ impl From<Warning> for Diagnostic {
                 (format!("the material {does} light, but without {without}"), Some(hint.into()))
             }
             Warning::NarrowFilter { flag, wide_enough } => {
-                let wrong = "pixels whose samples have no weight, or weights that nearly cancel, are wrong";
+                let wrong = "in some pixels no sample has weight, or the weights nearly cancel";
                 let problem = format!("`{flag}` is too narrow: {wrong}");
                 (problem, Some(format!("`{wide_enough}` is wide enough")))
             }

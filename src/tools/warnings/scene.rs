@@ -28,7 +28,7 @@ pub fn lights_without_effect(scene: &Scene, world: &World, effects: &Effects) ->
         let why = match light {
             _ if color == Color::ZERO => "its colour is 0 0 0",
             Light::Point { attenuation, .. } if attenuation.iter().all(|&factor| factor <= 0.0) => {
-                "its attenuation is above 0 at no distance"
+                "it is attenuated to nothing at every distance"
             }
             _ if effects.shadows == Shadows::Opaque && !world.primitives_at_light(index).is_empty() => {
                 "it lies on a surface, which shadows everything from it"
