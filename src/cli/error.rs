@@ -47,7 +47,8 @@ pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic 
         message = message.replace("<--", "--").replace("|--", " or --").replace(">>", ">");
     }
     // The standard library's words for a number that has a fraction or is none, and Rust's form of a range.
-    let message = message.replace("invalid digit found in string", "not a whole number").replace("..=", " to ");
+    let message =
+        message.replace("invalid digit found in string", "not a whole number").replace("..=", " to ");
     Diagnostic { hint: hint(&error, words), ..Diagnostic::error(one_line(&single(&message))) }
 }
 

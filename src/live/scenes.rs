@@ -117,7 +117,7 @@ impl Scenes {
         }
         if lights.saturating_mul(primitives) > MAX_LIGHT_PAIRS {
             let too_many = format!(
-                "a page opens scenes of at most {MAX_LIGHT_PAIRS} lights times primitives, not {lights} times {primitives}"
+                "a page opens at most {MAX_LIGHT_PAIRS} lights times primitives, not {lights} times {primitives}"
             );
             return Err(Diagnostic::error(too_many));
         }
