@@ -111,7 +111,7 @@ fn a_mistake_among_others_is_named_with_its_share() {
     );
     let found = cause(&folder, FLAGS);
     let share = found
-        .strip_prefix("at least this program's picture without -shadows, which makes ")
+        .strip_prefix("in part this program's picture without -shadows, which makes ")
         .and_then(|rest| rest.strip_suffix("% of the wrong pixels right"));
     let percent = share.unwrap_or_else(|| panic!("{found}"));
     assert!((50..100).contains(&percent.parse::<u32>().unwrap()), "{found}");

@@ -75,7 +75,7 @@ fn every_branch_says_why_it_ends() {
     assert_says(
         inside,
         "-size 1 1 -pixel 0 0 -bounces 2",
-        &["refracted ray, bounce 1", "seen from within", "no refracted ray: total internal reflection"],
+        &["refracted ray, bounce 1", "seen from behind", "no refracted ray: total internal reflection"],
     );
 }
 
@@ -89,7 +89,7 @@ fn a_shadow_ray_names_what_blocks_or_tints_it() {
           Plane { normal 0 1 0 offset 0 } }";
     let flags = |shadows: &str| format!("-size 1 1 -pixel 0 0 {shadows}");
     let blocked =
-        ["light 0: diffuse (0, 0, 0)", "shadow ray blocked by Sphere in line 5 at t 2", "counted tests 2"];
+        ["light 0: diffuse (0, 0, 0)", "shadow ray blocked by Sphere in line 5 at t 2", "intersection tests 2"];
     assert_says(
         scene,
         &flags("-shadows"),

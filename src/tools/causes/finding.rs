@@ -91,7 +91,7 @@ impl fmt::Display for Finding {
                 let percent = (100.0 * share).floor();
                 write!(
                     f,
-                    "at least this program's picture{mistakes}, which makes {percent:.0}% of the wrong pixels right"
+                    "in part this program's picture{mistakes}, which makes {percent:.0}% of the wrong pixels right"
                 )
             }
             Self::Rounding { pixels, at_edges, tolerance } => {
@@ -99,7 +99,7 @@ impl fmt::Display for Finding {
                 let Tolerance { levels, pixels: beyond } = tolerance;
                 write!(
                     f,
-                    "rounding of single precision: {pixels} {noun}, {at_edges} at edges; nothing to mend; \
+                    "rounding of single precision: {pixels} {noun}, {at_edges} at edges; nothing to fix; \
                      `-tolerance {levels} {beyond}` accepts it"
                 )
             }

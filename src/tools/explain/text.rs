@@ -93,8 +93,8 @@ impl Text<'_> {
 
     fn counted(&self, Counts { intersections, cells_traversed, .. }: Counts) -> String {
         match self.tree.has_grid {
-            true => format!("tests {intersections}, steps between cells {cells_traversed}"),
-            false => format!("tests {intersections}"),
+            true => format!("intersection tests {intersections}, steps between cells {cells_traversed}"),
+            false => format!("intersection tests {intersections}"),
         }
     }
 
@@ -137,11 +137,11 @@ impl Text<'_> {
             }
             None => self.add("sees nothing"),
         }
-        self.add(format!("counted {}", self.counted(node.counts)));
+        self.add(self.counted(node.counts));
         node.close_calls.iter().for_each(|call| self.add(call));
         match &node.surface {
             Some(Surface { ambient: None, .. }) => {
-                self.add("seen from within, where it is black without -shade_back");
+                self.add("seen from behind, where it is black without -shade_back");
             }
             Some(surface @ Surface { ambient: Some(ambient), lights, .. }) => {
                 self.add(format!("ambient {}", triple(*ambient)));
@@ -254,11 +254,11 @@ impl Text<'_> {
             }
             None if !shadow.crossed.is_empty() => {}
             None if light.passed == Color::ZERO && light.cosine > 0.0 => {
-                self.add("the light lies on a surface, which keeps it from all others");
+                self.add("the light lies on a surface, which blocks it everywhere else");
             }
             None => self.add("shadow ray meets nothing"),
         }
-        self.add(format!("counted {}", self.counted(shadow.counts)));
+        self.add(self.counted(shadow.counts));
         shadow.close_calls.iter().for_each(|call| self.add(call));
     }
 
@@ -345,7 +345,7 @@ mod tests {
         for (passed, cosine, expected) in [
             (Color::ONE, 0.5, "shadow ray meets nothing"),
             (Color::ZERO, -0.5, "shadow ray meets nothing"),
-            (Color::ZERO, 0.5, "the light lies on a surface, which keeps it from all others"),
+            (Color::ZERO, 0.5, "the light lies on a surface, which blocks it everywhere else"),
         ] {
             let incident = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
             let light = Lighting { incident, cosine, passed, parts: [Color::ONE; 2], shadow: None };

@@ -121,7 +121,7 @@ fn words(finding: &Finding) -> String {
     match finding {
         Finding::Equal { .. } => mistakes.to_owned(),
         Finding::Part { share, .. } => {
-            format!("at least {mistakes}, {:.0}% of the wrong pixels", (100.0 * share).floor())
+            format!("in part {mistakes}, {:.0}% of the wrong pixels", (100.0 * share).floor())
         }
         Finding::Rounding { tolerance: Tolerance { levels, pixels }, .. } => {
             format!("rounding of single precision, passes with -tolerance {levels} {pixels}")
