@@ -211,7 +211,7 @@ pub(super) struct Flags {
 
     /// Renders three times the width and height, with one random sample in each pixel. Implies -edition 2012a5.
     ///
-    /// The samples are those of the course's program, with the random numbers of C's rand. Usually given with -filter.
+    /// It takes the samples of the course's program, with the random numbers of C's rand. Usually given with -filter.
     #[arg(long, group = "samples", conflicts_with = "seed")]
     pub jitter: bool,
 
@@ -282,7 +282,8 @@ pub(super) struct Flags {
     #[arg(long, num_args = 2, value_names = ["levels", "n"], requires = "compared")]
     pub tolerance: Option<Vec<OsString>>,
 
-    /// Grades a class: compares the pictures in each subfolder with those of -reference or -commands.
+    /// Grades a class: compares the pictures in each subfolder with the references that -reference or
+    /// -commands names.
     ///
     /// Example: raytracer -grade class -commands commands.txt -report page.html
     #[arg(long, value_name = "folder", group = "without_scene", requires = "references")]
