@@ -53,7 +53,8 @@ pub(super) const NOT_OF_PARTS: [&str; 8] =
 #[command(group = ArgGroup::new("without_scene").conflicts_with_all(RENDERING)
     .conflicts_with_all(SHAPING).conflicts_with_all(["input", "error_report"]))]
 pub(super) struct Flags {
-    /// The scene; - reads it from standard input. Required, unless two pictures are compared.
+    /// The scene; - reads it from standard input. Required, except to compare two pictures and with -grade, -merge and
+    /// -convert.
     ///
     /// Mesh files named in the scene are searched in the working directory, then beside the scene.
     #[arg(long, group = "usual", value_name = "scene", required_unless_present_all = ["compare", "reference"])]
