@@ -24,7 +24,7 @@ const MEMORY_IN_FLIGHT: usize = 32 << 20;
 
 /// The number of rows per thread that are traced while the rows before them are handed out: few enough to take little
 /// memory, and enough that threads seldom wait for a slow row.
-const ROWS_PER_BATCH: usize = 32;
+const ROWS_PER_BATCH: usize = 16;
 
 /// Upper bound on the rows in progress, per thread, if samples contribute to other rows. It is small enough to need
 /// little memory, and large enough that threads seldom wait for each other.
