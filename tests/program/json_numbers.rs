@@ -117,7 +117,10 @@ fn the_sums_of_pixels_are_those_of_the_text_to_the_last_bit() {
             let rays = || samples.iter().flat_map(|sample| sample["rays"].as_array().expect("rays"));
             assert_eq!(said(&text, "samples  ").next(), Some(samples.len().to_string().as_str()));
             let counted = said(&text, "counted  ").next().expect("counts");
-            assert!(counted.starts_with(&format!("intersection tests {}", pixel["counts"]["intersections"])), "{counted}");
+            assert!(
+                counted.starts_with(&format!("intersection tests {}", pixel["counts"]["intersections"])),
+                "{counted}"
+            );
             assert_eq!(text.matches(" ray, bounce ").count() + samples.len(), rays().count());
             for ray in rays() {
                 let (object, t) = (&ray["surface"]["object"], &ray["surface"]["t"]);

@@ -88,8 +88,11 @@ fn a_shadow_ray_names_what_blocks_or_tints_it() {
           Sphere { center 0 3 0 radius 1 }
           Plane { normal 0 1 0 offset 0 } }";
     let flags = |shadows: &str| format!("-size 1 1 -pixel 0 0 {shadows}");
-    let blocked =
-        ["light 0: diffuse (0, 0, 0)", "shadow ray blocked by Sphere in line 5 at t 2", "intersection tests 2"];
+    let blocked = [
+        "light 0: diffuse (0, 0, 0)",
+        "shadow ray blocked by Sphere in line 5 at t 2",
+        "intersection tests 2",
+    ];
     assert_says(
         scene,
         &flags("-shadows"),
