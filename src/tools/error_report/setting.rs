@@ -94,7 +94,7 @@ impl Setting {
             Axis::Samples => {}
             Axis::Secondary => {
                 parts.push(format!("-bounces {}", self.request.effects.bounces));
-                parts.extend(self.weight_flag());
+                parts.extend(self.request.weight_flag(self.edition));
             }
             Axis::Octaves(most) => parts.push(format!("with at most {most} octaves in the scene")),
             Axis::Structure => parts.extend(structure_flag(self.request.structure)),
@@ -113,19 +113,13 @@ impl Setting {
         flags.extend(effects.shade_back.then(|| "-shade_back".into()));
         let has_default_bounces = effects.bounces == self.edition.default_bounces();
         flags.extend((!has_default_bounces).then(|| format!("-bounces {}", effects.bounces)));
-        flags.extend(self.weight_flag());
+        flags.extend(self.request.weight_flag(self.edition));
         flags.extend(structure_flag(*structure));
         flags
     }
 
     pub(super) fn samples_flag(&self) -> String {
         self.request.samples_flag(self.edition)
-    }
-
-    /// Returns the flag for the weight, unless it is the default.
-    fn weight_flag(&self) -> Option<String> {
-        let weight = self.request.effects.min_weight;
-        (weight != self.edition.default_weight()).then(|| format!("-weight {weight}"))
     }
 }
 

@@ -45,12 +45,12 @@ fn samples_without_effect(request: &Request) -> impl Iterator<Item = Diagnostic>
 /// Warns about an edition's flags that affect colours, if the request shows no colours.
 pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Diagnostic> {
     let Request { effects, sampler, filter, .. } = *request;
-    let Effects { shadows, shade_back, bounces, min_weight } = effects;
+    let Effects { shadows, shade_back, bounces, .. } = effects;
     let flags = [
         shade_back.then(|| "-shade_back".into()),
         shadows.flag().map(str::to_owned),
         (bounces > 0).then(|| format!("-bounces {bounces}")),
-        (min_weight != edition.default_weight()).then(|| format!("-weight {min_weight}")),
+        request.weight_flag(edition),
         (!sampler.is_center()).then(|| request.samples_flag(edition)),
         sampler.rng().seed().map(|seed| format!("-seed {seed}")),
         (filter != Filter::PIXEL && !shows_filter(request)).then(|| filter.flag()),
