@@ -21,8 +21,6 @@ use std::sync::Arc;
 
 /// A typical number of rays while a scene is turned, by which its structure is chosen.
 const MANY_RAYS: usize = 1 << 21;
-/// The number of the fullest cells that are named.
-const FULLEST: usize = 5;
 
 /// A view of a scene, as the controls and the hand have set it.
 #[derive(Clone)]
@@ -94,12 +92,8 @@ impl Scenes {
         };
         let (ready, counts) = self.render(view, layer, stop, &mut take_row)?;
         let request = view.request(layer);
-        let costs = view.cost.map(|cost| CostMap {
-            cost,
-            size: request.size,
-            counts,
-            cells: ready.borrow_dependent().fullness(FULLEST),
-        });
+        let costs =
+            view.cost.map(|cost| CostMap::new(cost, counts, ready.borrow_dependent(), &request));
         let [width, height] = request.layer_size(&layer).map(|side| side as u32);
         let picture = match &costs {
             Some(map) => map.draw()?,
