@@ -15,11 +15,11 @@ mod convert;
 mod grade;
 mod error_report;
 
-use log::Log;
-use outputs::Outputs;
 use crate::cli::{self, Command, ShowProgress};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::OutputFile;
+use log::Log;
+use outputs::Outputs;
 use signals::Signals;
 use std::ffi::OsString;
 use std::path::PathBuf;

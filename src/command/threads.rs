@@ -1,8 +1,8 @@
 //! Starts the threads of a run: the number that the user asks for, or one for each core.
 
-use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::Diagnostic;
+use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use std::fmt::Display;
 use std::sync::mpsc::channel;
 use std::thread;

@@ -7,7 +7,7 @@
 use super::http::Answer;
 use super::limits::{FEW_BYTES, MAX_BYTES};
 use super::lock;
-use crate::tools::explain::Stop;
+use crate::render::Stop;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
 use std::sync::mpsc::{RecvTimeoutError, channel};

@@ -37,8 +37,8 @@ fn samples_without_effect(request: &Request) -> impl Iterator<Item = Diagnostic>
     let seed = seed.map(|seed| without_effect(&[format!("-seed {seed}")], why));
     let weighs_one = filter.support() == 0 || filter.weight(DVec2::X) == 0.0;
     let is_idle = filter != Filter::PIXEL && sampler.is_center() && weighs_one && !shows_filter(request);
-    let filter =
-        is_idle.then(|| without_effect(&[filter.flag()], ": it weighs only the sample at the pixel's centre"));
+    let filter = is_idle
+        .then(|| without_effect(&[filter.flag()], ": it weighs only the sample at the pixel's centre"));
     seed.into_iter().chain(filter)
 }
 

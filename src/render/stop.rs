@@ -1,6 +1,6 @@
 //! Ends work that takes too long.
 
-use crate::render::Progress;
+use super::Progress;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -28,7 +28,7 @@ impl Stop {
         self.is_cancelled.load(Ordering::Relaxed) || Instant::now() >= self.deadline
     }
 
-    /// Ends a render after the deadline. This is a [`Watch`](crate::render::Watch).
+    /// Ends a render after the deadline. This is a [`Watch`](super::Watch).
     pub fn watch(&self, _: Progress) -> ControlFlow<()> {
         if self.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
