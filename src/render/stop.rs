@@ -9,23 +9,31 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Stop {
     deadline: Instant,
-    is_cancelled: AtomicBool,
+    has_stopped: AtomicBool,
 }
 
 impl Stop {
     /// Stops at this time.
     pub fn at(deadline: Instant) -> Self {
-        Self { deadline, is_cancelled: AtomicBool::new(false) }
+        Self { deadline, has_stopped: AtomicBool::new(false) }
     }
 
     /// Stops now.
     pub fn cancel(&self) {
-        self.is_cancelled.store(true, Ordering::Relaxed);
+        self.has_stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Returns true if the work should end.
+    /// Returns true if the work should end. Its result is incomplete then.
     pub fn is_over(&self) -> bool {
-        self.is_cancelled.load(Ordering::Relaxed) || Instant::now() >= self.deadline
+        if Instant::now() >= self.deadline {
+            self.cancel();
+        }
+        self.has_stopped()
+    }
+
+    /// Returns true if work was told to end. Work that is complete before it asks again was not.
+    pub fn has_stopped(&self) -> bool {
+        self.has_stopped.load(Ordering::Relaxed)
     }
 
     /// Ends a render after the deadline. This is a [`Watch`](super::Watch).
