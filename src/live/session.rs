@@ -180,7 +180,7 @@ impl Session {
             Ok(scene) => json!({ "scene": description(&scene) }),
             Err(error) => {
                 let at = error.position().map(|at| [at.line, at.column]);
-                json!({ "errors": [{ "at": at, "problem": error.message, "hint": error.hint }] })
+                json!({ "error": { "at": at, "problem": error.message, "hint": error.hint } })
             }
         };
         Ok(Answer::described(&meta, &[]))
