@@ -7,8 +7,6 @@ const PAUSE = 350;
 const editor = {
   area: find('text'),
   timer: 0,
-  // Counts what was sent, so that an answer that comes late is not shown.
-  sent: 0,
   // What the parser says: the problem, and perhaps its place and a hint.
   error: null,
   // The object that is marked, and where it stands: [start, end] in the text.
@@ -19,13 +17,11 @@ const editor = {
 let objectMap = null;
 
 async function editorSends() {
-  const mine = ++editor.sent;
   clearTimeout(editor.timer);
   const text = editor.area.value;
   view.readWith = editionWords();
   try {
     const { meta } = await ask('/scene', { text, words: wordsOf() });
-    if (mine !== editor.sent) return;
     editor.error = meta.error || null;
     if (meta.scene) view.open(meta.scene);
     else find('taken').textContent = 'The text is not a scene of this edition; “Scene” shows where.';
