@@ -1,6 +1,5 @@
 //! The pictures to grade by: files, or renderings of command lines.
 
-use super::super::compare::shows_scene;
 use super::folder::entries;
 use crate::base::escape::quoted;
 use crate::caster::choose::Structure;
@@ -108,11 +107,11 @@ fn render<'r>(
     layer: Layer,
     watch: Watch<'r>,
 ) -> Result<Reference<'r>, Diagnostic> {
-    let no_memory = || Diagnostic::error("there is no memory for the picture");
     let request = Request { layers: vec![layer], tracing: Tracing::Fast, ..options.request() };
-    if shows_scene(options, renderer, layer) {
-        let original = Original::watched(renderer, Structure::Any, &request, watch).ok_or_else(no_memory)?;
-        let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
+    let with_any = Request { structure: Structure::Any, ..request.clone() };
+    if let Some(original) = Original::watched(renderer, &with_any, watch)
+        && let Some(picture) = original.picture(Mistake::Unchanged)
+    {
         let explain =
             move |wrong: &[_], picture: &_, first: &[_]| original.explain_all(wrong, picture, first);
         return Ok(Reference { picture, explain: Box::new(explain) });
