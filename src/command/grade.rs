@@ -13,7 +13,7 @@ use crate::cli::{self, Grading};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::check_distinct;
 use crate::picture::Picture;
-use crate::tools::causes::{Finding, Mistake};
+use crate::tools::causes::{Finding, Mistake, distinct};
 use crate::tools::grade::{Cell, Column, Page, Table, csv, summary};
 use folder::{Folder, entries};
 use references::{Reference, References};
@@ -132,13 +132,7 @@ impl Learned {
     fn mistakes(&self) -> Vec<Mistake> {
         let mut several: Vec<_> = self.0.iter().filter(|(.., count)| *count > 1).collect();
         several.sort_by_key(|(.., count)| Reverse(*count));
-        let mut mistakes: Vec<Mistake> = vec![];
-        for (_, mistake, _) in several {
-            if !mistakes.contains(mistake) {
-                mistakes.push(*mistake);
-            }
-        }
-        mistakes
+        distinct(several.into_iter().map(|&(_, mistake, _)| mistake))
     }
 }
 

@@ -159,7 +159,9 @@ impl<'a> Original<'a> {
         let Some(side) = side else { return self.try_all(None, all(), &mut open) };
         let left: Vec<Vec<u8>> = open.iter().map(|search| search.left()).collect();
         for (window, pictures) in telling_windows(&left, self.request.size, side) {
-            let mut parts: Vec<Search> = pictures.iter().map(|&at| open[at].in_window(window)).collect();
+            let reference = Rc::new(open[0].reference().in_window(window));
+            let in_window = |&at: &usize| open[at].in_window(window, reference.clone());
+            let mut parts: Vec<Search> = pictures.iter().map(in_window).collect();
             self.try_all(Some(window), all(), &mut parts.iter_mut().collect::<Vec<_>>());
             for (&at, part) in pictures.iter().zip(&parts) {
                 self.try_all(None, part.likely(), &mut [&mut *open[at]]);
@@ -197,8 +199,7 @@ fn can_try(renderer: &Renderer, request: &Request, layer: Layer) -> bool {
 /// that show.
 fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
     let open = || searches.iter().filter(|search| !search.is_settled());
-    let mut grounds: Vec<Mistake> = open().filter_map(Search::best).chain(first.iter().copied()).collect();
-    grounds.dedup();
+    let mut grounds = distinct(open().filter_map(Search::best).chain(first.iter().copied()));
     grounds.truncate(MAX_GROUNDS);
     let shows = |mistake: &Mistake| open().any(|search| search.shown().contains(mistake));
     let others: Vec<Mistake> = Mistake::all().skip(1).filter(shows).collect();
@@ -207,6 +208,17 @@ fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
         others.map(move |&other| vec![ground, other])
     };
     grounds.iter().flat_map(with_others).collect()
+}
+
+/// Returns these mistakes in their order, each once.
+pub fn distinct(mistakes: impl IntoIterator<Item = Mistake>) -> Vec<Mistake> {
+    let mut distinct = vec![];
+    for mistake in mistakes {
+        if !distinct.contains(&mistake) {
+            distinct.push(mistake);
+        }
+    }
+    distinct
 }
 
 /// The changes that mistakes make before a picture is rendered.
