@@ -68,6 +68,9 @@ pub enum CellWord {
 }
 
 impl CellWord {
+    /// The verdicts of pictures that have a reference.
+    pub const COUNTED: [Self; 4] = [Self::Passed, Self::Failed, Self::Missing, Self::Unusable];
+
     /// Returns the verdict as text.
     pub fn word(self) -> &'static str {
         match self {
