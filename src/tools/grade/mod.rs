@@ -23,11 +23,10 @@ const USUAL_TOLERANCE: Tolerance = Tolerance { levels: 1, pixels: 50 };
 /// The results of a grading.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// The tolerance for passing.
     pub tolerance: Tolerance,
-    /// The names of the rows.
+    /// One for each row.
     pub names: Vec<String>,
-    /// The columns, one for each picture.
+    /// One for each picture.
     pub columns: Vec<Column>,
     /// Notes about files that are not graded, one line each.
     pub notes: Vec<String>,
@@ -38,7 +37,6 @@ pub struct Table {
 pub struct Score([usize; CellWord::COUNTED.len()]);
 
 impl Score {
-    /// Returns the score of these cells.
     pub fn of<'c>(cells: impl IntoIterator<Item = &'c Cell>) -> Self {
         let verdicts: Vec<CellWord> = cells.into_iter().map(Cell::verdict).collect();
         Self(CellWord::COUNTED.map(|word| verdicts.iter().filter(|&&other| other == word).count()))
