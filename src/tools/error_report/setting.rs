@@ -82,13 +82,9 @@ impl Setting {
         self.request.adaptive.is_none().then(|| self.request.sampler.count())
     }
 
-    /// Returns the part of the setting that differs from others of its axis.
+    /// Returns the part of the setting that differs from others of its axis: the samples first, then flags with their
+    /// values, or words.
     pub fn label(&self) -> String {
-        self.label_parts().join(" ")
-    }
-
-    /// Returns the parts of the label: the samples first, then flags with their values, or words.
-    pub(super) fn label_parts(&self) -> Vec<String> {
         let mut parts = vec![self.samples_flag()];
         match self.axis {
             Axis::Samples => {}
@@ -99,7 +95,7 @@ impl Setting {
             Axis::Octaves(most) => parts.push(format!("with at most {most} octaves in the scene")),
             Axis::Structure => parts.extend(structure_flag(self.request.structure)),
         }
-        parts
+        parts.join(" ")
     }
 
     /// Returns all its flags, each with its values. Empty if flags cannot express it.
