@@ -75,9 +75,8 @@ fn numerical(numerical: &Numerical) -> [String; 3] {
 
 /// Describes how much was measured.
 fn note(report: &ErrorReport) -> String {
-    let ErrorReport { size: [width, height], planned, .. } = report;
+    let ErrorReport { size: [width, height], planned, time, .. } = report;
     let (measured, filters) = (report.measured(), report.groups.len());
-    let seconds: f64 = report.stages.iter().map(|(_, time)| time.as_secs_f64()).sum();
     let all = if measured == *planned { "all".into() } else { format!("{measured} of") };
     let changed = match report.pixels_changed() {
         0 => String::new(),
@@ -85,6 +84,7 @@ fn note(report: &ErrorReport) -> String {
     };
     format!(
         "{all} {planned} settings of {filters} filters, adaptive samples among them, at {width}x{height}: \
-         {seconds:.0} s{changed}"
+         {:.0} s{changed}",
+        time.as_secs_f64()
     )
 }
