@@ -59,13 +59,11 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let writing = |setting: &Setting| command(options, setting) + " -output picture.png";
     let answers: Vec<Answer> =
         targets.iter().filter_map(|&target| Answer::new(&report, target, writing)).collect();
-    let page_file = page_file.text(&page(&report, &command(options, &own), &answers))?;
-    let csv_file = csv_file.text(&csv(&report))?;
-    if page_file.is_stream() || csv_file.is_stream() {
-        // The signal that has ended the measurements does not end this.
-        let _ = signals.end_at_once();
-    }
-    put_in_place(vec![page_file, csv_file])?;
+    let page = page_file.text(&page(&report, &command(options, &own), &answers))?;
+    let complete = vec![page, csv_file.text(&csv(&report))?];
+    // The signal that has ended the measurements does not end this, but another one does.
+    let _ = signals.end_at_once();
+    put_in_place(complete)?;
     if report.measured() < report.planned {
         log.tell(Diagnostic::note("stopped: the report has the measurements made so far"));
     }
