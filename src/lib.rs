@@ -30,9 +30,8 @@
 //! [`Prepared::render_rows`](render::renderer::Prepared::render_rows) hands out the rows as they are finished, so that
 //! no picture has to fit into memory. It reports its progress and can be cancelled. [`image_io`] writes such rows to
 //! TGA, PNG, BMP, PPM, PFM and OpenEXR files, and reads pictures. Of the [`tools`], [`compare`](tools::compare)
-//! measures how two pictures differ, [`causes`](tools::causes) finds out why, [`grade`](tools::grade) does both for
-//! many pictures of many people, [`error_report`](tools::error_report) measures the time and the error of settings.
-//! `live` shows a scene as a page in the browser.
+//! measures how two pictures differ, [`causes`](tools::causes) finds out why, and
+//! [`error_report`](tools::error_report) measures the time and the error of settings. `command` has the program.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
 
@@ -62,7 +61,7 @@ pub mod tools;
 #[doc(hidden)]
 pub mod cli;
 #[cfg(feature = "gui")]
-pub mod live;
+mod live;
 #[cfg(not(target_family = "wasm"))]
 #[doc(hidden)]
 pub mod command;

@@ -13,7 +13,6 @@ use crate::image_io::{Format, OutputFile, Remarks, read_remarked_picture};
 use crate::picture::Picture;
 use crate::render::renderer::Renderer;
 use crate::render::{Layer, Request};
-use crate::scene::model::Shows;
 use crate::tools::causes::{Finding, Original, explain_finished};
 use crate::tools::compare::{Comparison, DifferencePicture, Tolerance, sizes_differ};
 use std::fmt::{self, Display};
@@ -145,25 +144,15 @@ fn size(picture: &Picture) -> [u32; 2] {
     [picture.width(), picture.height()]
 }
 
-/// Returns true if the layer shows the scene, and nothing else is drawn in its place.
-pub fn shows_scene(options: &Options, renderer: &Renderer, layer: Layer) -> bool {
-    layer.is_of_scene() && !options.visualize_grid && renderer.scene.shows == Shows::Scene
-}
-
 /// Finds why a picture from outside differs from the reference: by other renderings of the scene, or else by changes to
-/// the finished picture. The scene cannot be used if something else is drawn in its place, with adaptive samples, or if
-/// its picture has another size.
+/// the finished picture. The scene cannot be used if its picture has another size.
 fn cause(options: &Options, scene: Option<&Renderer>, a: &Picture, b: &Picture) -> Option<Finding> {
     /// The colours and bytes of two pictures and the bytes of several wrong ones, with something to spare.
     const BYTES_PER_PIXEL: u64 = 128;
     memory::ask(size(a).map(u64::from).iter().product::<u64>() * BYTES_PER_PIXEL).ok()?;
-    // Adaptive samples depend on the colours, so a wrong picture has other samples too.
-    let layer = options.compared_layer().filter(|&layer| layer != Layer::Color || options.adaptive.is_none());
-    let is_shown = |&(renderer, layer): &_| shows_scene(options, renderer, layer);
-    let rendered = scene.zip(layer).filter(is_shown).filter(|_| rendered_size(options) == Some(size(a)));
+    let rendered = scene.zip(options.compared_layer()).filter(|_| rendered_size(options) == Some(size(a)));
     let original = rendered.and_then(|(renderer, layer)| {
-        let request = Request { layers: vec![layer], ..options.request() };
-        Original::new(renderer, options.structure, &request)
+        Original::new(renderer, &Request { layers: vec![layer], ..options.request() })
     });
     if let Some(original) = original {
         return Some(original.explain(a, b));

@@ -17,7 +17,7 @@ use crate::tools::warnings::no_lights;
 use cpu_time::ProcessTime;
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Measures and writes.
 pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
@@ -26,7 +26,6 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let one = threads::pool(Some(1), 1)?;
 
     // Load the scene and settle the options.
-    let start = Instant::now();
     let loaded = many.install(|| options.load_scene())?;
     let files = ["report.html", "report.csv"].map(|name| folder.join(name));
     let written = files.clone().into_iter().chain(["-".into()]);
@@ -37,7 +36,6 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
 
     // Prepare. Other octaves are other scenes with the same meshes.
     let renderer = many.install(|| Renderer::new(loaded, Meshes::Kept))?;
-    let reading = start.elapsed();
     // A file that cannot be written is no reason to wait for the measurements.
     let unwritable = |error| Diagnostic::error(format!("cannot make the folder {}: {error}", quoted(folder)));
     fs::create_dir_all(folder).map_err(unwritable)?;
@@ -53,22 +51,19 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     };
     let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
     let own = Setting::new(options.request(), options.edition.unwrap_or_default());
-    let mut report = measure(&renderer, &own, bench, true)?;
+    let report = measure(&renderer, &own, bench, true)?;
     drop(line);
-    report.stages.insert(0, ("reading the scene", reading));
 
     // Report.
     let targets = target.as_ref().map_or(&USUAL_TARGETS[..], std::slice::from_ref);
     let writing = |setting: &Setting| command(options, setting) + " -output picture.png";
     let answers: Vec<Answer> =
         targets.iter().filter_map(|&target| Answer::new(&report, target, writing)).collect();
-    let page_file = page_file.text(&page(&report, &command(options, &own), &answers))?;
-    let csv_file = csv_file.text(&csv(&report))?;
-    if page_file.is_stream() || csv_file.is_stream() {
-        // The signal that has ended the measurements does not end this.
-        let _ = signals.end_at_once();
-    }
-    put_in_place(vec![page_file, csv_file])?;
+    let page = page_file.text(&page(&report, &command(options, &own), &answers))?;
+    let complete = vec![page, csv_file.text(&csv(&report))?];
+    // The signal that has ended the measurements does not end this, but another one does.
+    let _ = signals.end_at_once();
+    put_in_place(complete)?;
     if report.measured() < report.planned {
         log.tell(Diagnostic::note("stopped: the report has the measurements made so far"));
     }

@@ -13,7 +13,7 @@ use crate::cli::{self, Grading};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::check_distinct;
 use crate::picture::Picture;
-use crate::tools::causes::{Finding, Mistake};
+use crate::tools::causes::{Finding, Mistake, distinct};
 use crate::tools::grade::{Cell, Column, Page, Table, csv, summary};
 use folder::{Folder, entries};
 use references::{Reference, References};
@@ -57,25 +57,26 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
         };
         let _ = watch(());
         let compare = |reference: Result<Reference, String>| -> Result<Column, Diagnostic> {
-            let Reference { picture, explain } = match reference {
+            let reference = match reference {
                 Ok(reference) => reference,
                 Err(problem) => {
                     page.iter_mut().for_each(Page::add_ungraded);
                     return Ok(Column::ungraded(shown, problem, folder.names.len()));
                 }
             };
-            page.iter_mut().for_each(|page| page.add_column(&picture));
+            let picture = &reference.picture;
+            page.iter_mut().for_each(|page| page.add_column(picture));
             // Only the page names causes.
             let explain = |different: &[Picture], fails: &[bool]| {
                 let Some(page) = &mut page else { return Vec::new() };
-                page.add_different(&picture, different);
+                page.add_different(picture, different);
                 let failed = different.iter().zip(fails).filter(|(_, fails)| **fails);
                 let failed: Vec<Picture> = failed.map(|(picture, _)| picture.clone()).collect();
-                let mut found = explain(&failed, &picture, &learned.mistakes()).into_iter();
+                let mut found = reference.explain(&failed, &learned.mistakes()).into_iter();
                 fails.iter().map(|fails| if *fails { found.next() } else { None }).collect()
             };
             let submissions = folder.submissions(index, [picture.width(), picture.height()]);
-            let mut column = Column::graded(shown, &picture, submissions, tolerance, explain)?;
+            let mut column = Column::graded(shown, picture, submissions, tolerance, explain)?;
             let found_as = |file: &PathBuf| (file != name).then(|| file.to_string_lossy().into_owned());
             column.found_as = folder.taken[index].iter().map(found_as).collect();
             Ok(column)
@@ -132,13 +133,7 @@ impl Learned {
     fn mistakes(&self) -> Vec<Mistake> {
         let mut several: Vec<_> = self.0.iter().filter(|(.., count)| *count > 1).collect();
         several.sort_by_key(|(.., count)| Reverse(*count));
-        let mut mistakes: Vec<Mistake> = vec![];
-        for (_, mistake, _) in several {
-            if !mistakes.contains(mistake) {
-                mistakes.push(*mistake);
-            }
-        }
-        mistakes
+        distinct(several.into_iter().map(|&(_, mistake, _)| mistake))
     }
 }
 

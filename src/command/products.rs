@@ -132,8 +132,8 @@ impl<'r> Products<'r> {
                     finished.picture = Some(Picture::from_rgb(width as u32, height as u32, bytes));
                 }
                 Product::Costs(file, format, cost) => {
-                    let (size, counts) = (self.request.window_size(), std::mem::take(&mut counts));
-                    let map = CostMap { cost, size, counts, cells: None };
+                    let counts = std::mem::take(&mut counts);
+                    let map = CostMap::new(cost, counts, self.prepared, self.request);
                     let picture = map.draw()?;
                     finished.files.push(file.picture(format, &picture)?);
                     (finished.costs, finished.picture) = (Some(map), Some(picture));

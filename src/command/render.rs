@@ -14,12 +14,12 @@ use crate::diagnostic::Diagnostic;
 use crate::image_io::{Exceptional, OutputFile};
 use crate::picture::Color;
 use crate::render::renderer::{Meshes, Prepared, Renderer};
-use crate::render::{Layer, Rendered, Request, Stopped, Tracing};
+use crate::render::{Layer, Rendered, Request, Stop, Stopped, Tracing};
 use crate::scene::edition::Edition;
 use crate::scene::load::LoadedScene;
 use crate::scene::model::Shows;
 use crate::stats::{self, Counts, Repeats, Timings};
-use crate::tools::explain::{CostMap, Explainer, PixelTree, Stop};
+use crate::tools::explain::{Explainer, PixelTree};
 use crate::tools::standard_error::standard_error;
 use crate::tools::warnings;
 use crate::trace::Effects;
@@ -29,9 +29,6 @@ use std::time::{Duration, Instant};
 
 /// The limit for following the rays behind a pixel. Millions of rays take this long.
 const LONGEST_EXPLANATION: Duration = Duration::from_secs(60);
-
-/// The number of the fullest cells that are named.
-const FULLEST: usize = 5;
 
 /// Renders a scene with the options of the command line `argv`.
 pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -> Result<Outcome, End> {
@@ -96,7 +93,6 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let statistics = statistics(options, &prepared, &request, counts, timings)?;
     let repeats =
         options.repeat.map(|count| repeated(options, &prepared, &request, count, rendering)).transpose()?;
-    let costs = costs.map(|map| CostMap { cells: prepared.fullness(FULLEST), ..map });
     let pixel =
         options.pixel.map(|pixel| explanation(options, &renderer, prepared, pixel)).transpose()?.flatten();
     let compare = |pair: Pair| pair.compare(Some(&renderer), picture.as_ref(), files.difference, &outputs);

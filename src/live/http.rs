@@ -26,21 +26,16 @@ pub struct Head {
     pub closes: bool,
 }
 
-/// The start of every answer.
-const START: &[u8] = b"HTTP/1.1 ";
-
 /// A connection, on which requests follow each other.
 pub struct Connection<'s> {
     stream: &'s TcpStream,
     /// The bytes that have been received and not been used.
     received: Vec<u8>,
-    /// The number of bytes of the answer that have been sent to find out whether the other side still listens.
-    probed: usize,
 }
 
 impl<'s> Connection<'s> {
     pub fn new(stream: &'s TcpStream) -> Self {
-        Self { stream, received: vec![], probed: 0 }
+        Self { stream, received: vec![] }
     }
 
     /// Returns the head of the next request, or why it is refused. All of it must arrive before the deadline.
@@ -84,29 +79,19 @@ impl<'s> Connection<'s> {
         }
     }
 
-    /// Returns true if the other side no longer waits for its answer, as far as can be told.
-    ///
-    /// A client that has closed the connection looks at first like a client that only sends no more. Sending something
-    /// shows the difference, so it gets the first bytes of the answer, which are the same for all, one by one.
-    pub fn has_left(&mut self) -> bool {
-        let mut stream = self.stream;
-        let found = stream.set_nonblocking(true).and_then(|()| stream.peek(&mut [0]));
-        match stream.set_nonblocking(false).and(found) {
-            Ok(0) => {
-                let Some(byte) = START.get(self.probed..=self.probed) else { return false };
-                self.probed += 1;
-                matches!(stream.take_error(), Ok(Some(_)) | Err(_)) || stream.write_all(byte).is_err()
-            }
-            Ok(_) => false,
+    /// Returns true if the other side has closed the connection, and so no longer waits for its answer.
+    pub fn has_left(&self) -> bool {
+        let found = self.stream.set_nonblocking(true).and_then(|()| self.stream.peek(&mut [0]));
+        match self.stream.set_nonblocking(false).and(found) {
+            Ok(count) => count == 0,
             Err(error) => error.kind() != io::ErrorKind::WouldBlock,
         }
     }
 
     /// Sends an answer. The other side may take a while to receive it, but not for ever.
-    pub fn send(&mut self, answer: &Answer, closes: bool) -> io::Result<()> {
+    pub fn send(&self, answer: &Answer, closes: bool) -> io::Result<()> {
         let (mut stream, deadline) = (self.stream, Instant::now() + SEND_TIME);
-        let (head, sent) = (answer.head(closes), std::mem::take(&mut self.probed));
-        for mut rest in [&head.as_bytes()[sent..], &answer.body] {
+        for mut rest in [answer.head(closes).as_bytes(), &answer.body] {
             while !rest.is_empty() {
                 stream.set_write_timeout(Some(until(deadline)?))?;
                 rest = &rest[stream.write(rest)?..];

@@ -2,11 +2,11 @@
 
 use crate::caster::RayOrigin;
 use crate::diagnostic::Diagnostic;
-use crate::render::Request;
 use crate::render::renderer::Prepared;
+use crate::render::{Request, Stop};
 use crate::scene::Camera;
 use crate::stats::Quiet;
-use crate::tools::explain::{Explainer, ObjectPart, Stop};
+use crate::tools::explain::{Explainer, ObjectPart};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::HashMap;

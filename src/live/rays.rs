@@ -132,8 +132,8 @@ mod tests {
     use super::*;
     use crate::caster::choose::{Resolution, Structure};
     use crate::render::test_renderer::renderer_of;
-    use crate::render::{Request, Tracing};
-    use crate::tools::explain::{Explainer, Stop};
+    use crate::render::{Request, Stop, Tracing};
+    use crate::tools::explain::Explainer;
     use crate::trace::{Effects, Shadows};
     use std::time::{Duration, Instant};
 

@@ -8,6 +8,7 @@ use crate::caster::choose::Structure;
 use crate::cli::Options;
 use crate::diagnostic::Diagnostic;
 use crate::image_io::ReadFile;
+use crate::render::Stop;
 use crate::render::renderer::{Meshes, Renderer};
 use crate::scene::edition::{Choice, Edition};
 use crate::scene::load::{
@@ -17,7 +18,6 @@ use crate::scene::mesh::ObjFile;
 use crate::scene::obj::{memory_for, read_obj};
 use crate::scene::texels::ImageFile;
 use crate::scene::{MeshFile, Object, TRIANGLES_OF_BOX};
-use crate::tools::explain::Stop;
 use std::cell::Cell;
 use std::fs;
 use std::path::{Component, Path, PathBuf};

@@ -123,7 +123,7 @@ impl Server {
                 (false, "/") => page()?,
                 (false, _) => Answer::text(404, "there is nothing here"),
                 (true, "/quit") => Answer::text(200, "ended"),
-                (true, "/alive") => alive(&mut connection),
+                (true, "/alive") => alive(&connection),
                 (true, path) => {
                     own.rank.store(ASKS, Ordering::Relaxed);
                     let mut has_left = || connection.has_left();
@@ -155,7 +155,7 @@ impl Server {
 }
 
 /// Answers late: a page that waits for it notices at once when the program ends, since the connection breaks.
-fn alive(connection: &mut Connection) -> Answer {
+fn alive(connection: &Connection) -> Answer {
     let end = Instant::now() + ALIVE_TIME;
     while Instant::now() < end && !connection.has_left() {
         thread::sleep(Duration::from_millis(500));

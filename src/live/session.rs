@@ -16,11 +16,11 @@ use crate::cli::{Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{check_distinct, put_in_place, read_picture, read_picture_from};
 use crate::picture::{CHANNELS, Picture};
-use crate::render::{Cost, Layer, Progress, grid_view};
+use crate::render::{Cost, Layer, Progress, Stop, grid_view};
 use crate::scene::parser::parse_camera;
 use crate::tools::causes::Original;
 use crate::tools::compare::{Comparison, DifferencePicture};
-use crate::tools::explain::{Explainer, Stop};
+use crate::tools::explain::Explainer;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -180,7 +180,7 @@ impl Session {
             Ok(scene) => json!({ "scene": description(&scene) }),
             Err(error) => {
                 let at = error.position().map(|at| [at.line, at.column]);
-                json!({ "errors": [{ "at": at, "problem": error.message, "hint": error.hint }] })
+                json!({ "error": { "at": at, "problem": error.message, "hint": error.hint } })
             }
         };
         Ok(Answer::described(&meta, &[]))
@@ -291,15 +291,13 @@ impl Session {
 
     /// Finds the cause of the difference, in the words of the command line; null if no cause can be tried.
     fn cause(&self, view: View, stop: &Stop) -> Found {
-        let (structure, request) = (view.options.structure, view.request(Layer::Color));
-        let scene = view.scene.clone();
-        let is_plain = !view.options.visualize_grid && view.options.adaptive.is_none();
+        let (scene, request) = (view.scene.clone(), view.request(Layer::Color));
         let (reference, own) = self.pair(view, stop)?;
         let (picture, own) = (&reference.picture, &own.picture);
         let differs = picture_size(picture) == picture_size(own) && picture.pixels() != own.pixels();
-        let can_try = is_plain && differs && request.camera_rays() <= MAX_CAUSE_RAYS;
+        let can_try = differs && request.camera_rays() <= MAX_CAUSE_RAYS;
         let watch = |progress: Progress| stop.watch(progress);
-        let original = || Original::watched(&scene.renderer, structure, &request, &watch);
+        let original = || Original::watched(&scene.renderer, &request, &watch);
         let original = can_try.then(original).flatten();
         let cause = original.map(|original| original.explain(picture, own).to_string());
         Ok(Answer::described(&json!({ "cause": cause }), &[]))

@@ -12,17 +12,15 @@ use crate::cli::{Options, Output};
 use crate::image_io::{CompleteFile, Content, OutputFile};
 use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
 use crate::render::renderer::Prepared;
-use crate::render::{Cost, Layer, Progress, Request, TakeRow, Tracing};
+use crate::render::{Cost, Layer, Progress, Request, Stop, TakeRow, Tracing};
 use crate::scene::Camera;
-use crate::tools::explain::{CostMap, Stop};
+use crate::tools::explain::CostMap;
 use self_cell::self_cell;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A typical number of rays while a scene is turned, by which its structure is chosen.
 const MANY_RAYS: usize = 1 << 21;
-/// The number of the fullest cells that are named.
-const FULLEST: usize = 5;
 
 /// A view of a scene, as the controls and the hand have set it.
 #[derive(Clone)]
@@ -94,12 +92,7 @@ impl Scenes {
         };
         let (ready, counts) = self.render(view, layer, stop, &mut take_row)?;
         let request = view.request(layer);
-        let costs = view.cost.map(|cost| CostMap {
-            cost,
-            size: request.size,
-            counts,
-            cells: ready.borrow_dependent().fullness(FULLEST),
-        });
+        let costs = view.cost.map(|cost| CostMap::new(cost, counts, ready.borrow_dependent(), &request));
         let [width, height] = request.layer_size(&layer).map(|side| side as u32);
         let picture = match &costs {
             Some(map) => map.draw()?,

@@ -7,7 +7,7 @@
 use super::http::Answer;
 use super::limits::{FEW_BYTES, MAX_BYTES};
 use super::lock;
-use crate::tools::explain::Stop;
+use crate::render::Stop;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -63,8 +63,8 @@ impl Workers {
         let mut state = lock(&self.state);
         state.taken -= bytes;
         state.idle.push(threads);
-        // The result of stopped work is incomplete.
-        found.filter(|_| !stop.is_over()).ok_or_else(too_long)
+        // The result of stopped work is incomplete. Complete work is kept, though its time may be over by now.
+        found.filter(|_| !stop.has_stopped()).ok_or_else(too_long)
     }
 
     /// Waits until there is enough memory, and returns threads.
@@ -127,6 +127,14 @@ mod tests {
         assert_eq!(workers.run(1, &stop, &mut leaves(), || busy(&stop)).unwrap_err(), too_long());
         let state = lock(&workers.state);
         assert_eq!((state.taken, state.idle.len()), (0, 1));
+    }
+
+    #[test]
+    fn complete_work_is_kept_after_its_deadline_and_stopped_work_is_not() {
+        let (workers, now) = (Workers::new(1), || Stop::at(Instant::now()));
+        assert_eq!(workers.run(1, &now(), &mut || false, || 7), Ok(7));
+        let stop = now();
+        assert_eq!(workers.run(1, &stop, &mut || false, || stop.is_over()), Err(too_long()));
     }
 
     #[test]

@@ -9,12 +9,14 @@ pub mod renderer;
 mod request;
 mod row;
 mod small_things;
+mod stop;
 mod strip;
 mod tally;
 mod tracing;
 
 pub use layer::{Cost, Layer};
 pub use request::{Request, Tracing, View};
+pub use stop::Stop;
 
 pub use crate::picture::Window;
 

@@ -124,6 +124,12 @@ impl Request {
         }
     }
 
+    /// Returns the flag that asks for its smallest weight, unless that is an edition's default.
+    pub fn weight_flag(&self, edition: Edition) -> Option<String> {
+        let weight = self.effects.min_weight;
+        (weight != edition.default_weight()).then(|| format!("-weight {weight}"))
+    }
+
     /// Returns true if a layer's rows are reduced.
     pub(super) fn reduces(&self, layer: &Layer) -> bool {
         self.is_reduced && *layer == Layer::Color

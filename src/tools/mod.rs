@@ -4,11 +4,13 @@
 //! A module uses only those before it in this list.
 
 mod embedded;
+#[doc(hidden)]
 pub mod warnings;
 pub mod compare;
 #[doc(hidden)]
 pub mod explain;
 pub mod causes;
+#[doc(hidden)]
 pub mod grade;
 #[doc(hidden)]
 pub mod error_report;

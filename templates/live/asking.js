@@ -2,8 +2,6 @@
 // Questions to the program. Every answer is a description in JSON and the bytes that it describes.
 
 const key = new URLSearchParams(location.search).get('key') || '';
-// Counts the pictures that are asked for: a later one overtakes those before it.
-let turn = 0;
 
 const find = (id) => document.getElementById(id);
 

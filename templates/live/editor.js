@@ -7,10 +7,8 @@ const PAUSE = 350;
 const editor = {
   area: find('text'),
   timer: 0,
-  // Counts what was sent, so that an answer that comes late is not shown.
-  sent: 0,
-  // What the parser says: each with its place, the problem and perhaps a hint.
-  errors: [],
+  // What the parser says: the problem, and perhaps its place and a hint.
+  error: null,
   // The object that is marked, and where it stands: [start, end] in the text.
   object: null,
   range: null,
@@ -19,14 +17,12 @@ const editor = {
 let objectMap = null;
 
 async function editorSends() {
-  const mine = ++editor.sent;
   clearTimeout(editor.timer);
   const text = editor.area.value;
   view.readWith = editionWords();
   try {
     const { meta } = await ask('/scene', { text, words: wordsOf() });
-    if (mine !== editor.sent) return;
-    editor.errors = meta.errors || [];
+    editor.error = meta.error || null;
     if (meta.scene) view.open(meta.scene);
     else find('taken').textContent = 'The text is not a scene of this edition; “Scene” shows where.';
     if (meta.scene && meta.scene.is_unlit) say('The scene has no lights: its surfaces show their flat colours.');
@@ -70,14 +66,15 @@ function objectRange({ line, column }) {
 // Lays the marks behind the text, and the messages at their lines.
 function drawMarks() {
   const text = editor.area.value;
-  const errors = editor.errors.filter(({ at }) => at).map(({ at }) => [...wordAt(offsetOf(...at)), 'error']);
-  const isFree = ([start, end]) => !errors.some(([from, to]) => from < end && start < to);
+  const { at } = editor.error || {};
+  const spans = at ? [[...wordAt(offsetOf(...at)), 'error']] : [];
+  const isFree = ([start, end]) => !spans.some(([from, to]) => from < end && start < to);
   // An error within an object takes its place.
-  const spans = editor.range && isFree(editor.range) ? [...errors, [...editor.range, 'object']] : errors;
+  if (editor.range && isFree(editor.range)) spans.push([...editor.range, 'object']);
   spans.sort((a, b) => a[0] - b[0]);
   const parts = [];
   let done = 0;
-  for (const [start, end, kind] of spans.filter(([start]) => start >= done)) {
+  for (const [start, end, kind] of spans) {
     const mark = document.createElement('mark');
     [mark.className, mark.textContent] = [kind, text.slice(start, end) || ' '];
     parts.push(text.slice(done, start), mark);
@@ -85,39 +82,29 @@ function drawMarks() {
   }
   find('marks').replaceChildren(...parts, `${text.slice(done)}\n`);
   const count = text.split('\n').length;
-  const wrong = new Set(editor.errors.filter(({ at }) => at).map(({ at }) => at[0]));
   find('lines').replaceChildren(...Array.from({ length: count }, (_, index) => {
-    if (!wrong.has(index + 1)) return `${index + 1}\n`;
+    if (!at || index + 1 !== at[0]) return `${index + 1}\n`;
     const mark = document.createElement('mark');
     mark.textContent = `${index + 1}`;
     return [mark, '\n'];
   }).flat());
-  editor.area.setAttribute('aria-invalid', editor.errors.length > 0 ? 'true' : 'false');
-  writeComplaints();
-}
-
-function writeComplaints() {
-  const said = editor.errors.map(({ at, problem, hint }) =>
-    `${at ? `line ${at[0]}: ` : ''}${problem}${hint ? ` (${hint})` : ''}`);
-  const complaint = find('complaint');
-  // What is said already is not said again.
-  if (complaint.dataset.said !== said.join('\n')) {
-    complaint.dataset.said = said.join('\n');
-    complaint.replaceChildren(...said.map((line, index) => {
-      const message = document.createElement('button');
-      message.type = 'button';
-      message.textContent = line;
-      message.addEventListener('click', () => goToError(index));
-      return message;
-    }));
-  }
-  complaint.hidden = said.length === 0;
+  editor.area.setAttribute('aria-invalid', `${editor.error !== null}`);
+  writeComplaint();
   scrollMarks();
 }
 
-// Selects the word at which an error was found.
-function goToError(index) {
-  const { at } = editor.errors[index] || {};
+function writeComplaint() {
+  const { at, problem, hint } = editor.error || {};
+  const said = problem ? `${at ? `line ${at[0]}: ` : ''}${problem}${hint ? ` (${hint})` : ''}` : '';
+  const message = find('complaint').firstElementChild;
+  // What is said already is not said again.
+  if (message.textContent !== said) message.textContent = said;
+  find('complaint').hidden = !problem;
+}
+
+// Selects the word at which the error was found.
+function goToError() {
+  const { at } = editor.error || {};
   if (!at) return;
   const { area } = editor;
   area.focus();
@@ -218,5 +205,6 @@ function startEditor(text) {
   area.addEventListener('mouseleave', () => markObject(null));
   area.addEventListener('keyup', () => markObject(objectAround(area.selectionStart)));
   find('keep').addEventListener('click', keepCamera);
+  find('complaint').addEventListener('click', goToError);
   drawMarks();
 }

@@ -99,7 +99,6 @@ const view = {
         const moves = this.moves.splice(0);
         const sides = size().map((side) => Math.max(1, Math.round(side * this.scale)));
         const start = performance.now();
-        turn += 1;
         const { meta, bytes } = await ask('/picture', { view: this.question(), sketch: sides });
         this.paint(meta, bytes, 'sketch');
         this.adapt(performance.now() - start);
@@ -138,15 +137,14 @@ const view = {
 
   async whole(exactly = false) {
     if (!this.isOpen()) return;
-    const mine = ++turn;
     this.finished = false;
     try {
       status('rendering …');
-      await this.render(wordsOf(), 'whole', mine);
+      await this.render(wordsOf(), 'whole');
       lookAround();
-      if (comparing()) await compareLive(mine);
-      else if (!exactly && refines()) await this.refine(mine);
-      this.finished = mine === turn;
+      if (comparing()) await compareLive();
+      else if (!exactly && refines()) await this.refine();
+      this.finished = true;
     } catch (error) {
       if (error.status === CLOSED) return editorSends();
       if (error.status !== OVERTAKEN) status('');
@@ -155,17 +153,16 @@ const view = {
   },
 
   // Takes more samples, until the picture is converged.
-  async refine(mine) {
+  async refine() {
     for (const [most, error] of FINER) {
-      await this.render(wordsOf(['-adaptive_samples', `${most}`, `${error}`]), `${most} samples`, mine);
+      await this.render(wordsOf(['-adaptive_samples', `${most}`, `${error}`]), `${most} samples`);
     }
     status(`converged, ${size().join(' × ')}`);
   },
 
   // Paints a picture that its command line writes, byte for byte.
-  async render(words, stage, mine) {
+  async render(words, stage) {
     const { meta, bytes } = await ask('/picture', { view: this.question(words) });
-    if (mine !== turn || this.sketching) throw new Refused(OVERTAKEN, '');
     this.paint(meta, bytes, stage);
     find('command').value = meta.command;
     find('block').value = this.seenWith().block().trimEnd();

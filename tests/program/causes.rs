@@ -256,7 +256,7 @@ pub fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Origina
     let Ok(Command::Render(options)) = cli::parse(line.split_whitespace().map(Into::into)) else {
         panic!("{line}")
     };
-    work(&Original::new(&renderer, options.structure, &options.request()).unwrap())
+    work(&Original::new(&renderer, &options.request()).unwrap())
 }
 
 #[test]

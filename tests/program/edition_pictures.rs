@@ -4,7 +4,6 @@
 //! it the tests of pictures print that they are skipped.
 
 use crate::support::{Folder, finish, program};
-use raytracer::caster::choose::Structure;
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
@@ -88,7 +87,7 @@ fn mistakes_of_the_editions_are_found() {
         };
         let (wrong, right) = (render(wrong), render(load()));
         let renderer = Renderer::new(load(), Meshes::Kept).expect("a scene");
-        let original = Original::new(&renderer, Structure::Any, &request).expect("memory");
+        let original = Original::new(&renderer, &request).expect("memory");
         let found = original.explain(&wrong, &right).to_string();
         assert!(found.contains(cause), "{name}: {found}");
     }
@@ -108,7 +107,7 @@ fn mistakes_in_depths_and_normals_are_found() {
         ),
     ] {
         let request = Request { layers: vec![layer], ..Request::new([60, 40]) };
-        let original = Original::new(&renderer, Structure::Any, &request).expect("memory");
+        let original = Original::new(&renderer, &request).expect("memory");
         let right = original.picture(Mistake::Unchanged).expect("a picture");
         for cause in causes {
             let wrong = original.picture(cause).expect("a mistake that shows");
@@ -126,7 +125,7 @@ fn mistakes_in_depths_and_normals_are_found() {
             pairs.map(|(m, r)| (0..3 * 59).filter(|&i| m[i].abs_diff(r[i + 3]) > 1).count()).sum();
         assert!(differing < 40 * 3 * 59 / 50, "{differing}");
     }
-    let colors = Original::new(&renderer, Structure::Any, &Request::new([9, 9])).expect("memory");
+    let colors = Original::new(&renderer, &Request::new([9, 9])).expect("memory");
     assert_eq!(colors.picture(Mistake::NearWhite), colors.picture(Mistake::Unchanged));
 }
 

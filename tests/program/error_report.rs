@@ -232,7 +232,6 @@ fn the_page_is_one_file() {
     for text in [
         if cfg!(windows) { "-input &quot;&amp;b;.txt&quot;" } else { "-input &#39;&lt;b&gt;.txt&#39;" },
         "All 92 settings were measured.",
-        "rendering references",
         "slope -0.",
         "this program</td><td>0</td><td>0</td><td>0</td>",
     ] {

@@ -193,13 +193,13 @@ fn the_live_page_refuses_beforehand_and_goes_on() {
     let line = "-input s.txt -gui -port 0 -no_browser -threads 2";
     let server = Server::of(program_within(&folder, 200_000, line));
     let picture = |words: &str| {
-        let question = json!({ "page": 1, "turn": 1, "view": view(0, words), "sketch": null });
+        let question = json!({ "view": view(0, words), "sketch": null });
         server.ask("/picture", &question).map(drop)
     };
     let typed = |count: usize, file: &str| {
         let text = scene(count, &format!("TriangleMesh {{ obj_file {file} }}\n").repeat(count));
         let said = server.ask("/scene", &json!({ "text": text })).expect("an answer").0;
-        said["errors"][0]["problem"].as_str().map(str::to_owned)
+        said["error"]["problem"].as_str().map(str::to_owned)
     };
     let refused = |size: &str| format!("not enough memory: at least {size} are needed");
     assert_eq!(picture("-size 2000 2000").unwrap_err().1.trim_end(), refused("256.0 MB"));

@@ -33,7 +33,7 @@ fn an_error_is_the_parser_s_and_the_last_scene_stays() {
     let folder = Folder::with_scene(&sphere());
     let server = Server::start(folder.path(), "");
     let said = typed(&server, &sphere().replace("radius", "raduis"));
-    let error = &said["errors"][0];
+    let error = &said["error"];
     let file = folder.path().join("b.txt");
     fs::write(&file, sphere().replace("radius", "raduis")).expect("a scene");
     let message = folder.run("-input b.txt").message(1);
@@ -81,7 +81,7 @@ fn meshes_lie_beside_the_scene() {
     }
     for name in names {
         let said = typed(&server, &mesh(&name));
-        let problem = said["errors"][0]["problem"].as_str().expect("an error");
+        let problem = said["error"]["problem"].as_str().expect("an error");
         assert!(problem.starts_with("cannot read the mesh"), "{name}: {problem}");
         // Nothing tells whether a file outside exists.
         assert!(!problem.contains("No such file") || !name.contains(".."), "{name}: {problem}");
@@ -95,11 +95,11 @@ fn a_scene_that_multiplies_its_meshes_is_refused() {
     let server = Server::start(folder.path(), "");
     let objects = "TriangleMesh { obj_file m.obj }\n".repeat(100);
     let said = typed(&server, &scene(100, &objects));
-    assert_eq!(said["errors"][0]["problem"], "a page opens scenes of at most 1000000 primitives");
+    assert_eq!(said["error"]["problem"], "a page opens scenes of at most 1000000 primitives");
     let names: String =
         (0..40).map(|k| format!("TriangleMesh {{ obj_file {}m.obj }}\n", "./".repeat(k + 1))).collect();
     let said = typed(&server, &scene(40, &names));
-    assert!(said["errors"][0]["problem"].as_str().expect("an error").contains("beside the scene only"));
+    assert!(said["error"]["problem"].as_str().expect("an error").contains("beside the scene only"));
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn hostile_texts_do_no_harm() {
     ]);
     for text in &texts {
         let said = typed(&server, text);
-        assert!(said["scene"].is_object() != said["errors"].is_array(), "{said}");
+        assert!(said["scene"].is_object() != said["error"].is_object(), "{said}");
         if said["scene"].is_object() {
             paint(&server, &said);
         }

@@ -1,13 +1,12 @@
 //! The pictures to grade by: files, or renderings of command lines.
 
-use super::super::compare::shows_scene;
 use super::folder::entries;
 use crate::base::escape::quoted;
 use crate::caster::choose::Structure;
 use crate::cli::{self, Command, Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{Format, ReadFile, read_picture};
-use crate::picture::Picture;
+use crate::picture::{FloatPicture, Picture};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::render::{Layer, Request, Tracing, Watch};
 use crate::scene::load::mesh_files;
@@ -24,14 +23,23 @@ enum Origin {
     Rendered(Box<Options>, Layer),
 }
 
-/// Finds why each of some wrong pictures differs from the reference, which comes second. The mistakes that come third are
-/// tried first.
-type Explain<'r> = Box<dyn Fn(&[Picture], &Picture, &[Mistake]) -> Vec<Finding> + 'r>;
-
-/// A reference, and how differences from it are explained.
+/// A reference, and what differences from it are explained by.
 pub struct Reference<'r> {
     pub picture: Picture,
-    pub explain: Explain<'r>,
+    /// Its colours, if it is rendered.
+    colors: Option<FloatPicture>,
+    /// The scene, if it shows one whose mistakes can be tried.
+    original: Option<Original<'r>>,
+}
+
+impl Reference<'_> {
+    /// Finds why each of these wrong pictures differs. Tries the mistakes in `first` first.
+    pub fn explain(&self, wrong: &[Picture], first: &[Mistake]) -> Vec<Finding> {
+        match &self.original {
+            Some(original) => original.explain_all(wrong, &self.picture, first),
+            None => explain_finished(&self.picture, self.colors.as_ref(), wrong),
+        }
+    }
 }
 
 impl References {
@@ -76,10 +84,9 @@ impl References {
     ) -> T {
         let (renderer, options);
         let reference = match &self.0[index].1 {
-            Origin::File(path) => read_picture(path).map(|picture| {
-                let explain = |wrong: &[_], picture: &_, _: &[_]| explain_finished(picture, None, wrong);
-                Reference { picture, explain: Box::new(explain) }
-            }),
+            Origin::File(path) => {
+                read_picture(path).map(|picture| Reference { picture, colors: None, original: None })
+            }
             Origin::Rendered(given, layer) => match open(given) {
                 Ok(opened) => {
                     (renderer, options) = opened;
@@ -108,21 +115,17 @@ fn render<'r>(
     layer: Layer,
     watch: Watch<'r>,
 ) -> Result<Reference<'r>, Diagnostic> {
-    let no_memory = || Diagnostic::error("there is no memory for the picture");
     let request = Request { layers: vec![layer], tracing: Tracing::Fast, ..options.request() };
-    if shows_scene(options, renderer, layer) {
-        let original = Original::watched(renderer, Structure::Any, &request, watch).ok_or_else(no_memory)?;
-        let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
-        let explain =
-            move |wrong: &[_], picture: &_, first: &[_]| original.explain_all(wrong, picture, first);
-        return Ok(Reference { picture, explain: Box::new(explain) });
+    let with_any = Request { structure: Structure::Any, ..request.clone() };
+    if let Some(original) = Original::watched(renderer, &with_any, watch)
+        && let Some(picture) = original.picture(Mistake::Unchanged)
+    {
+        return Ok(Reference { picture, colors: None, original: Some(original) });
     }
     let prepared = options.prepare(renderer, &request)?;
     let colors = prepared.render(&request)?.into_iter().next();
     let colors = colors.ok_or_else(|| Diagnostic::error("nothing is rendered"))?;
-    let picture = colors.to_picture();
-    let explain = move |wrong: &[_], picture: &_, _: &[_]| explain_finished(picture, Some(&colors), wrong);
-    Ok(Reference { picture, explain: Box::new(explain) })
+    Ok(Reference { picture: colors.to_picture(), colors: Some(colors), original: None })
 }
 
 /// The pictures in a folder.

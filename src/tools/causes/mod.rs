@@ -21,10 +21,11 @@ pub use finding::Finding;
 pub use mistakes::{Mistake, OppositeFaces};
 pub use student::SelfHitting;
 
-use crate::caster::choose::{Rays, Structure};
+use crate::caster::choose::Rays;
 use crate::picture::{Color, FloatPicture, Picture, Window};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Progress, Request, Tracing, Watch};
+use crate::scene::model::Shows;
 use crate::tools::compare::colors;
 use mistakes::Make;
 use object_space::ObjectSpaces;
@@ -55,23 +56,21 @@ pub struct Original<'a> {
 }
 
 impl<'a> Original<'a> {
-    /// Renders the request's first layer, or its colours if there is none, with this structure. `None` if memory is too
-    /// small. The renderer must have kept the meshes.
-    pub fn new(renderer: &'a Renderer, structure: Structure, request: &Request) -> Option<Self> {
-        Self::watched(renderer, structure, request, &|_| ControlFlow::Continue(()))
+    /// Renders the request's first layer, or its colours if there is none. `None` if no mistake can be tried, or if
+    /// memory is too small. The renderer must have kept the meshes.
+    pub fn new(renderer: &'a Renderer, request: &Request) -> Option<Self> {
+        Self::watched(renderer, request, &|_| ControlFlow::Continue(()))
     }
 
     /// Renders like [`new`](Self::new), and lets `watch` cancel. After that the search ends soon, with an unspecified
     /// result. `None` also if it is cancelled during this call.
-    pub fn watched(
-        renderer: &'a Renderer,
-        structure: Structure,
-        request: &Request,
-        watch: Watch<'a>,
-    ) -> Option<Self> {
+    pub fn watched(renderer: &'a Renderer, request: &Request, watch: Watch<'a>) -> Option<Self> {
         let layer = request.layers.first().copied().unwrap_or(Layer::Color);
-        let (layers, tracing, draws_cells) = (vec![layer], Tracing::Fast, false);
-        let request = Request { layers, tracing, draws_cells, structure, window: None, ..request.clone() };
+        let request =
+            Request { layers: vec![layer], tracing: Tracing::Fast, window: None, ..request.clone() };
+        if !can_try(renderer, &request, layer) {
+            return None;
+        }
         // The tracer casts all rays, even those that the renderer can skip.
         let prepared = renderer.prepare_for(&request, Rays::cast(request.camera_rays())).ok()?;
         let colors = rendered(&prepared, &request, watch)?;
@@ -160,7 +159,9 @@ impl<'a> Original<'a> {
         let Some(side) = side else { return self.try_all(None, all(), &mut open) };
         let left: Vec<Vec<u8>> = open.iter().map(|search| search.left()).collect();
         for (window, pictures) in telling_windows(&left, self.request.size, side) {
-            let mut parts: Vec<Search> = pictures.iter().map(|&at| open[at].in_window(window)).collect();
+            let reference = Rc::new(open[0].reference().in_window(window));
+            let in_window = |&at: &usize| open[at].in_window(window, reference.clone());
+            let mut parts: Vec<Search> = pictures.iter().map(in_window).collect();
             self.try_all(Some(window), all(), &mut parts.iter_mut().collect::<Vec<_>>());
             for (&at, part) in pictures.iter().zip(&parts) {
                 self.try_all(None, part.likely(), &mut [&mut *open[at]]);
@@ -187,12 +188,18 @@ impl<'a> Original<'a> {
     }
 }
 
+/// Returns true if the layer shows the scene, and not something that is drawn in its place, and if a mistake leaves the
+/// samples as they are. Adaptive samples depend on the colours, so a wrong picture has other samples too.
+fn can_try(renderer: &Renderer, request: &Request, layer: Layer) -> bool {
+    let shows_scene = renderer.scene.shows == Shows::Scene && !request.draws_cells && layer.is_of_scene();
+    shows_scene && (layer != Layer::Color || request.adaptive.is_none())
+}
+
 /// Returns pairs of mistakes to try: the best ones of unexplained pictures and the `first` ones, each with all others
 /// that show.
 fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
     let open = || searches.iter().filter(|search| !search.is_settled());
-    let mut grounds: Vec<Mistake> = open().filter_map(Search::best).chain(first.iter().copied()).collect();
-    grounds.dedup();
+    let mut grounds = distinct(open().filter_map(Search::best).chain(first.iter().copied()));
     grounds.truncate(MAX_GROUNDS);
     let shows = |mistake: &Mistake| open().any(|search| search.shown().contains(mistake));
     let others: Vec<Mistake> = Mistake::all().skip(1).filter(shows).collect();
@@ -201,6 +208,17 @@ fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
         others.map(move |&other| vec![ground, other])
     };
     grounds.iter().flat_map(with_others).collect()
+}
+
+/// Returns these mistakes in their order, each once.
+pub fn distinct(mistakes: impl IntoIterator<Item = Mistake>) -> Vec<Mistake> {
+    let mut distinct = vec![];
+    for mistake in mistakes {
+        if !distinct.contains(&mistake) {
+            distinct.push(mistake);
+        }
+    }
+    distinct
 }
 
 /// The changes that mistakes make before a picture is rendered.

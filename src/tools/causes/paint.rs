@@ -119,7 +119,6 @@ fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::choose::Structure;
     use crate::picture::Picture;
     use crate::render::Window;
     use crate::render::renderer::{Meshes, Renderer};
@@ -134,7 +133,7 @@ mod tests {
     fn both(scene: &str, request: &Request) -> [Picture; 2] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
-        let original = Original::new(&renderer, Structure::Any, request).unwrap();
+        let original = Original::new(&renderer, request).unwrap();
         let student = Student::new(&renderer, original.prepared.caster(), request.effects);
         let painted = colors(&student, request, &|| false).unwrap();
         [original.colors, painted].map(|colors| colors.to_picture())
@@ -170,7 +169,7 @@ mod tests {
             let request = Request { sampler, filter, ..Request::new([50, 40]) };
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_02_sphere_triangles.txt");
             let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
-            let original = Original::new(&renderer, Structure::Any, &request).unwrap();
+            let original = Original::new(&renderer, &request).unwrap();
             for cause in Mistake::all() {
                 let [whole, found] = [None, Some(window)].map(|window| original.made(&[cause], window));
                 let expected = whole.map(|whole| part_of_colors(&whole, window).to_picture());

@@ -55,7 +55,7 @@ impl Made {
     }
 
     /// Returns the part in a window.
-    fn in_window(&self, window: Window) -> Self {
+    pub fn in_window(&self, window: Window) -> Self {
         let width = self.picture.width() as usize;
         let [low, high] = [&self.low, &self.high].map(|pixels| part_of_rows(pixels, width, window));
         Self { picture: part(&self.picture, window), low, high }
@@ -162,9 +162,13 @@ impl<'p> Search<'p> {
         Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![], shown: vec![] }
     }
 
-    /// Returns a search in a window of the picture that knows the best single mistake.
-    pub fn in_window(&self, window: Window) -> Search<'static> {
-        let reference = Rc::new(self.reference.in_window(window));
+    pub fn reference(&self) -> &Made {
+        &self.reference
+    }
+
+    /// Returns a search in a window of the picture that knows the best single mistake. `reference` is the reference's
+    /// part.
+    pub fn in_window(&self, window: Window, reference: Rc<Made>) -> Search<'static> {
         let mut search = Search::new(Cow::Owned(part(&self.wrong, window)), reference);
         search.level = self.level;
         if let Some(best) = self.best_of(1) {

@@ -43,8 +43,8 @@ pub struct ErrorReport {
     /// The effect of rounding, apart from sampling. `None` if it was not measured.
     pub numerical: Option<Numerical>,
     pub planned: usize,
-    /// The stages and the time of each.
-    pub stages: Vec<(&'static str, Duration)>,
+    /// The time of all measurements.
+    pub time: Duration,
 }
 
 /// The measurements of one filter.

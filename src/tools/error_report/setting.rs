@@ -82,24 +82,20 @@ impl Setting {
         self.request.adaptive.is_none().then(|| self.request.sampler.count())
     }
 
-    /// Returns the part of the setting that differs from others of its axis.
+    /// Returns the part of the setting that differs from others of its axis: the samples first, then flags with their
+    /// values, or words.
     pub fn label(&self) -> String {
-        self.label_parts().join(" ")
-    }
-
-    /// Returns the parts of the label: the samples first, then flags with their values, or words.
-    pub(super) fn label_parts(&self) -> Vec<String> {
         let mut parts = vec![self.samples_flag()];
         match self.axis {
             Axis::Samples => {}
             Axis::Secondary => {
                 parts.push(format!("-bounces {}", self.request.effects.bounces));
-                parts.extend(self.weight_flag());
+                parts.extend(self.request.weight_flag(self.edition));
             }
             Axis::Octaves(most) => parts.push(format!("with at most {most} octaves in the scene")),
             Axis::Structure => parts.extend(structure_flag(self.request.structure)),
         }
-        parts
+        parts.join(" ")
     }
 
     /// Returns all its flags, each with its values. Empty if flags cannot express it.
@@ -113,19 +109,13 @@ impl Setting {
         flags.extend(effects.shade_back.then(|| "-shade_back".into()));
         let has_default_bounces = effects.bounces == self.edition.default_bounces();
         flags.extend((!has_default_bounces).then(|| format!("-bounces {}", effects.bounces)));
-        flags.extend(self.weight_flag());
+        flags.extend(self.request.weight_flag(self.edition));
         flags.extend(structure_flag(*structure));
         flags
     }
 
     pub(super) fn samples_flag(&self) -> String {
         self.request.samples_flag(self.edition)
-    }
-
-    /// Returns the flag for the weight, unless it is the default.
-    fn weight_flag(&self) -> Option<String> {
-        let weight = self.request.effects.min_weight;
-        (weight != self.edition.default_weight()).then(|| format!("-weight {weight}"))
     }
 }
 

@@ -49,20 +49,20 @@ pub fn measure(
 ) -> Result<ErrorReport, Diagnostic> {
     let mut plan = plan(&renderer.scene, renderer.world(), own);
     plan.truncate(if all_filters { plan.len() } else { 1 });
-    let stages = ["rendering references", "measuring settings", "numerical error"];
+    let start = Instant::now();
     let report = ErrorReport {
         size: own.request.size,
         groups: vec![],
         numerical: None,
         planned: plan.iter().map(Vec::len).sum(),
-        stages: stages.map(|stage| (stage, Duration::ZERO)).into(),
+        time: Duration::ZERO,
     };
     let half = f64::from(reference::SAMPLES) / bench.many.current_num_threads() as f64;
     let all = plan.len() as f64 * 2.0 * half + plan.iter().flatten().map(work).sum::<f64>();
     let mut sweep = Sweep { renderer, own, bench, report, done: 0.0, all, half };
     match plan.iter().try_for_each(|settings| sweep.measure_filter(settings)) {
         Err(Some(error)) => Err(error),
-        Ok(()) | Err(None) => Ok(sweep.report),
+        Ok(()) | Err(None) => Ok(ErrorReport { time: start.elapsed(), ..sweep.report }),
     }
 }
 
@@ -85,22 +85,14 @@ impl Sweep<'_> {
     /// Measures settings with the same filter.
     fn measure_filter(&mut self, settings: &[Setting]) -> Result<(), Ended> {
         let filter = settings[0].request.filter;
-        let reference = self.timed(0, |sweep| sweep.reference(filter))?;
+        let reference = self.reference(filter)?;
         let (picture, noise) = (reference.picture.clone(), reference.noise);
         self.report.groups.push(MeasuredFilter { filter, reference: picture, noise, measurements: vec![] });
-        self.timed(1, |sweep| settings.iter().try_for_each(|setting| sweep.measure(setting, &reference)))?;
+        settings.iter().try_for_each(|setting| self.measure(setting, &reference))?;
         if self.report.numerical.is_none() {
-            self.report.numerical = self.timed(2, |sweep| sweep.numerical())?;
+            self.report.numerical = self.numerical()?;
         }
         Ok(())
-    }
-
-    /// Adds the time of a part of the work to a stage.
-    fn timed<T>(&mut self, stage: usize, part: impl FnOnce(&mut Self) -> T) -> T {
-        let start = Instant::now();
-        let found = part(self);
-        self.report.stages[stage].1 += start.elapsed();
-        found
     }
 
     /// Renders the reference for a filter.

@@ -1,13 +1,10 @@
-//! Writes a report for a terminal of 100 columns: the answer first, then the Pareto front.
+//! Writes a report for a terminal: the answer first, then the Pareto front.
 
 use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
 use crate::stats::RULE;
 
 /// The largest number of rows of the front.
 const MOST_ROWS: usize = 12;
-
-/// The largest number of columns in a line.
-const COLUMNS: usize = 100;
 
 /// Returns the answers and the front of all filters. One answer is written as a command to paste, several as rows. The
 /// page and the table have everything else.
@@ -21,7 +18,7 @@ pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
             lines.push("  for an RMSE of     CPU s     RMSE  choose".into());
             for answer in several {
                 let reached = if answer.is_reached() { " " } else { "*" };
-                lines.extend(row(&format!("  {:>13}{reached}", answer.target), answer.chosen));
+                lines.push(row(&format!("  {:>13}{reached}", answer.target), answer.chosen));
             }
             if !several.iter().all(Answer::is_reached) {
                 lines.push("  * nothing measured reaches it; this comes nearest".into());
@@ -35,7 +32,7 @@ pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
     }
     let shown = front.len().min(MOST_ROWS);
     for k in 0..shown {
-        lines.extend(row(&" ".repeat(16), front[k * (front.len() - 1) / (shown - 1).max(1)]));
+        lines.push(row(&" ".repeat(16), front[k * (front.len() - 1) / (shown - 1).max(1)]));
     }
     lines.extend(report.numerical.iter().flat_map(numerical));
     lines.push(note(report));
@@ -57,10 +54,9 @@ fn in_words(answer: &Answer<'_>) -> String {
     format!("  nothing measured reaches an RMSE of {target}; the nearest is {error:.3} in {seconds:.4} s:")
 }
 
-fn row(start: &str, one: &Measurement) -> Vec<String> {
-    let mut flags = one.setting.label_parts();
-    flags.insert(1, one.setting.request.filter.flag());
-    wrapped(&flags, format!("{start} {:>9.5} {:>8.3}  ", one.least(), one.error))
+fn row(start: &str, one: &Measurement) -> String {
+    let (setting, filter) = (one.setting.label(), one.setting.request.filter.flag());
+    format!("{start} {:>9.5} {:>8.3}  {setting} {filter}", one.least(), one.error)
 }
 
 /// Describes the effect of rounding.
@@ -81,9 +77,8 @@ fn numerical(numerical: &Numerical) -> [String; 3] {
 
 /// Describes how much was measured.
 fn note(report: &ErrorReport) -> String {
-    let ErrorReport { size: [width, height], planned, .. } = report;
+    let ErrorReport { size: [width, height], planned, time, .. } = report;
     let (measured, filters) = (report.measured(), report.groups.len());
-    let seconds: f64 = report.stages.iter().map(|(_, time)| time.as_secs_f64()).sum();
     let all = if measured == *planned { "all".into() } else { format!("{measured} of") };
     let changed = match report.pixels_changed() {
         0 => String::new(),
@@ -91,36 +86,7 @@ fn note(report: &ErrorReport) -> String {
     };
     format!(
         "{all} {planned} settings of {filters} filters, adaptive samples among them, at {width}x{height}: \
-         {seconds:.0} s{changed}"
+         {:.0} s{changed}",
+        time.as_secs_f64()
     )
-}
-
-/// Wraps words into lines. The first begins with `start`, the others with spaces of this width.
-fn wrapped(words: &[String], start: String) -> Vec<String> {
-    let indent = start.len();
-    let mut lines = vec![];
-    let mut line = start;
-    for word in words {
-        if line.len() > indent && line.len() + 1 + word.len() > COLUMNS {
-            lines.push(std::mem::replace(&mut line, " ".repeat(indent)));
-        } else if line.len() > indent {
-            line.push(' ');
-        }
-        line += word;
-    }
-    lines.push(line);
-    lines
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_end_before_the_last_column() {
-        let words: Vec<String> = (0..30).map(|n| format!("-flag{n} {n}")).collect();
-        let lines = wrapped(&words, "  ".into());
-        assert!(lines.len() > 2 && lines.iter().all(|line| line.len() <= COLUMNS && line.starts_with("  -")));
-        assert_eq!(lines.join(" ").split_whitespace().collect::<Vec<_>>().join(" "), words.join(" "));
-    }
 }

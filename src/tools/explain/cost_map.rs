@@ -2,7 +2,8 @@
 
 use crate::caster::Fullness;
 use crate::picture::{BadSize, Picture};
-use crate::render::layer::Cost;
+use crate::render::renderer::Prepared;
+use crate::render::{Cost, Request};
 use crate::stats::RULE;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -45,6 +46,13 @@ const GLYPHS: [u16; 10] = [
 ];
 
 impl CostMap {
+    /// Creates the map of a rendered request from the costs of its pixels.
+    pub fn new(cost: Cost, counts: Vec<u64>, prepared: &Prepared, request: &Request) -> Self {
+        /// The number of the fullest cells that are named.
+        const FULLEST: usize = 5;
+        Self { cost, size: request.window_size(), counts, cells: prepared.fullness(FULLEST) }
+    }
+
     /// Returns the sum of all counts.
     pub fn total(&self) -> u64 {
         self.counts.iter().sum()

@@ -4,11 +4,9 @@ mod close_call;
 mod cost_map;
 mod explainer;
 mod pixel;
-mod stop;
 mod text;
 mod tree;
 
 pub use cost_map::{CostMap, cubehelix};
 pub use explainer::Explainer;
-pub use stop::Stop;
 pub use tree::{ObjectPart, PixelTree, RayNode};

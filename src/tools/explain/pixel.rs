@@ -2,13 +2,12 @@
 
 use super::close_call::is_about_zero;
 use super::explainer::Explainer;
-use super::stop::Stop;
 use super::tree::{CloseCall, CloseCallKind, Crossing, LeftOut, Lighting, NotFollowed};
 use super::tree::{PixelTree, RayNode, SampleTree, Shadow};
 use crate::diagnostic::Diagnostic;
 use crate::math::ray::Ray;
 use crate::picture::{Color, RED_FIRST, truncate_to_bytes};
-use crate::render::{Progress, Request};
+use crate::render::{Progress, Request, Stop};
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
 use crate::stats::{Counts, Probe};

@@ -18,7 +18,7 @@ pub enum Submission {
 /// One picture, as submitted by all names.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// The name of the picture.
+    /// Its name.
     pub picture: String,
     /// The reason why there is no reference, if there is none.
     pub problem: Option<String>,
@@ -31,11 +31,8 @@ pub struct Column {
 /// The result of one picture of one name.
 #[derive(Clone, Debug)]
 pub enum Cell {
-    /// The picture equals the reference.
     Equal,
-    /// The picture differs from the reference.
     Different {
-        /// The difference.
         comparison: Box<Comparison>,
         /// True if the tolerance accepts it.
         passes: bool,
@@ -55,20 +52,17 @@ pub enum Cell {
 /// The verdict of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellWord {
-    /// The picture is right.
     Passed,
-    /// The picture is wrong.
     Failed,
-    /// There is no picture.
     Missing,
-    /// The picture cannot be read or compared.
     Unusable,
-    /// The picture has no reference.
     Ungraded,
 }
 
 impl CellWord {
-    /// Returns the verdict as text.
+    /// The verdicts of pictures that have a reference.
+    pub const COUNTED: [Self; 4] = [Self::Passed, Self::Failed, Self::Missing, Self::Unusable];
+
     pub fn word(self) -> &'static str {
         match self {
             Self::Passed => "passed",
@@ -92,7 +86,6 @@ impl CellWord {
 }
 
 impl Cell {
-    /// Returns the verdict.
     pub fn verdict(&self) -> CellWord {
         match self {
             Self::Equal | Self::Different { passes: true, .. } => CellWord::Passed,

@@ -23,63 +23,46 @@ const USUAL_TOLERANCE: Tolerance = Tolerance { levels: 1, pixels: 50 };
 /// The results of a grading.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// The tolerance for passing.
     pub tolerance: Tolerance,
-    /// The names of the rows.
+    /// One for each row.
     pub names: Vec<String>,
-    /// The columns, one for each picture.
+    /// One for each picture.
     pub columns: Vec<Column>,
     /// Notes about files that are not graded, one line each.
     pub notes: Vec<String>,
 }
 
-/// The number of pictures that pass, and the numbers of the others by verdict.
+/// The number of pictures with each verdict, in the order of [`CellWord::COUNTED`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Score {
-    /// Pictures that pass.
-    pub passed: usize,
-    /// Pictures that are wrong.
-    pub failed: usize,
-    /// Pictures that were not submitted.
-    pub missing: usize,
-    /// Pictures that cannot be read or compared.
-    pub unusable: usize,
-}
+pub struct Score([usize; CellWord::COUNTED.len()]);
 
 impl Score {
-    /// Returns the score of these cells.
     pub fn of<'c>(cells: impl IntoIterator<Item = &'c Cell>) -> Self {
-        let mut score = Self::default();
-        for cell in cells {
-            match cell.verdict() {
-                CellWord::Passed => score.passed += 1,
-                CellWord::Failed => score.failed += 1,
-                CellWord::Missing => score.missing += 1,
-                CellWord::Unusable => score.unusable += 1,
-                CellWord::Ungraded => {}
-            }
-        }
-        score
+        let verdicts: Vec<CellWord> = cells.into_iter().map(Cell::verdict).collect();
+        Self(CellWord::COUNTED.map(|word| verdicts.iter().filter(|&&other| other == word).count()))
+    }
+
+    /// Returns the number of pictures that pass.
+    pub fn passed(&self) -> usize {
+        self.0[0]
     }
 
     /// Returns the number of pictures that have a reference.
     pub fn graded(&self) -> usize {
-        self.passed + self.failed + self.missing + self.unusable
+        self.0.iter().sum()
     }
 
     /// Returns the percentage of pictures that pass, rounded down. 0 if no picture has a reference.
     pub fn points(&self) -> usize {
-        100 * self.passed / self.graded().max(1)
+        100 * self.passed() / self.graded().max(1)
     }
 }
 
 impl fmt::Display for Score {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} of {}, {} points", self.passed, self.graded(), self.points())?;
-        let rest = [(self.failed, "failed"), (self.missing, "missing"), (self.unusable, "unusable")];
-        rest.iter()
-            .filter(|(count, _)| *count > 0)
-            .try_for_each(|(count, word)| write!(f, ", {count} {word}"))
+        write!(f, "{} of {}, {} points", self.passed(), self.graded(), self.points())?;
+        let mut rest = self.0.iter().zip(CellWord::COUNTED).skip(1).filter(|(count, _)| **count > 0);
+        rest.try_for_each(|(count, word)| write!(f, ", {count} {}", word.word()))
     }
 }
 
@@ -104,7 +87,8 @@ impl Table {
             }
             _ => false,
         };
-        let (passing, failed) = (cells().filter(passes).count(), self.score().failed);
+        let [_, failed, ..] = self.score().0;
+        let passing = cells().filter(passes).count();
         let Tolerance { levels, pixels } = USUAL_TOLERANCE;
         (passing > 0).then(|| {
             format!("{passing} of the {failed} failed pictures pass with `-tolerance {levels} {pixels}`")
@@ -113,6 +97,6 @@ impl Table {
 
     /// Returns true if all pictures have a reference and pass.
     pub fn passes(&self) -> bool {
-        self.score().passed == self.names.len() * self.columns.len()
+        self.score().passed() == self.names.len() * self.columns.len()
     }
 }

@@ -8,7 +8,6 @@
 //! the sum of |w| divided by |the sum of w|.
 //! Computing it takes the samples of neighbouring pixels, so the pixels in the picture's middle stand for all.
 
-use super::Warning;
 use crate::diagnostic::Diagnostic;
 use crate::render::Request;
 use crate::sampling::filter::Filter;
@@ -30,8 +29,12 @@ const EXAMINED: usize = 64;
 
 /// Warns about a filter that is too narrow for the samples.
 pub fn narrow_filter(request: &Request) -> Option<Diagnostic> {
-    let warning = |flag, wide_enough| Warning::NarrowFilter { flag, wide_enough }.into();
-    is_too_narrow(request).then(|| warning(request.filter.flag(), wide_enough(request).flag()))
+    if !is_too_narrow(request) {
+        return None;
+    }
+    let wrong = "in some pixels no sample has weight, or the weights nearly cancel";
+    let warning = Diagnostic::warning(format!("`{}` is too narrow: {wrong}", request.filter.flag()));
+    Some(warning.with_hint(format!("`{}` is wide enough", wide_enough(request).flag())))
 }
 
 /// Returns the smallest filter of this kind, in thousandths of a pixel, that is not too narrow.

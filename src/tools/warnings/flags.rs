@@ -1,6 +1,5 @@
 //! Warns about flags without effect, and about materials that need other flags.
 
-use super::Warning;
 use super::filter::narrow_filter;
 use crate::diagnostic::{Diagnostic, Position};
 use crate::render::{Layer, Request};
@@ -23,8 +22,10 @@ pub fn about_colors(scene: &Scene, request: &Request, says_no_bounces: bool) -> 
     rays.into_iter().chain(samples_without_effect(request)).chain(narrow_filter(request)).collect()
 }
 
-fn without_effect(flag: impl Into<String>, why: impl Into<String>) -> Diagnostic {
-    Warning::FlagsWithoutEffect { flags: vec![flag.into()], why: why.into() }.into()
+fn without_effect(flags: &[String], why: &str) -> Diagnostic {
+    let named: Vec<String> = flags.iter().map(|flag| format!("`{flag}`")).collect();
+    let have = if flags.len() == 1 { "has" } else { "have" };
+    Diagnostic::warning(format!("{} {have} no effect{why}", named.join(", ")))
 }
 
 /// Warns about `-seed` without random numbers, and about a filter that weighs only one sample. A picture of the filter
@@ -33,30 +34,29 @@ fn samples_without_effect(request: &Request) -> impl Iterator<Item = Diagnostic>
     let Request { sampler, filter, .. } = *request;
     let seed = sampler.rng().seed().filter(|_| sampler.pattern() == Pattern::Uniform);
     let why = ": no samples are random, jittered or adaptive";
-    let seed = seed.map(|seed| without_effect(format!("-seed {seed}"), why));
+    let seed = seed.map(|seed| without_effect(&[format!("-seed {seed}")], why));
     let weighs_one = filter.support() == 0 || filter.weight(DVec2::X) == 0.0;
     let is_idle = filter != Filter::PIXEL && sampler.is_center() && weighs_one && !shows_filter(request);
-    let filter =
-        is_idle.then(|| without_effect(filter.flag(), ": only the sample at the pixel's centre has weight"));
+    let filter = is_idle
+        .then(|| without_effect(&[filter.flag()], ": only the sample at the pixel's centre has weight"));
     seed.into_iter().chain(filter)
 }
 
 /// Warns about an edition's flags that affect colours, if the request shows no colours.
 pub fn colors_not_asked_for(request: &Request, edition: Edition) -> Option<Diagnostic> {
     let Request { effects, sampler, filter, .. } = *request;
-    let Effects { shadows, shade_back, bounces, min_weight } = effects;
+    let Effects { shadows, shade_back, bounces, .. } = effects;
     let flags = [
         shade_back.then(|| "-shade_back".into()),
         shadows.flag().map(str::to_owned),
         (bounces > 0).then(|| format!("-bounces {bounces}")),
-        (min_weight != edition.default_weight()).then(|| format!("-weight {min_weight}")),
+        request.weight_flag(edition),
         (!sampler.is_center()).then(|| request.samples_flag(edition)),
         sampler.rng().seed().map(|seed| format!("-seed {seed}")),
         (filter != Filter::PIXEL && !shows_filter(request)).then(|| filter.flag()),
     ];
     let flags: Vec<String> = flags.into_iter().flatten().collect();
-    let why = ": no colour picture is rendered".into();
-    (!flags.is_empty()).then(|| Warning::FlagsWithoutEffect { flags, why }.into())
+    (!flags.is_empty()).then(|| without_effect(&flags, ": no colour picture is rendered"))
 }
 
 fn shows_filter(request: &Request) -> bool {
@@ -71,23 +71,24 @@ fn about_rays(scene: &Scene, effects: &Effects, says_no_bounces: bool) -> Vec<Di
     let is_two_sided = scene.lighting.highlight == Highlight::Phong;
     let (bounced, weighed) = (format!("-bounces {bounces}"), format!("-weight {min_weight}"));
     let of_bounces = match bounces {
-        0 if min_weight > 0.0 && !says_no_bounces => Some(without_effect(weighed, " without `-bounces`")),
-        1.. if heaviest == 0.0 => Some(without_effect(bounced, ": no object reflects or transmits light")),
+        0 if min_weight > 0.0 && !says_no_bounces => Some(without_effect(&[weighed], " without `-bounces`")),
+        1.. if heaviest == 0.0 => Some(without_effect(&[bounced], ": no object reflects or transmits light")),
         1.. if heaviest <= min_weight => {
             let why = format!(": `{weighed}` ends all rays that are reflected or transmitted");
-            Some(without_effect(bounced, why))
+            Some(without_effect(&[bounced], &why))
         }
         _ => None,
     };
     let is_untinted = shadows == Shadows::Transparent && used.iter().all(|it| it.refracted == 0.0);
     let why = " beyond that of `-shadows`: no object transmits light";
-    let of_shadows = is_untinted.then(|| without_effect("-transparent_shadows", why));
+    let of_shadows = is_untinted.then(|| without_effect(&["-transparent_shadows".into()], why));
     let why = " in this edition: surfaces look the same from both sides";
-    let of_back = (shade_back && is_two_sided).then(|| without_effect("-shade_back", why));
+    let of_back = (shade_back && is_two_sided).then(|| without_effect(&["-shade_back".into()], why));
     let mut found: Vec<_> = [of_bounces, of_shadows, of_back].into_iter().flatten().collect();
-    let missing = |it: &Secondary, without, hint| {
+    let missing = |it: &Secondary, without: &str, hint: &str| {
         let does = if it.refracted > 0.0 { "transmits" } else { "reflects" };
-        Diagnostic::from(Warning::FlagMissing { does, without, hint }).at(it.at)
+        let warning = Diagnostic::warning(format!("the material {does} light, but without {without}"));
+        warning.with_hint(hint).at(it.at)
     };
     if bounces == 0 && !says_no_bounces {
         let first = used.iter().find(|it| it.reflected > 0.0 || it.refracted > 0.0);

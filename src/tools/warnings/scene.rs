@@ -1,7 +1,6 @@
 //! Warns about lights, triangles, and pictures that show nothing of the scene.
 
-use super::Warning;
-use crate::diagnostic::{Diagnostic, limited};
+use crate::diagnostic::{Diagnostic, Severity, limited};
 use crate::math::aabb::Aabb;
 use crate::math::exact::projected_area;
 use crate::math::robust::unit;
@@ -16,9 +15,10 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// Warns about a scene without lights.
+/// Warns about a scene without lights, in the words of the course's program.
 pub fn no_lights(scene: &Scene) -> Option<Diagnostic> {
-    scene.lights.is_empty().then(|| Warning::NoLights.into())
+    let warning = || Diagnostic::warning("No lights specified");
+    scene.lights.is_empty().then(|| Diagnostic { severity: Severity::CourseWarning, ..warning() })
 }
 
 /// Warns about lights that have no effect on any picture of the scene.
@@ -36,7 +36,7 @@ pub fn lights_without_effect(scene: &Scene, world: &World, effects: &Effects) ->
             _ => return None,
         };
         let at = scene.positions.lights.get(index).copied().unwrap_or_default();
-        Some(Diagnostic::from(Warning::LightWithoutEffect { why }).at(at))
+        Some(Diagnostic::warning(format!("the light has no effect: {why}")).at(at))
     };
     limited(scene.lights.iter().enumerate().filter_map(warning).collect())
 }
@@ -44,16 +44,23 @@ pub fn lights_without_effect(scene: &Scene, world: &World, effects: &Effects) ->
 /// Warns about triangles without an area: once for the scene's text, at the first of them, and once for each mesh.
 /// `meshes` are the scene's meshes, in its order.
 pub fn triangles_without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Diagnostic> {
+    let hint = "no ray hits a triangle whose corners lie on one line";
     let is_flat_object =
         |object: &Object| matches!(object, Object::Triangle { vertices, .. } if is_flat(vertices.each_ref()));
     let own: Vec<usize> = (0..scene.objects.len()).filter(|&id| is_flat_object(&scene.objects[id])).collect();
     let first = own.first().map(|&first| {
         let at = scene.positions.objects.get(first).copied().unwrap_or_default();
-        Diagnostic::from(Warning::FlatTriangles { count: own.len() }).at(at)
+        let message = match own.len() {
+            1 => "the triangle has no area".into(),
+            count => format!("{count} triangles have no area; this is the first"),
+        };
+        Diagnostic::warning(message).with_hint(hint).at(at)
     });
     let of_meshes = scene.meshes.iter().zip(meshes).filter_map(|(file, mesh)| {
         let (count, all) = (flat_count(mesh), mesh.triangles.len());
-        (count > 0).then(|| Diagnostic::from(Warning::FlatTrianglesOfMesh { count, all }).at(file.at))
+        let have = if count == 1 { "has" } else { "have" };
+        let message = format!("{count} of the {all} triangles of the mesh {have} no area");
+        (count > 0).then(|| Diagnostic::warning(message).with_hint(hint).at(file.at))
     });
     limited(first.into_iter().chain(of_meshes).collect())
 }
@@ -84,7 +91,10 @@ fn has_no_area([a, b, c]: [DVec3; 3]) -> bool {
 pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> Option<Diagnostic> {
     let renderer = prepared.renderer();
     let (world, at) = (renderer.world(), renderer.scene.positions.camera);
-    let warning = |(why, hint)| Some(Diagnostic::from(Warning::NothingVisible { why, hint }).at(at));
+    let warning = |(why, hint)| {
+        let warning = Diagnostic::warning(format!("no ray hits anything{why}"));
+        Some(Diagnostic { hint, ..warning }.at(at))
+    };
     if world.ids().is_empty() {
         return warning((": the scene has no objects", None));
     }

@@ -6,7 +6,6 @@ mod single;
 mod windows;
 
 use super::{Finding, Mistake, Original};
-use crate::caster::choose::Structure;
 use crate::render::Request;
 use crate::render::renderer::{Meshes, Renderer};
 use crate::render::test_renderer::renderer_of;
@@ -63,7 +62,7 @@ impl Case {
     }
 
     fn original(&self) -> Original<'_> {
-        Original::new(&self.renderer, Structure::Any, &self.request).unwrap()
+        Original::new(&self.renderer, &self.request).unwrap()
     }
 }
 
