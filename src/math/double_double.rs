@@ -8,42 +8,13 @@
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// True if `f64::mul_add` is certain to round only once. If the processor may have no instruction for it, it is a
-/// function of the C library. MinGW's function rounds the product and then the sum, and Microsoft's promises nothing.
-const HAS_FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64", not(windows)));
-
 /// Returns the product a b as the rounded product and its error. Their sum is exact unless one of them overflows or the
 /// error underflows.
 #[inline(always)]
 pub fn exact_product(a: f64, b: f64) -> [f64; 2] {
     let product = a * b;
-    [product, if uses_fused() { a.mul_add(b, -product) } else { libm::fma(a, b, -product) }]
-}
-
-#[cfg(not(test))]
-const fn uses_fused() -> bool {
-    HAS_FUSED
-}
-
-#[cfg(test)]
-thread_local! {
-    /// True if the test of this thread runs as on a system where `f64::mul_add` is not fused.
-    static IS_WITHOUT_FUSED: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
-}
-
-#[cfg(test)]
-fn uses_fused() -> bool {
-    HAS_FUSED && !IS_WITHOUT_FUSED.get()
-}
-
-/// Runs a test on this system, and then as on a system where `f64::mul_add` is not fused.
-#[cfg(test)]
-pub fn with_and_without_fused(mut test: impl FnMut()) {
-    for is_without in [false, true] {
-        IS_WITHOUT_FUSED.set(is_without);
-        test();
-    }
-    IS_WITHOUT_FUSED.set(false);
+    // `f64::mul_add` may be a function of the C library, of which some round twice.
+    [product, libm::fma(a, b, -product)]
 }
 
 /// A double-double number: the unevaluated sum of a float and a correction of at most half an ulp.

@@ -1,5 +1,4 @@
 use super::super::*;
-use crate::math::double_double::with_and_without_fused;
 use num_rational::BigRational;
 use num_traits::Signed;
 
@@ -32,15 +31,13 @@ fn assert_accurate(found: Dd, true_value: BigRational, operation: &str) {
 
 #[test]
 fn the_relative_error_of_operations_is_below_two_to_the_minus_100() {
-    with_and_without_fused(|| {
-        for (x, y) in sums().zip(sums().skip(7)) {
-            let (exact_x, exact_y) = (exact_sum(x), exact_sum(y));
-            assert_accurate(x + y, &exact_x + &exact_y, "sum");
-            assert_accurate(x - y, &exact_x - &exact_y, "difference");
-            assert_accurate(x * y, &exact_x * &exact_y, "product");
-            assert_accurate(x / y, &exact_x / &exact_y, "quotient");
-        }
-    });
+    for (x, y) in sums().zip(sums().skip(7)) {
+        let (exact_x, exact_y) = (exact_sum(x), exact_sum(y));
+        assert_accurate(x + y, &exact_x + &exact_y, "sum");
+        assert_accurate(x - y, &exact_x - &exact_y, "difference");
+        assert_accurate(x * y, &exact_x * &exact_y, "product");
+        assert_accurate(x / y, &exact_x / &exact_y, "quotient");
+    }
 }
 
 #[test]
