@@ -3,17 +3,11 @@
 //! Only ellipsoids that are not spheres keep a matrix. The primitives of all lists share one range of ids, in the order
 //! triangles, shapes, planes.
 
-#[doc(hidden)]
 pub mod edge_functions;
-#[doc(hidden)]
 pub mod ellipsoid;
-#[doc(hidden)]
 pub mod plane;
-#[doc(hidden)]
 pub mod shape;
-#[doc(hidden)]
 pub mod sphere;
-#[doc(hidden)]
 pub mod triangle;
 mod appearance;
 mod builder;
