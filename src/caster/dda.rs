@@ -177,12 +177,16 @@ impl<'l> Dda<'l> {
         // result may be either one, since the first step of the DDA then corrects it.
         let cell = (origin - origin.broadcast(0.5)) + entry_lanes * (direction * cells_per_unit);
         let cell = cell.max(origin.broadcast(0.0)).min(last_cell);
-        let to_next_face = cell.round() + (inv_direction.one_where_positive() - origin);
+        let (zero, one) = (origin.broadcast(0.0), origin.broadcast(1.0));
+        let ahead = zero.select_lt(inv_direction, one, zero);
+        let to_next_face = ((cell + ROUND_TO_INTEGER) - ROUND_TO_INTEGER) + (ahead - origin);
         let crossing = (to_next_face * t_per_cell - entry_lanes) * scale;
+        // For a ray parallel to the faces the crossing is infinite, or NaN if it lies in a face.
+        let finite = origin.broadcast(f64::MAX);
+        let crossing = finite.select_lt(inv_direction.abs(), origin.broadcast(T_NEVER), crossing);
         Self {
             index: index(cell.to_i32(), &lattice.strides),
-            // For a ray parallel to the faces the crossing is infinite, or NaN if it lies in a face.
-            t_next: FixedT::new(to_fixed(crossing.unless_infinite(inv_direction, T_NEVER))),
+            t_next: FixedT::new(to_fixed(crossing)),
             t_delta: FixedT::new(to_fixed(t_per_cell.abs() * scale)),
             step_offsets: &lattice.step_offsets[inv_direction.sign_mask()],
             entry,

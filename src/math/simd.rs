@@ -101,9 +101,6 @@ pub const LANES: usize = 4;
 /// handle NaN and numbers out of range.
 pub const ROUND_TO_INTEGER: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// The number of bits below a float's exponent.
-const EXPONENT_SHIFT: u32 = 52;
-
 impl<S: Simd> Number for f64x4<S> {
     type Proof = S;
 
@@ -166,23 +163,10 @@ impl<S: Simd> Number for f64x4<S> {
 pub trait FourLanes: Number {
     /// Returns the lanes as an array.
     fn to_array(self) -> [f64; 4];
-    /// Returns 1 in lanes where this is greater than 0, and 0 in the others.
-    fn one_where_positive(self) -> Self;
-    /// Returns this value in lanes where `other` is finite or NaN, and `replacement` where it is infinite.
-    fn unless_infinite(self, other: Self, replacement: f64) -> Self;
-    /// Returns the product with 2 to the power of these integers. Neither this nor the product may be zero, subnormal,
-    /// infinite or NaN.
-    fn times_exp2(self, exponents: Self) -> Self;
     /// Returns the set of axes (the first three lanes) whose sign bit is set, bit 0 for x.
     fn sign_mask(self) -> usize;
     /// Rounds to the nearest integers, for absolute values below 2^31.
     fn to_i32(self) -> [i32; 4];
-    /// Rounds to the nearest integers, for absolute values below 2^51.
-    fn round(self) -> Self;
-    /// Returns the sum of the lanes of each of these, (a + c) + (b + d).
-    fn sums(of: [Self; 4]) -> Self;
-    /// Returns the last two lanes, followed by the first two.
-    fn swap_halves(self) -> Self;
     /// Rounds to single precision.
     fn to_f32(self) -> [f32; 4];
     /// Returns the minimum of the three axes. If two are compared and one is NaN, the later axis counts.
@@ -198,23 +182,6 @@ impl<S: Simd> FourLanes for f64x4<S> {
     }
 
     #[inline(always)]
-    fn one_where_positive(self) -> Self {
-        self.broadcast(0.0).select_lt(self, self.broadcast(1.0), self.broadcast(0.0))
-    }
-
-    #[inline(always)]
-    fn unless_infinite(self, other: Self, replacement: f64) -> Self {
-        let is_infinite = SimdBase::abs(other).simd_eq(f64::INFINITY);
-        is_infinite.select(self.broadcast(replacement), self)
-    }
-
-    #[inline(always)]
-    fn times_exp2(self, exponents: Self) -> Self {
-        let exponents = (exponents + ROUND_TO_INTEGER).to_bits() << EXPONENT_SHIFT;
-        Self::from_bits(self.to_bits() + exponents)
-    }
-
-    #[inline(always)]
     fn sign_mask(self) -> usize {
         self.is_sign_negative().to_bitmask() as usize & 7
     }
@@ -224,25 +191,6 @@ impl<S: Simd> FourLanes for f64x4<S> {
     fn to_i32(self) -> [i32; 4] {
         let [x, y, z, w]: [f64; 4] = (self + ROUND_TO_INTEGER).into();
         [x.to_bits() as i32, y.to_bits() as i32, z.to_bits() as i32, w.to_bits() as i32]
-    }
-
-    #[inline(always)]
-    fn round(self) -> Self {
-        (self + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
-    }
-
-    #[inline(always)]
-    fn sums([p, q, r, s]: [Self; 4]) -> Self {
-        let (pr, qs) = (sums_of_halves(p, r), sums_of_halves(q, s));
-        // Two steps within halves, since steps across them take three times as long.
-        let odd = mask64x4::from_bitmask(p.token(), 0b1010);
-        pr.slide_within_blocks::<1>(qs) + odd.select(qs, pr)
-    }
-
-    #[inline(always)]
-    fn swap_halves(self) -> Self {
-        let (low, high) = self.split();
-        high.combine(low)
     }
 
     #[inline(always)]
@@ -261,6 +209,22 @@ impl<S: Simd> FourLanes for f64x4<S> {
         let [x, y, z] = axes(self);
         if cfg!(target_arch = "x86_64") { x.max(y).max(z)[0] } else { extremes::max3([x[0], y[0], z[0]]) }
     }
+}
+
+/// Returns the last two lanes, followed by the first two.
+#[inline(always)]
+pub fn swap_halves<S: Simd>(lanes: f64x4<S>) -> f64x4<S> {
+    let (low, high) = lanes.split();
+    high.combine(low)
+}
+
+/// Returns the sum of the lanes of each of these, (a + c) + (b + d).
+#[inline(always)]
+pub fn sums<S: Simd>([p, q, r, s]: [f64x4<S>; 4]) -> f64x4<S> {
+    let (pr, qs) = (sums_of_halves(p, r), sums_of_halves(q, s));
+    // Two steps within halves, since steps across them take three times as long.
+    let odd = mask64x4::from_bitmask(p.token(), 0b1010);
+    pr.slide_within_blocks::<1>(qs) + odd.select(qs, pr)
 }
 
 /// Returns lanes 0 and 1 plus lanes 2 and 3 of `p`, followed by those sums of `r`.
@@ -328,6 +292,8 @@ pub fn exp_of_negative<S: Simd>(x: f64x4<S>) -> f64x4<S> {
         -1.6533902205465252e-6,
         4.1381367970572385e-8,
     ];
+    /// The number of bits below a float's exponent.
+    const EXPONENT_SHIFT: u32 = 52;
     // Above the first, k is 0; above the second, exp(x) is 1 + x. `libm::exp` compares the upper halves of the
     // bits.
     let (no_multiple, no_square) =
@@ -345,7 +311,9 @@ pub fn exp_of_negative<S: Simd>(x: f64x4<S>) -> f64x4<S> {
     let polynomial = P.into_iter().rev().map(splat).reduce(|sum, p| p + square * sum).unwrap_or(zero);
     let c = r - square * polynomial;
     let curved = x.select_lt(splat(no_square), r * c / (splat(2.0) - c), zero);
-    (one + ((curved - low) + high)).times_exp2(k)
+    // The bits of k are added to the exponent. The product is not subnormal.
+    let exponents = (k + ROUND_TO_INTEGER).to_bits() << EXPONENT_SHIFT;
+    f64x4::from_bits((one + ((curved - low) + high)).to_bits() + exponents)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Perlin's improved noise (Perlin, "Improving Noise", SIGGRAPH 2002), in f64.
 
 use crate::math::instructions::Level;
-use crate::math::simd::{FourLanes, Number};
+use crate::math::simd::{FourLanes, Number, sums, swap_halves};
 use fearless_simd::{Simd, SimdFrom, dispatch, f64x4};
 use fearless_simd_macros::simd;
 use glam::DVec3;
@@ -81,7 +81,7 @@ fn noise<S: Simd>(p: f64x4<S>) -> f64 {
     let [fade_x, fade_y, fade_z, _] = fade.to_array();
     let (left, right) = (side::<S, 0>(near, indices), side::<S, 1>(near, indices));
     let low_then_high = left + near.broadcast(fade_x) * (right - left);
-    let high_then_low = low_then_high.swap_halves();
+    let high_then_low = swap_halves(low_then_high);
     let along_y = low_then_high + near.broadcast(fade_y) * (high_then_low - low_then_high);
     let [at_near, at_far, ..] = along_y.to_array();
     at_near + fade_z * (at_far - at_near)
@@ -97,7 +97,7 @@ fn side<S: Simd, const DX: usize>(near: f64x4<S>, [x, y, z, _]: [u8; 4]) -> f64x
     let low = usize::from(HASHES[column].wrapping_add(z));
     let high = usize::from(HASHES[column + 1].wrapping_add(z));
     let dx = DX as f64;
-    f64x4::sums([
+    sums([
         products(low, near, [dx, 0.0, 0.0]),
         products(low + 1, near, [dx, 0.0, 1.0]),
         products(high, near, [dx, 1.0, 0.0]),
