@@ -8,7 +8,7 @@ mod measure;
 mod mesh;
 mod ours;
 /// The program's allocator, for all contestants.
-#[path = "../../src/command/allocator.rs"]
+#[path = "../../src/allocator.rs"]
 mod allocator;
 mod peers;
 mod report;

@@ -511,7 +511,6 @@ fn what_cannot_be_read_or_written_ends_the_run() {
 #[test]
 fn progress_is_for_terminals_alone() {
     let folder = folder();
-    let run =
-        crate::support::finish(&mut program(folder.path(), ["-grade", "class", "-reference", "ref"])).ok();
+    let run = finish(&mut program(folder.path(), ["-grade", "class", "-reference", "ref"])).ok();
     assert_eq!(run.stderr, "");
 }

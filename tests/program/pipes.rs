@@ -1,6 +1,6 @@
 //! Standard input and output, pipes and devices in place of files.
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 use crate::support::only_line;
 use crate::support::{Folder, finish, nobody, program, scene, sphere};
 use std::fs::File;
@@ -149,7 +149,7 @@ fn a_full_standard_output_is_an_error() {
 }
 
 /// The run of a line by a shell, with what follows it in the shell's language.
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 fn by_shell(folder: &Folder, line: &str) -> crate::support::Run {
     let program = env!("CARGO_BIN_EXE_raytracer");
     let mut shell = Command::new("sh");
