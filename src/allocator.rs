@@ -2,7 +2,7 @@
 //! abort it.
 //!
 //! Work that takes much memory asks for it beforehand ([`raytracer::base::memory`]); a refusal there is an ordinary
-//! error. Large blocks are in large pages: without them a mesh of 2.56 million faces takes 1.4 times as long to read.
+//! error. Large blocks ask for large pages: without them a mesh of 2.56 million faces takes 1.4 times as long to read.
 
 use raytracer::base::memory::Bytes;
 use std::alloc::{GlobalAlloc, Layout, System};

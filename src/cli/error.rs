@@ -44,11 +44,13 @@ pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic 
     let mut message = message.replace("the following required arguments were not provided:", "missing");
     if error.kind() == ErrorKind::MissingRequiredArgument {
         // clap writes flags of which one is required as `<--a <x>|--b <y>>`.
-        message = message.replace("<--", "--").replace("|--", " or --").replace(">>", ">");
+        message = message.replace("missing <--", "missing --").replace(" <--", " and --");
+        message = message.replace("|--", " or --").replace(">>", ">");
     }
     // The standard library's words for a number that has a fraction or is none, and Rust's form of a range.
-    let message =
-        message.replace("invalid digit found in string", "not a whole number").replace("..=", " to ");
+    let (given, reason) = message.split_at(message.rfind("': ").unwrap_or(message.len()));
+    let reason = reason.replace("invalid digit found in string", "not a whole number");
+    let message = format!("{given}{}", reason.replace(" is not in ", " is not from ").replace("..=", " to "));
     Diagnostic { hint: hint(&error, words), ..Diagnostic::error(one_line(&single(&message))) }
 }
 

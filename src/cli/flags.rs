@@ -131,8 +131,8 @@ pub(super) struct Flags {
     #[arg(value_parser = sides, default_values = ["100", "100"])]
     pub size: Vec<Sides>,
 
-    /// Reads scene and flags as in this edition of the course. Default: 2004, or else the edition that has the words of
-    /// the scene.
+    /// Reads scene and flags as in this edition of the course. Default: 2004 if it has all words of the scene,
+    /// otherwise the edition that has them.
     ///
     /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2023, and aalto is Aalto University's. They
     /// differ in scene words, camera, highlights, normals, bounces, and the colours of depths and normals.
@@ -146,7 +146,7 @@ pub(super) struct Flags {
     #[arg(long, conflicts_with_all = ["pixel", "visualize_grid"])]
     pub uv: bool,
 
-    /// Lights surfaces seen from behind. Without it they are black.
+    /// Lights surfaces seen from behind; without it they are black.
     ///
     /// Scenes with glass need it, because a ray inside the glass sees its surface from behind. In the editions of 2012
     /// and 2019 surfaces look the same from both sides anyway.
@@ -283,8 +283,7 @@ pub(super) struct Flags {
     #[arg(long, num_args = 2, value_names = ["levels", "n"], requires = "compared")]
     pub tolerance: Option<Vec<OsString>>,
 
-    /// Grades a class: compares the pictures in each subfolder with the references that -reference or
-    /// -commands names.
+    /// Grades a class: compares the pictures in each subfolder with the references that -reference or -commands names.
     ///
     /// Example: raytracer -grade class -commands commands.txt -report page.html
     #[arg(long, value_name = "folder", group = "without_scene", requires = "references")]

@@ -159,7 +159,8 @@ impl Prepared<'_> {
             colors.extend_from_slice(row);
             ControlFlow::Continue(())
         };
-        let Rendered { counts, .. } = self.render_rows(request, watch, &mut take_row)?;
+        let Rendered { counts, costs } = self.render_rows(request, watch, &mut take_row)?;
+        colors.extend(costs.iter().map(|&cost| Color::splat(cost as f64)));
         Ok((FloatPicture { size, colors }, counts))
     }
 

@@ -23,7 +23,7 @@ impl Stop {
         self.has_stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Returns true if the work should end. Its result is incomplete then.
+    /// Returns true, and remembers it, if the work should end. Its result is incomplete then.
     pub fn is_over(&self) -> bool {
         if Instant::now() >= self.deadline {
             self.cancel();
@@ -31,7 +31,8 @@ impl Stop {
         self.has_stopped()
     }
 
-    /// Returns true if work was told to end. Work that is complete before it asks again was not.
+    /// Returns true if `is_over` has returned true, or the work was cancelled. Work that never asked after the deadline
+    /// is complete.
     pub fn has_stopped(&self) -> bool {
         self.has_stopped.load(Ordering::Relaxed)
     }

@@ -10,7 +10,7 @@ use crate::picture::{FloatPicture, Picture};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::render::{Layer, Request, Tracing, Watch};
 use crate::scene::load::mesh_files;
-use crate::tools::causes::{Finding, Mistake, Original, explain_finished};
+use crate::tools::causes::{Finding, Mistake, Original, can_try, explain_finished};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ enum Origin {
 /// A reference, and what differences from it are explained by.
 pub struct Reference<'r> {
     pub picture: Picture,
-    /// Its colours, if it is rendered.
+    /// Its colours, if it is rendered and no mistake in its scene can be tried.
     colors: Option<FloatPicture>,
     /// The scene, if it shows one whose mistakes can be tried.
     original: Option<Original<'r>>,
@@ -115,16 +115,15 @@ fn render<'r>(
     layer: Layer,
     watch: Watch<'r>,
 ) -> Result<Reference<'r>, Diagnostic> {
+    let no_memory = || Diagnostic::error("there is no memory for the picture");
     let request = Request { layers: vec![layer], tracing: Tracing::Fast, ..options.request() };
     let with_any = Request { structure: Structure::Any, ..request.clone() };
-    if let Some(original) = Original::watched(renderer, &with_any, watch)
-        && let Some(picture) = original.picture(Mistake::Unchanged)
-    {
+    if can_try(renderer, &request) {
+        let original = Original::watched(renderer, &with_any, watch).ok_or_else(no_memory)?;
+        let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
         return Ok(Reference { picture, colors: None, original: Some(original) });
     }
-    let prepared = options.prepare(renderer, &request)?;
-    let colors = prepared.render(&request)?.into_iter().next();
-    let colors = colors.ok_or_else(|| Diagnostic::error("nothing is rendered"))?;
+    let (colors, _) = options.prepare(renderer, &request)?.render_layer(&request, watch)?;
     Ok(Reference { picture: colors.to_picture(), colors: Some(colors), original: None })
 }
 

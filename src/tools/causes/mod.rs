@@ -68,7 +68,7 @@ impl<'a> Original<'a> {
         let layer = request.layers.first().copied().unwrap_or(Layer::Color);
         let request =
             Request { layers: vec![layer], tracing: Tracing::Fast, window: None, ..request.clone() };
-        if !can_try(renderer, &request, layer) {
+        if !can_try(renderer, &request) {
             return None;
         }
         // The tracer casts all rays, even those that the renderer can skip.
@@ -188,9 +188,11 @@ impl<'a> Original<'a> {
     }
 }
 
-/// Returns true if the layer shows the scene, and not something that is drawn in its place, and if a mistake leaves the
-/// samples as they are. Adaptive samples depend on the colours, so a wrong picture has other samples too.
-fn can_try(renderer: &Renderer, request: &Request, layer: Layer) -> bool {
+/// Returns true if the request's first layer shows the scene, and not something that is drawn in its place, and if a
+/// mistake leaves the samples as they are. Adaptive samples depend on the colours, so a wrong picture has other samples
+/// too.
+pub(crate) fn can_try(renderer: &Renderer, request: &Request) -> bool {
+    let layer = request.layers.first().copied().unwrap_or(Layer::Color);
     let shows_scene = renderer.scene.shows == Shows::Scene && !request.draws_cells && layer.is_of_scene();
     shows_scene && (layer != Layer::Color || request.adaptive.is_none())
 }
@@ -211,7 +213,7 @@ fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
 }
 
 /// Returns these mistakes in their order, each once.
-pub fn distinct(mistakes: impl IntoIterator<Item = Mistake>) -> Vec<Mistake> {
+pub(crate) fn distinct(mistakes: impl IntoIterator<Item = Mistake>) -> Vec<Mistake> {
     let mut distinct = vec![];
     for mistake in mistakes {
         if !distinct.contains(&mistake) {

@@ -44,7 +44,12 @@ impl Score {
 
     /// Returns the number of pictures that pass.
     pub fn passed(&self) -> usize {
-        self.0[0]
+        self.count(CellWord::Passed)
+    }
+
+    /// Returns the number of pictures with this verdict.
+    fn count(&self, word: CellWord) -> usize {
+        self.0.iter().zip(CellWord::COUNTED).find(|(_, other)| *other == word).map_or(0, |(count, _)| *count)
     }
 
     /// Returns the number of pictures that have a reference.
@@ -87,7 +92,7 @@ impl Table {
             }
             _ => false,
         };
-        let [_, failed, ..] = self.score().0;
+        let failed = self.score().count(CellWord::Failed);
         let passing = cells().filter(passes).count();
         let Tolerance { levels, pixels } = USUAL_TOLERANCE;
         (passing > 0).then(|| {
