@@ -39,7 +39,7 @@ complete -c raytracer -o convert -d 'Converts the picture to the 8-bit format gi
 complete -c raytracer -o size -d 'Width and height of every picture in pixels, 1 to 65535'
 complete -c raytracer -o edition -d 'Reads scene and flags as in this edition of the course'
 complete -c raytracer -o uv -d 'Draws a UV gradient instead of the scene: red = x, green = y, blue = 1'
-complete -c raytracer -o shade_back -d 'Lights surfaces seen from behind'
+complete -c raytracer -o shade_back -d 'Lights surfaces seen from behind; without it they are black'
 complete -c raytracer -o shadows -d 'Casts shadows'
 complete -c raytracer -o no_shadows -d 'Casts no shadows, which is the default'
 complete -c raytracer -o transparent_shadows -d 'Casts shadows that transparent objects tint'
