@@ -120,9 +120,10 @@ fn a_tolerance_makes_it_a_check() {
 fn mistakes_in_the_scene_are_not_tried_with_adaptive_samples() {
     let folder = folder();
     folder.write("wide.txt", sphere().replace("size 2", "size 4"));
-    for (samples, cause) in
-        [("-uniform_samples 4", "with a screen of twice the size"), ("-adaptive_samples 16 1", "unknown (")]
-    {
+    for (samples, cause) in [
+        ("-uniform_samples 4", "with a screen of twice the size"),
+        ("-adaptive_samples 16 1", "unknown (12 "),
+    ] {
         let line = format!("-size 24 18 {samples} -output");
         folder.run(&format!("-input wide.txt {line} class/anna/o.tga")).ok();
         folder.write("commands.txt", format!("rt -input s.txt {line} o.tga"));
