@@ -31,7 +31,7 @@
 //! no picture has to fit into memory. It reports its progress and can be cancelled. [`image_io`] writes such rows to
 //! TGA, PNG, BMP, PPM, PFM and OpenEXR files, and reads pictures. Of the [`tools`], [`compare`](tools::compare)
 //! measures how two pictures differ, [`causes`](tools::causes) finds out why, and
-//! [`error_report`](tools::error_report) measures the time and the error of settings. `command` has the program.
+//! [`error_report`](tools::error_report) measures the time and the error of settings. `command` is the program.
 //!
 //! Data flows one way: a module imports only from the modules before it in this list.
 

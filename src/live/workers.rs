@@ -91,7 +91,7 @@ impl Workers {
     }
 }
 
-/// The refusal of work that was stopped. Few clients that have left read it.
+/// The refusal of work that was stopped. A client that has left seldom reads it.
 fn too_long() -> Answer {
     Answer::text(422, "this takes longer than a page may: choose a smaller picture, or fewer samples")
 }

@@ -124,7 +124,7 @@ impl Request {
         }
     }
 
-    /// Returns the flag that asks for its smallest weight, unless that is an edition's default.
+    /// Returns the flag `-weight` with its value, unless that is the edition's default.
     pub fn weight_flag(&self, edition: Edition) -> Option<String> {
         let weight = self.effects.min_weight;
         (weight != edition.default_weight()).then(|| format!("-weight {weight}"))

@@ -23,7 +23,7 @@ enum Origin {
     Rendered(Box<Options>, Layer),
 }
 
-/// A reference, and what differences from it are explained by.
+/// A reference, with its scene or its colours, which explain differences.
 pub struct Reference<'r> {
     pub picture: Picture,
     /// Its colours, if it is rendered and no mistake in its scene can be tried.
@@ -117,8 +117,8 @@ fn render<'r>(
 ) -> Result<Reference<'r>, Diagnostic> {
     let no_memory = || Diagnostic::error("there is no memory for the picture");
     let request = Request { layers: vec![layer], tracing: Tracing::Fast, ..options.request() };
-    let with_any = Request { structure: Structure::Any, ..request.clone() };
     if can_try(renderer, &request) {
+        let with_any = Request { structure: Structure::Any, ..request };
         let original = Original::watched(renderer, &with_any, watch).ok_or_else(no_memory)?;
         let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
         return Ok(Reference { picture, colors: None, original: Some(original) });
