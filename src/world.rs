@@ -12,6 +12,7 @@ pub mod triangle;
 mod appearance;
 mod builder;
 mod coincidence;
+mod objects;
 mod placement;
 mod point_error;
 mod resting_lights;
@@ -39,6 +40,7 @@ use shape::Shape;
 use std::ops::Range;
 use std::sync::Arc;
 
+pub use objects::{Objects, PlacedObject};
 pub use placement::{Placement, placements};
 pub use resting_lights::RestingPlace;
 pub use surface::SurfacePoint;

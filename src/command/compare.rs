@@ -155,7 +155,7 @@ fn cause(options: &Options, scene: Option<&Renderer>, a: &Picture, b: &Picture) 
         Original::new(renderer, &Request { layers: vec![layer], ..options.request() })
     });
     if let Some(original) = original {
-        return Some(original.explain(a, b));
+        return Some(original.explain(a));
     }
     let found = explain_finished(b, None, std::slice::from_ref(a)).pop()?;
     (!matches!(found, Finding::Unknown { .. })).then_some(found)

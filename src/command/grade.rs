@@ -13,11 +13,9 @@ use crate::cli::{self, Grading};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::check_distinct;
 use crate::picture::Picture;
-use crate::tools::causes::{Finding, Mistake, distinct};
-use crate::tools::grade::{Cell, Column, Page, Table, csv, summary};
+use crate::tools::grade::{Column, Page, Table, csv, summary};
 use folder::{Folder, entries};
 use references::{Reference, References};
-use std::cmp::Reverse;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -47,7 +45,6 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     let tolerance = options.tolerance.unwrap_or_default();
     let progress = ProgressLine::new(options.progress);
     let mut columns = Vec::with_capacity(names.len());
-    let mut learned = Learned::default();
     for (index, name) in names.iter().enumerate() {
         let shown = name.to_string_lossy().into_owned();
         let text = format!("grading {} of {}: {}", index + 1, names.len(), escape(&shown));
@@ -72,7 +69,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
                 page.add_different(picture, different);
                 let failed = different.iter().zip(fails).filter(|(_, fails)| **fails);
                 let failed: Vec<Picture> = failed.map(|(picture, _)| picture.clone()).collect();
-                let mut found = reference.explain(&failed, &learned.mistakes()).into_iter();
+                let mut found = reference.explain(&failed).into_iter();
                 fails.iter().map(|fails| if *fails { found.next() } else { None }).collect()
             };
             let submissions = folder.submissions(index, [picture.width(), picture.height()]);
@@ -82,7 +79,6 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
             Ok(column)
         };
         let column = references.with(index, &|_| watch(()), compare)?;
-        learned.add(&column);
         columns.push(column);
     }
     drop(progress);
@@ -108,33 +104,6 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     let written = options.report.clone().into_iter().flatten();
     let outcome = Outcome::new(summary(&table), written, options.progress);
     Ok(Outcome { passes: options.tolerance.is_none() || table.passes(), ..outcome })
-}
-
-/// The mistakes found in each row, with the number of pictures that show them.
-#[derive(Default)]
-struct Learned(Vec<(usize, Mistake, usize)>);
-
-impl Learned {
-    fn add(&mut self, column: &Column) {
-        for (row, cell) in column.cells.iter().enumerate() {
-            let Cell::Different { cause: Some(Finding::Equal { cause, also, .. }), .. } = cell else {
-                continue;
-            };
-            for &mistake in [cause].into_iter().chain(also) {
-                match self.0.iter_mut().find(|(other, learned, _)| (*other, *learned) == (row, mistake)) {
-                    Some((.., count)) => *count += 1,
-                    None => self.0.push((row, mistake, 1)),
-                }
-            }
-        }
-    }
-
-    /// Returns the mistakes that several pictures of a name show, the most frequent first.
-    fn mistakes(&self) -> Vec<Mistake> {
-        let mut several: Vec<_> = self.0.iter().filter(|(.., count)| *count > 1).collect();
-        several.sort_by_key(|(.., count)| Reverse(*count));
-        distinct(several.into_iter().map(|&(_, mistake, _)| mistake))
-    }
 }
 
 /// Tells in a line for each name which of its pictures were found under other names.

@@ -299,7 +299,7 @@ impl Session {
         let watch = |progress: Progress| stop.watch(progress);
         let original = || Original::watched(&scene.renderer, &request, &watch);
         let original = can_try.then(original).flatten();
-        let cause = original.map(|original| original.explain(picture, own).to_string());
+        let cause = original.map(|original| original.explain(picture).to_string());
         Ok(Answer::described(&json!({ "cause": cause }), &[]))
     }
 

@@ -6,10 +6,9 @@ use super::limits::SMALLEST_RADIUS;
 use super::material::Material;
 use super::parse_material::{PHONG_KINDS, parse_phong};
 use super::reader::{Announced, NamedFiles, Parsed, Reader};
-use super::transform::{TRANSFORMATIONS, is_at_transformation, parse_transformations};
+use super::transform::{TRANSFORMATIONS, Transformations, is_at_transformation, parse_transformations};
 use super::{MaterialId, Object, ObjectId, Position};
 use crate::diagnostic::Diagnostic;
-use crate::math::rounded::RoundedAffine;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -46,7 +45,7 @@ pub struct ObjectTree {
 /// A group or transform whose closing brace has not been read yet.
 enum Open {
     Group { announced: Announced, children: Vec<ObjectId>, at: Position },
-    Transform { matrix: RoundedAffine, has_child: bool, at: Position },
+    Transform { list: Transformations, has_child: bool, at: Position },
 }
 
 impl ObjectTree {
@@ -125,7 +124,7 @@ impl ObjectTree {
                 announced.close(reader, "Group")?;
                 Ok(self.add(Object::Group(children), at))
             }
-            Open::Transform { matrix, at, .. } => {
+            Open::Transform { list: Transformations { matrix, factors }, at, .. } => {
                 reader.close("Transform").map_err(|error| {
                     if reader.is_at_any(&OBJECTS) {
                         return error.with_hint("a `Transform` holds one object; put several into a `Group`");
@@ -137,7 +136,7 @@ impl ObjectTree {
                 })?;
                 // The last object added is the child.
                 let child = self.objects.len() - 1;
-                Ok(self.add(Object::Transform { matrix, child, at }, at))
+                Ok(self.add(Object::Transform { matrix, factors, child, at }, at))
             }
         }
     }
@@ -225,7 +224,7 @@ impl Open {
 
     fn transform(reader: &mut Reader<'_>) -> Parsed<Self> {
         let at = reader.open()?.at;
-        Ok(Self::Transform { matrix: parse_transformations(reader)?, has_child: false, at })
+        Ok(Self::Transform { list: parse_transformations(reader)?, has_child: false, at })
     }
 }
 

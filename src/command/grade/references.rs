@@ -10,7 +10,7 @@ use crate::picture::{FloatPicture, Picture};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::render::{Layer, Request, Tracing, Watch};
 use crate::scene::load::mesh_files;
-use crate::tools::causes::{Finding, Mistake, Original, can_try, explain_finished};
+use crate::tools::causes::{Finding, Original, can_try, explain_finished};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -33,10 +33,10 @@ pub struct Reference<'r> {
 }
 
 impl Reference<'_> {
-    /// Finds why each of these wrong pictures differs. Tries the mistakes in `first` first.
-    pub fn explain(&self, wrong: &[Picture], first: &[Mistake]) -> Vec<Finding> {
+    /// Finds why each of these wrong pictures differs.
+    pub fn explain(&self, wrong: &[Picture]) -> Vec<Finding> {
         match &self.original {
-            Some(original) => original.explain_all(wrong, &self.picture, first),
+            Some(original) => original.explain_all(wrong),
             None => explain_finished(&self.picture, self.colors.as_ref(), wrong),
         }
     }
@@ -120,8 +120,7 @@ fn render<'r>(
     if can_try(renderer, &request) {
         let with_any = Request { structure: Structure::Any, ..request };
         let original = Original::watched(renderer, &with_any, watch).ok_or_else(no_memory)?;
-        let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
-        return Ok(Reference { picture, colors: None, original: Some(original) });
+        return Ok(Reference { picture: original.own(), colors: None, original: Some(original) });
     }
     let (colors, _) = options.prepare(renderer, &request)?.render_layer(&request, watch)?;
     Ok(Reference { picture: colors.to_picture(), colors: Some(colors), original: None })

@@ -14,7 +14,7 @@ pub(crate) use edges::EdgeMap;
 use flip::mean_flip;
 
 use crate::diagnostic::Diagnostic;
-use crate::picture::Picture;
+use crate::picture::{Color, Picture};
 
 /// A pixel's red, green and blue byte.
 pub(crate) type Rgb = [u8; 3];
@@ -22,6 +22,11 @@ pub(crate) type Rgb = [u8; 3];
 /// Returns the pixels row by row from the top.
 pub(crate) fn colors(picture: &Picture) -> &[Rgb] {
     picture.pixels().as_chunks().0
+}
+
+/// Returns a colour that is cut to these bytes. It lies halfway between two bytes, so that no rounding changes them.
+pub(crate) fn color_of(pixel: Rgb) -> Color {
+    Color::from_array(pixel.map(|byte| (f64::from(byte) + 0.5) / 255.0))
 }
 
 /// Returns the largest difference of a channel, in levels.

@@ -116,11 +116,9 @@ fn words(finding: &Finding) -> String {
         Finding::Part { share, .. } => {
             format!("in part {mistakes}, {:.0}% of the wrong pixels", (100.0 * share).floor())
         }
-        Finding::Rounding { tolerance: Tolerance { levels, pixels }, .. } => {
-            format!("rounding of single precision, passes with -tolerance {levels} {pixels}")
-        }
+        Finding::Rounding { rest } => rest.to_string(),
         Finding::Speckles { pixels, .. } => format!("epsilon too small: {pixels} scattered pixels"),
-        Finding::Unknown { tried } => format!("unknown ({tried} causes tried)"),
+        Finding::Unknown { tried, .. } => format!("unknown ({tried} causes tried)"),
     }
 }
 
