@@ -25,6 +25,7 @@ pub struct Opened {
 pub const CASES: &[Case] = &[
     Case { name: "spheres", flags: "-input scene3_09_exponent_variations.txt -size 200 200" },
     Case { name: "transforms", flags: "-input scene6_10_nested_transformations.txt -size 200 160" },
+    Case { name: "triangles", flags: "-input scene2_07_sphere_triangles.txt -size 200 200 -shade_back" },
     Case { name: "mesh", flags: "-input scene6_04_bunny_mesh_200.txt -size 200 200 -shadows" },
     Case { name: "checkerboard", flags: "-input scene6_13_checkerboard.txt -size 200 200 -shadows" },
     Case { name: "wood", flags: "-input scene6_16_wood_cubes.txt -size 200 200" },
@@ -32,6 +33,8 @@ pub const CASES: &[Case] = &[
         flags: "-input scene4_04_reflective_sphere.txt -size 200 200 -shadows -bounces 3 -weight 0.01" },
     Case { name: "glass",
         flags: "-input scene6_14_glass_sphere.txt -size 200 200 -shadows -shade_back -bounces 5 -weight 0.01" },
+    Case { name: "bars",
+        flags: "-input scene4_05_transparent_bar.txt -size 200 200 -shadows -shade_back -bounces 5 -weight 0.01" },
     Case { name: "point_light",
         flags: "-input scene4_13_point_light_circle_d2_attenuation.txt -size 200 200 -shadows" },
     Case { name: "colored_shadows", flags: "-input scene4_02_colored_shadows.txt -size 200 200 -shadows" },

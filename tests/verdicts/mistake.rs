@@ -1,10 +1,12 @@
 //! The mistakes that the tracer can make.
 
+use serde::Serialize;
+
 /// Defines `Mistake` and the list of all mistakes.
 macro_rules! mistakes {
-    ($($mistake:ident),* $(,)?) => {
-        /// A mistake in a ray tracer.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    ($($mistake:ident)*) => {
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+        #[serde(rename_all = "snake_case")]
         pub enum Mistake { $($mistake),* }
 
         impl Mistake {
@@ -14,168 +16,79 @@ macro_rules! mistakes {
 }
 
 mistakes! {
-    // Rays of the camera. Pixel i is at i/(w - 1), or at i/w, instead of (i + 1/2)/w.
-    PixelsOverWidthMinusOne,
-    PixelCorners,
-    // The half width of the screen: tan(angle), tan(angle / 4), or angle / 2, instead of tan(angle / 2).
-    WholeAngle,
-    QuarterOfAngle,
-    AngleWithoutTangent,
-    // Both sides of the picture span the angle or the size of the camera.
-    SidesNotInProportion,
-    ViewLarger,
+    // Camera. Pixel i is at i/(w - 1) or i/w instead of (i + 1/2)/w. Half the screen is tan(angle), tan(angle/4) or
+    // angle/2 instead of tan(angle/2). `SidesNotInProportion`: the camera's angle or size spans both sides.
+    PixelsOverWidthMinusOne PixelCorners WholeAngle QuarterOfAngle AngleWithoutTangent SidesNotInProportion ViewLarger
 
-    // The scene. Lists of objects are those of all groups.
-    LastObjectMissing,
-    FirstObjectMissing,
-    LastTriangleMissing,
-    LastLightMissing,
-    // The next material, and the first one after the last.
-    MaterialsOffByOne,
-    MaterialsAllFirst,
-    LightsDimmer,
-    RadiusLarger,
-    RotationsInRadians,
-    RotationsReversed,
-    OnlyInnermostTransform,
+    // Scene. Objects are missing from every group, triangles from every mesh. `MaterialsOffByOne`: the next material,
+    // or the first one for the last.
+    FirstObjectMissing LastObjectMissing LastTriangleMissing LastLightMissing MaterialsOffByOne MaterialsAllFirst
+    LightsDimmer RadiusLarger RotationsInRadians RotationsReversed OnlyInnermostTransform
 
-    // Hits.
-    LastHitWins,
-    FarHitOfSpheres,
-    BackFacesCulled,
-    TrianglesReversed,
-    DistanceNotRescaled,
-    // Of spheres, and of transformed objects.
-    NormalsNotNormalised,
-    // The cross product of edges. A transform normalises it.
-    TriangleNormalsNotNormalised,
+    // Hits. `NormalsNotNormalised` is about spheres and transformed objects. The other one is about the cross product
+    // of edges, which is normalised if there is a transform.
+    LastHitWins FarHitOfSpheres BackFacesCulled TrianglesReversed DistanceNotRescaled NormalsNotNormalised
+    TriangleNormalsNotNormalised
 
-    // Diffuse light, with the cosine N.L.
-    CosineNotClamped,
-    CosineAbsolute,
-    NoAmbient,
-    LightsOverwritten,
+    // Diffuse light. The cosine is N.L.
+    CosineNotClamped CosineAbsolute NoAmbient LightsOverwritten
 
-    // Highlights.
-    HighlightsUngated,
-    HighlightsByReflection,
-    // R = 2 (N.L) (N - L) instead of 2 (N.L) N - L.
-    HighlightsByWrongReflection,
-    ExponentQuartered,
-    ExponentHalved,
-    ExponentDoubled,
-    ExponentTimesFour,
-    // White where the highlight has a colour.
-    HighlightsWhite,
-    // White even where the highlight is black.
-    HighlightsWithoutColor,
-    HighlightsTimesDiffuse,
-    // Times (n + 2) / 2 pi, or (n + 8) / 8 pi.
-    HighlightsNormalisedByTwo,
-    HighlightsNormalisedByEight,
+    // Highlights. R is 2 (N.L) N - L, or wrongly 2 (N.L) (N - L). `HighlightsWhite`: where their colour is not black.
+    // `HighlightsWithoutColor`: everywhere. Factors: (n + 2) / 2 pi and (n + 8) / 8 pi.
+    HighlightsUngated HighlightsByReflection HighlightsByWrongReflection ExponentQuartered ExponentHalved
+    ExponentDoubled ExponentTimesFour HighlightsWhite HighlightsWithoutColor HighlightsTimesDiffuse
+    HighlightsNormalisedByTwo HighlightsNormalisedByEight
 
-    // Attenuation of point lights.
-    AttenuationByDistance,
-    AttenuationTwice,
-    AttenuationReversed,
+    // Attenuation of point lights. `AttenuationByDistance`: the last coefficient times d instead of d^2.
+    AttenuationByDistance AttenuationTwice AttenuationReversed
 
-    // Shadows.
-    NoShadows,
-    ShadowsHalve,
-    ShadowsOfFirstLight,
-    // All lights are blocked if any is.
-    ShadowsOfAnyLight,
-    // Shadow rays start this far off the surface along its normal, and have no epsilon.
-    ShadowBiasOfHundredth,
-    ShadowBiasOfTenth,
+    // Shadows. `ShadowsOfAnyLight`: all lights are blocked if one is. With a bias, shadow rays start this far off the
+    // surface, on the side of the viewer, and have no epsilon.
+    NoShadows ShadowsHalve ShadowsOfFirstLight ShadowsOfAnyLight ShadowBiasOfHundredth ShadowBiasOfTenth
 
-    // Secondary rays, including shadow rays.
-    EpsilonZero,
-    EpsilonOfTenth,
-    OneBounceMore,
-    OneBounceFewer,
-    // Of reflected and refracted rays that hit nothing.
-    BackgroundBlack,
+    // Secondary rays. The epsilon is also that of shadow rays. `BackgroundBlack`: where such rays hit nothing.
+    EpsilonZero EpsilonOfTenth OneBounceMore OneBounceFewer BackgroundBlack
 
-    // Reflection. The colour k is squared, doubled or subtracted, or the surface's own colour is multiplied by 1 - k.
-    ReflectionSquared,
-    ReflectionTwice,
-    ReflectionSubtracted,
-    ReflectionBlended,
+    // Reflection and refraction by a colour k. It is squared, doubled or subtracted, or the local colour is multiplied
+    // by 1 - k where the ray is traced. `RefractionFromOutsideOnly`: the ratio of indices is always that of entering.
+    ReflectionSquared ReflectionTwice ReflectionSubtracted ReflectionBlended
+    RefractionSquared RefractionTwice RefractionSubtracted RefractionBlended
+    RefractionStraight RefractionIndicesSwapped RefractionFromOutsideOnly TotalReflectionMirrored
 
-    // Refraction, with the same mistakes and those of its direction.
-    RefractionSquared,
-    RefractionTwice,
-    RefractionSubtracted,
-    RefractionBlended,
-    RefractionStraight,
-    RefractionIndicesSwapped,
-    // The ratio of the indices is the one of entering, also where the ray leaves.
-    RefractionFromOutsideOnly,
-    TotalReflectionMirrored,
+    // Textures. `NoiseWithOldCurve`: t^2 (3 - 2t). The weight of wood is the square of a ring at sqrt(x^2 + z^2).
+    TextureMatrixInverted TextureMatrixMissing OneOctaveFewer NoiseWithOldCurve WoodNotSquared WoodWithoutRoot
 
-    // Textures.
-    TextureMatrixInverted,
-    TextureMatrixMissing,
-    OneOctaveFewer,
-    // The curve t^2 (3 - 2 t) of Perlin's first noise.
-    NoiseWithOldCurve,
-    // The weight is the ring, not its square.
-    WoodNotSquared,
-    // The rings' radius is x^2 + z^2 without the root.
-    WoodWithoutRoot,
+    // Layers, colours, and bytes. `NormalsHalved`: (N + 1) / 2 where a surface is hit. `ToneMapped`: c / (1 + c).
+    DepthInverted NormalsHalved NormalsClamped GammaOfTwo Gamma ToneMapped
+    Rounded Times256 Wrapped RedAndBlueSwapped UpsideDown Mirrored
 
-    // Layers.
-    DepthInverted,
-    NormalsHalved,
-    NormalsClamped,
-
-    // Colours of the finished picture: c^(1/2), c^(1/2.2), c / (1 + c).
-    GammaOfTwo,
-    Gamma,
-    ToneMapped,
-
-    // Bytes of the finished picture.
-    Rounded,
-    Times256,
-    Wrapped,
-    RedAndBlueSwapped,
-    UpsideDown,
-    Mirrored,
-    // Left black. The first row and the corner are at the bottom left.
-    FirstRowMissing,
-    LastRowMissing,
-    CornerMissing,
-    CornerBlockMissing,
+    // Pixels left black. The first row is the lowest, the corner is the lower left one, the block has 5 x 5 pixels.
+    FirstRowMissing LastRowMissing CornerMissing CornerBlockMissing
 }
 
 impl Mistake {
     /// Returns the name in snake case.
     pub fn name(self) -> String {
-        let mut name = String::new();
-        for letter in format!("{self:?}").chars() {
-            if letter.is_uppercase() && !name.is_empty() {
-                name.push('_');
-            }
-            name.push(letter.to_ascii_lowercase());
-        }
-        name
+        serde_json::to_string(&self).unwrap().replace('"', "")
     }
 }
 
 /// A set of mistakes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Mistakes([bool; Mistake::ALL.len()]);
 
 impl Mistakes {
     pub fn new(mistakes: &[Mistake]) -> Self {
-        let mut has = [false; Mistake::ALL.len()];
-        mistakes.iter().for_each(|&mistake| has[mistake as usize] = true);
-        Self(has)
+        Self(std::array::from_fn(|index| mistakes.contains(&Mistake::ALL[index])))
     }
 
     #[inline(always)]
     pub fn has(&self, mistake: Mistake) -> bool {
         self.0[mistake as usize]
+    }
+
+    /// Returns the first value whose mistake is made, or else the right one.
+    pub fn pick<T, const N: usize>(&self, right: T, wrong: [(Mistake, T); N]) -> T {
+        wrong.into_iter().find(|(mistake, _)| self.has(*mistake)).map_or(right, |(_, value)| value)
     }
 }

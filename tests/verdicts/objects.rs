@@ -2,7 +2,7 @@
 
 use super::mistake::Mistake::*;
 use super::mistake::Mistakes;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{Object, ObjectId, Scene};
 
@@ -58,11 +58,9 @@ impl Objects {
     fn place(&mut self, scene: &Scene, meshes: &[Mesh], id: ObjectId, to_world: Option<Affine3A>) {
         let (shape, material) = match &scene.objects[id] {
             Object::Group(children) => {
-                let start = usize::from(self.mistakes.has(FirstObjectMissing)).min(children.len());
-                let missing = usize::from(self.mistakes.has(LastObjectMissing));
-                let end = children.len().saturating_sub(missing);
-                children[start..end].iter().for_each(|&child| self.place(scene, meshes, child, to_world));
-                return;
+                let last = children.len() - usize::from(self.mistakes.has(LastObjectMissing));
+                let first = usize::from(self.mistakes.has(FirstObjectMissing));
+                return children[first..last].iter().for_each(|&id| self.place(scene, meshes, id, to_world));
             }
             Object::Transform { matrix, child, .. } => {
                 let own = matrix.map.as_affine3a();
@@ -70,8 +68,8 @@ impl Objects {
                 return self.place(scene, meshes, *child, Some(outer.map_or(own, |outer| outer * own)));
             }
             &Object::Sphere { center, radius, material } => {
-                let factor = if self.mistakes.has(RadiusLarger) { 1.01 } else { 1.0 };
-                (Shape::Sphere { center: center.as_vec3(), radius: factor * radius as f32 }, material)
+                let radius = self.mistakes.pick(radius, [(RadiusLarger, 1.01 * radius)]) as f32;
+                (Shape::Sphere { center: center.as_vec3(), radius }, material)
             }
             &Object::Plane { normal, offset, material } => {
                 (Shape::Plane { normal: normal.as_vec3().normalize(), offset: offset as f32 }, material)
@@ -79,61 +77,46 @@ impl Objects {
             &Object::Triangle { vertices, material } => {
                 (Shape::Triangles(vec![vertices.map(|vertex| vertex.as_vec3())]), material)
             }
-            &Object::Box { min, max, material } => {
-                (Shape::Triangles(triangles_of_box(min.as_vec3(), max.as_vec3())), material)
-            }
+            &Object::Box { min, max, material } => (Shape::Triangles(triangles_of_box([min, max])), material),
             Object::Grid { surface, material } => (self.mesh(surface), *material),
             &Object::Mesh { mesh, material } => (self.mesh(&meshes[mesh]), material),
         };
-        let material = match scene.materials.len() {
-            _ if self.mistakes.has(MaterialsAllFirst) => 0,
-            count if self.mistakes.has(MaterialsOffByOne) => (material + 1) % count,
-            _ => material,
-        };
-        let to_shape = to_world.map(|to_world| to_world.inverse());
-        self.primitives.push(Primitive { shape, material, to_shape });
+        let next = (material + 1) % scene.materials.len();
+        let material = self.mistakes.pick(material, [(MaterialsAllFirst, 0), (MaterialsOffByOne, next)]);
+        self.primitives.push(Primitive { shape, material, to_shape: to_world.map(|map| map.inverse()) });
     }
 
     fn mesh(&self, mesh: &Mesh) -> Shape {
         let missing = usize::from(self.mistakes.has(LastTriangleMissing));
-        let count = mesh.triangles.len().saturating_sub(missing);
+        let triangles = &mesh.triangles[..mesh.triangles.len() - missing];
         let vertex = |index: u32| mesh.vertices[index as usize].as_vec3();
-        Shape::Triangles(mesh.triangles[..count].iter().map(|corners| corners.map(vertex)).collect())
+        Shape::Triangles(triangles.iter().map(|corners| corners.map(vertex)).collect())
     }
 
     /// Returns the nearest hit with t between `t_min` and `t_max`.
     pub fn nearest(&self, ray: &Ray, t_min: f32, t_max: f32) -> Option<Hit> {
-        let mut nearest: Option<Hit> = None;
-        for Primitive { shape, material, to_shape } in &self.primitives {
-            let limit = nearest.filter(|_| !self.mistakes.has(LastHitWins)).map_or(t_max, |hit| hit.t);
+        let (mut nearest, mut limit) = (None, t_max);
+        for &Primitive { ref shape, material, ref to_shape } in &self.primitives {
             let hit = match to_shape {
                 Some(map) => self.transformed(shape, map, ray, [t_min, limit]),
                 None => self.intersect(shape, ray, [t_min, limit]),
             };
             if let Some((t, normal)) = hit {
-                nearest = Some(Hit { t, normal, material: *material });
+                nearest = Some(Hit { t, normal, material });
+                limit = self.mistakes.pick(t, [(LastHitWins, t_max)]);
             }
         }
         nearest
     }
 
-    /// Intersects a ray with a transformed shape. The ray's direction is not normalised, so t is the same in both
-    /// spaces.
-    fn transformed(
-        &self,
-        shape: &Shape,
-        to_shape: &Affine3A,
-        ray: &Ray,
-        range: [f32; 2],
-    ) -> Option<(f32, Vec3)> {
-        let origin = to_shape.transform_point3(ray.origin);
-        let mut direction = to_shape.transform_vector3(ray.direction);
-        if self.mistakes.has(DistanceNotRescaled) {
-            direction = direction.normalize();
-        }
+    /// Intersects a ray with a transformed shape. The direction is not normalised, so t is the same in both spaces.
+    fn transformed(&self, shape: &Shape, map: &Affine3A, ray: &Ray, range: [f32; 2]) -> Option<(f32, Vec3)> {
+        let origin = map.transform_point3(ray.origin);
+        let direction = map.transform_vector3(ray.direction);
+        let direction = self.mistakes.pick(direction, [(DistanceNotRescaled, direction.normalize())]);
         let (t, normal) = self.intersect(shape, &Ray { origin, direction }, range)?;
-        let normal = to_shape.matrix3.transpose() * normal;
-        Some((t, if self.mistakes.has(NormalsNotNormalised) { normal } else { normal.normalize() }))
+        let normal = map.matrix3.transpose() * normal;
+        Some((t, self.mistakes.pick(normal.normalize(), [(NormalsNotNormalised, normal)])))
     }
 
     /// Returns the nearest t of a shape within the range, and the normal.
@@ -142,21 +125,24 @@ impl Objects {
             Shape::Sphere { center, radius } => {
                 let t = self.sphere(*center, *radius, ray, range)?;
                 let normal = ray.at(t) - center;
-                Some((t, if self.mistakes.has(NormalsNotNormalised) { normal } else { normal / *radius }))
+                Some((t, self.mistakes.pick(normal / *radius, [(NormalsNotNormalised, normal)])))
             }
             Shape::Plane { normal, offset } => {
                 let t = (offset - normal.dot(ray.origin)) / normal.dot(ray.direction);
                 is_within(t, range).then_some((t, *normal))
             }
             Shape::Triangles(triangles) => {
-                let [t_min, mut t_max] = range;
-                let mut nearest = None;
+                let (mut nearest, mut limit) = (None, range[1]);
                 for triangle in triangles {
-                    let Some(t) = self.triangle(triangle, ray, [t_min, t_max]) else { continue };
-                    nearest = Some((t, triangle));
-                    t_max = if self.mistakes.has(LastHitWins) { t_max } else { t };
+                    if let Some(t) = self.triangle(triangle, ray, [range[0], limit]) {
+                        nearest = Some((t, triangle));
+                        limit = self.mistakes.pick(t, [(LastHitWins, range[1])]);
+                    }
                 }
-                nearest.map(|(t, triangle)| (t, self.triangle_normal(triangle)))
+                let (t, &[a, b, c]) = nearest?;
+                let cross = (b - a).cross(c - a);
+                let cross = self.mistakes.pick(cross, [(TrianglesReversed, -cross)]);
+                Some((t, self.mistakes.pick(cross.normalize(), [(TriangleNormalsNotNormalised, cross)])))
             }
         }
     }
@@ -188,26 +174,17 @@ impl Objects {
         let t = ac.dot(along) / determinant;
         (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && is_within(t, range)).then_some(t)
     }
-
-    fn triangle_normal(&self, &[a, b, c]: &Triangle) -> Vec3 {
-        let normal = (b - a).cross(c - a);
-        let normal = if self.mistakes.has(TrianglesReversed) { -normal } else { normal };
-        if self.mistakes.has(TriangleNormalsNotNormalised) { normal } else { normal.normalize() }
-    }
 }
 
 fn is_within(t: f32, [t_min, t_max]: [f32; 2]) -> bool {
     t > t_min && t < t_max
 }
 
-/// Returns two triangles for each face.
-fn triangles_of_box(min: Vec3, max: Vec3) -> Vec<Triangle> {
-    let corner = |bits: usize| {
-        let [x, y, z] = [0, 1, 2].map(|axis| bits >> axis & 1 == 1);
-        Vec3::select(glam::BVec3::new(x, y, z), max, min)
-    };
-    // The corners of each face, counter-clockwise seen from outside. Bit 0 of a corner's number is its side along x.
+/// Returns two triangles for each face, counter-clockwise seen from outside.
+fn triangles_of_box(ends: [DVec3; 2]) -> Vec<Triangle> {
+    // Bit k of a corner's number is its end along axis k.
+    let corner = |n: usize| DVec3::new(ends[n & 1].x, ends[n >> 1 & 1].y, ends[n >> 2].z).as_vec3();
     let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let halves = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let halves = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
     halves.map(|half| half.map(corner)).collect()
 }

@@ -16,9 +16,13 @@ use raytracer::scene::parser::parse;
 use raytracer::scene::{Camera, Light, Scene};
 use raytracer::trace::{Effects, Shadows};
 use std::f32::consts::PI;
-use std::ops::{Add, Mul};
 
-/// Renders a layer of a scene with these mistakes. The options belong to the scene's edition, 2004 or 2003.
+const REFLECTION: [Mistake; 4] =
+    [ReflectionSquared, ReflectionTwice, ReflectionSubtracted, ReflectionBlended];
+const REFRACTION: [Mistake; 4] =
+    [RefractionSquared, RefractionTwice, RefractionSubtracted, RefractionBlended];
+
+/// Renders a layer of a scene of the edition 2004 with these mistakes.
 pub fn render(loaded: &LoadedScene, options: &Options, layer: Layer, mistakes: &[Mistake]) -> Picture {
     let tracer = Tracer::new(loaded, options.effects, mistakes);
     let [width, height] = options.size;
@@ -26,11 +30,10 @@ pub fn render(loaded: &LoadedScene, options: &Options, layer: Layer, mistakes: &
     let rows: Vec<Vec<Vec3>> = (0..height).into_par_iter().map(row).collect();
     let mut picture = Picture::new(width as u32, height as u32).unwrap();
     for (j, colors) in rows.iter().enumerate() {
-        let to = if tracer.makes(UpsideDown) { height - 1 - j } else { j };
-        let (pixels, _) = picture.row_mut(to).as_chunks_mut();
-        for (i, color) in colors.iter().enumerate() {
-            let to = if tracer.makes(Mirrored) { width - 1 - i } else { i };
-            pixels[to] = tracer.bytes(*color);
+        let j = tracer.pick(j, [(UpsideDown, height - 1 - j)]);
+        let (pixels, _) = picture.row_mut(j).as_chunks_mut();
+        for (i, &color) in colors.iter().enumerate() {
+            pixels[tracer.pick(i, [(Mirrored, width - 1 - i)])] = tracer.bytes(color);
         }
     }
     picture
@@ -40,6 +43,7 @@ struct Tracer {
     scene: Scene,
     objects: Objects,
     effects: Effects,
+    /// Hits of secondary rays nearer than this are ignored.
     epsilon: f32,
     mistakes: Mistakes,
 }
@@ -68,36 +72,26 @@ impl Tracer {
             text if mistakes.has(RotationsReversed) => parse(&with_angles(text, |angle| -angle)).unwrap(),
             _ => loaded.scene.clone(),
         };
+        // In a scene without lights all surfaces have their diffuse colour.
+        let ambient = if scene.lights.is_empty() { Color::ONE } else { scene.background.ambient };
+        scene.background.ambient = mistakes.pick(ambient, [(NoAmbient, Color::ZERO)]);
         if mistakes.has(LastLightMissing) {
             scene.lights.pop();
         }
-        // In a scene without lights all surfaces have their diffuse colour.
-        if loaded.scene.lights.is_empty() {
-            scene.background.ambient = Color::ONE;
-        }
-        if mistakes.has(NoAmbient) {
-            scene.background.ambient = Color::ZERO;
-        }
-        if mistakes.has(NoShadows) {
-            effects.shadows = Shadows::None;
-        }
-        if mistakes.has(OneBounceMore) {
-            effects.bounces += 1;
-        }
-        if mistakes.has(OneBounceFewer) {
-            effects.bounces = effects.bounces.saturating_sub(1);
-        }
-        let epsilon = match () {
-            _ if mistakes.has(EpsilonZero) => 0.0,
-            _ if mistakes.has(EpsilonOfTenth) => 0.1,
-            _ => 1e-4,
-        };
+        effects.shadows = mistakes.pick(effects.shadows, [(NoShadows, Shadows::None)]);
+        let n = effects.bounces;
+        effects.bounces = mistakes.pick(n, [(OneBounceMore, n + 1), (OneBounceFewer, n.saturating_sub(1))]);
         let objects = Objects::new(&scene, &loaded.meshes, mistakes);
+        let epsilon = mistakes.pick(1e-4, [(EpsilonZero, 0.0), (EpsilonOfTenth, 0.1)]);
         Self { scene, objects, effects, epsilon, mistakes }
     }
 
     fn makes(&self, mistake: Mistake) -> bool {
         self.mistakes.has(mistake)
+    }
+
+    fn pick<T, const N: usize>(&self, right: T, wrong: [(Mistake, T); N]) -> T {
+        self.mistakes.pick(right, wrong)
     }
 
     /// Returns the colour of the pixel in this column and row from the bottom left.
@@ -106,49 +100,51 @@ impl Tracer {
             || self.makes(LastRowMissing) && j == size[1] - 1
             || self.makes(CornerMissing) && i == 0 && j == 0
             || self.makes(CornerBlockMissing) && i < 5 && j < 5;
-        if is_missing {
-            return Vec3::ZERO;
-        }
         let (ray, t_min) = self.camera_ray([i, j].map(|n| n as f32), size.map(|n| n as f32));
         let hit = || self.objects.nearest(&ray, t_min, f32::INFINITY);
         match layer {
-            Layer::Depth { near, far } => {
-                hit().map_or(Vec3::ZERO, |hit| self.depth(hit.t, [near as f32, far as f32]))
+            _ if is_missing => Vec3::ZERO,
+            Layer::Depth { near, far } => hit().map_or(Vec3::ZERO, |Hit { t, .. }| {
+                let [near, far] = [near as f32, far as f32];
+                let grey = (far - t.clamp(near, far)) / (far - near);
+                Vec3::splat(self.pick(grey, [(DepthInverted, 1.0 - grey)]))
+            }),
+            Layer::Normals => hit().map_or(Vec3::ZERO, |Hit { normal: n, .. }| {
+                self.pick(n.abs(), [(NormalsHalved, (n + 1.0) / 2.0), (NormalsClamped, n.max(Vec3::ZERO))])
+            }),
+            _ => {
+                let color = self.color(&ray, t_min, Path { bounces: 0, weight: 1.0, index: 1.0 });
+                let root = |gamma: f32| color.max(Vec3::ZERO).powf(1.0 / gamma);
+                let mapped = color / (1.0 + color);
+                self.pick(color, [(GammaOfTwo, root(2.0)), (Gamma, root(2.2)), (ToneMapped, mapped)])
             }
-            Layer::Normals => hit().map_or(Vec3::ZERO, |hit| self.normal_color(hit.normal)),
-            _ => self.shown(self.color(&ray, t_min, Path { bounces: 0, weight: 1.0, index: 1.0 })),
         }
     }
 
     /// Returns the ray through a pixel's centre, and its smallest t.
     fn camera_ray(&self, [i, j]: [f32; 2], [width, height]: [f32; 2]) -> (Ray, f32) {
-        let [x, y] = match () {
-            _ if self.makes(PixelsOverWidthMinusOne) => {
-                [i * width / (width - 1.0), j * height / (height - 1.0)]
-            }
-            _ if self.makes(PixelCorners) => [i, j],
-            _ => [i + 0.5, j + 0.5],
-        };
-        let sides = if self.makes(SidesNotInProportion) { [width, height] } else { [width.max(height); 2] };
-        let zoom = if self.makes(ViewLarger) { 1.02 } else { 1.0 };
+        let over_last = [i * width / (width - 1.0), j * height / (height - 1.0)];
+        let wrong = [(PixelsOverWidthMinusOne, over_last), (PixelCorners, [i, j])];
+        let [x, y] = self.pick([i + 0.5, j + 0.5], wrong);
+        let sides = self.pick([width.max(height); 2], [(SidesNotInProportion, [width, height])]);
+        let zoom = self.pick(1.0, [(ViewLarger, 1.02)]);
         let [x, y] = [zoom * (x - width / 2.0) / sides[0], zoom * (y - height / 2.0) / sides[1]];
+        let (Camera::Orthographic { center, direction, up, .. }
+        | Camera::Perspective { center, direction, up, .. }) = self.scene.camera;
+        let [center, direction, up] = [center, direction, up].map(|v| v.as_vec3());
+        let direction = direction.normalize();
+        let right = direction.cross(up).normalize();
+        let offset = x * right + y * right.cross(direction);
         match self.scene.camera {
-            Camera::Orthographic { center, direction, up, size } => {
-                let [direction, right, up] = axes(direction.as_vec3(), up.as_vec3());
-                let origin = center.as_vec3() + size as f32 * (x * right + y * up);
-                (Ray { origin, direction }, f32::NEG_INFINITY)
+            Camera::Orthographic { size, .. } => {
+                (Ray { origin: center + size as f32 * offset, direction }, f32::NEG_INFINITY)
             }
-            Camera::Perspective { center, direction, up, angle } => {
-                let [direction, right, up] = axes(direction.as_vec3(), up.as_vec3());
-                let angle = (angle as f32).to_radians();
-                let half_width = match () {
-                    _ if self.makes(WholeAngle) => angle.tan(),
-                    _ if self.makes(QuarterOfAngle) => (angle / 4.0).tan(),
-                    _ if self.makes(AngleWithoutTangent) => angle / 2.0,
-                    _ => (angle / 2.0).tan(),
-                };
-                let direction = direction + 2.0 * half_width * (x * right + y * up);
-                (Ray { origin: center.as_vec3(), direction: direction.normalize() }, 0.0)
+            Camera::Perspective { angle, .. } => {
+                let half = (angle as f32).to_radians() / 2.0;
+                let tan = |factor: f32| (factor * half).tan();
+                let wrong = [(WholeAngle, tan(2.0)), (QuarterOfAngle, tan(0.5)), (AngleWithoutTangent, half)];
+                let direction = (direction + 2.0 * self.pick(tan(1.0), wrong) * offset).normalize();
+                (Ray { origin: center, direction }, 0.0)
             }
         }
     }
@@ -159,64 +155,54 @@ impl Tracer {
             let is_black = self.makes(BackgroundBlack) && path.bounces > 0;
             return if is_black { Vec3::ZERO } else { self.scene.background.color.as_vec3() };
         };
-        let point = ray.at(hit.t);
-        let color = self.local_color(ray, &hit, point);
+        let origin = ray.at(hit.t);
+        let color = self.local_color(ray, &hit, origin);
         if path.bounces == self.effects.bounces {
             return color;
         }
-        let color = self.with_reflection(color, ray, &hit, path);
-        self.with_refraction(color, ray, &hit, path)
-    }
-
-    fn with_reflection(&self, color: Vec3, ray: &Ray, hit: &Hit, path: Path) -> Vec3 {
-        let origin = ray.at(hit.t);
         let reflective = self.mixed(hit.material, origin, &|phong| phong.reflective.as_vec3());
-        let weight = path.weight * reflective.length();
-        if weight <= self.effects.min_weight as f32 {
-            return color;
-        }
-        let reflected = Ray { origin, direction: reflected(ray.direction, hit.normal) };
-        let seen = self.color(&reflected, self.epsilon, Path { bounces: path.bounces + 1, weight, ..path });
-        let mistakes = [ReflectionSquared, ReflectionTwice, ReflectionSubtracted, ReflectionBlended];
-        self.combined(color, reflective, seen, mistakes)
-    }
-
-    fn with_refraction(&self, color: Vec3, ray: &Ray, hit: &Hit, path: Path) -> Vec3 {
-        let origin = ray.at(hit.t);
+        let direction = reflected(ray.direction, hit.normal);
+        let color = self.with_secondary(color, &Ray { origin, direction }, reflective, path, REFLECTION);
         let transparent = self.mixed(hit.material, origin, &|phong| phong.transparent.as_vec3());
-        let weight = path.weight * transparent.length();
-        if weight <= self.effects.min_weight as f32 {
-            return color;
+        let index = |phong: &Phong| Vec3::splat(phong.index_of_refraction as f32);
+        let inside = self.mixed(hit.material, origin, &index).x;
+        match self.refracted(ray.direction, hit.normal, [path.index, inside]) {
+            None => color,
+            Some((direction, index)) => {
+                let (ray, path) = (Ray { origin, direction }, Path { index, ..path });
+                self.with_secondary(color, &ray, transparent, path, REFRACTION)
+            }
         }
-        let inside = self.mixed(hit.material, origin, &|phong| phong.index_of_refraction as f32);
-        let is_entering = ray.direction.dot(hit.normal) < 0.0;
-        let behind = if is_entering { inside } else { 1.0 };
-        let ratio = match () {
-            _ if self.makes(RefractionIndicesSwapped) => behind / path.index,
-            _ if self.makes(RefractionFromOutsideOnly) => 1.0 / inside,
-            _ => path.index / behind,
-        };
-        let normal = if is_entering { hit.normal } else { -hit.normal };
-        let (direction, index) = match refracted(ray.direction, normal, ratio) {
-            _ if self.makes(RefractionStraight) => (ray.direction, behind),
-            Some(direction) => (direction, behind),
-            None if self.makes(TotalReflectionMirrored) => (reflected(ray.direction, normal), path.index),
-            None => return color,
-        };
-        let path = Path { bounces: path.bounces + 1, weight, index };
-        let seen = self.color(&Ray { origin, direction }, self.epsilon, path);
-        let mistakes = [RefractionSquared, RefractionTwice, RefractionSubtracted, RefractionBlended];
-        self.combined(color, transparent, seen, mistakes)
     }
 
-    /// Adds the colour that is seen along a secondary ray, times the material's factor.
-    fn combined(&self, color: Vec3, factor: Vec3, seen: Vec3, mistakes: [Mistake; 4]) -> Vec3 {
-        match mistakes.map(|mistake| self.makes(mistake)) {
-            [true, ..] => color + factor * factor * seen,
-            [_, true, ..] => color + 2.0 * factor * seen,
-            [_, _, true, _] => color - factor * seen,
-            [.., true] => (Vec3::ONE - factor) * color + factor * seen,
-            _ => color + factor * seen,
+    /// Adds k times the colour along a secondary ray, unless the ray's weight is too small.
+    fn with_secondary(&self, local: Vec3, ray: &Ray, k: Vec3, path: Path, mistakes: [Mistake; 4]) -> Vec3 {
+        let weight = path.weight * k.length();
+        if weight <= self.effects.min_weight as f32 {
+            return local;
+        }
+        let seen = self.color(ray, self.epsilon, Path { bounces: path.bounces + 1, weight, ..path });
+        let [squared, twice, subtracted, blended] = mistakes;
+        let local = self.pick(local, [(blended, (1.0 - k) * local)]);
+        local + self.pick(k, [(squared, k * k), (twice, 2.0 * k), (subtracted, -k)]) * seen
+    }
+
+    /// Returns the direction of the refracted ray, and the index of refraction around it. Returns `None` at total
+    /// internal reflection.
+    fn refracted(&self, direction: Vec3, normal: Vec3, [index, inside]: [f32; 2]) -> Option<(Vec3, f32)> {
+        let is_entering = direction.dot(normal) < 0.0;
+        let (normal, behind) = if is_entering { (normal, inside) } else { (-normal, 1.0) };
+        let wrong = [(RefractionIndicesSwapped, behind / index), (RefractionFromOutsideOnly, 1.0 / inside)];
+        let ratio = self.pick(index / behind, wrong);
+        let cosine = -direction.dot(normal);
+        let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+        if self.makes(RefractionStraight) {
+            Some((direction, behind))
+        } else if squared >= 0.0 {
+            let bent = (ratio * cosine - squared.sqrt()) * normal + ratio * direction;
+            Some((bent.normalize(), behind))
+        } else {
+            self.makes(TotalReflectionMirrored).then(|| (reflected(direction, normal), index))
         }
     }
 
@@ -227,120 +213,83 @@ impl Tracer {
             return Vec3::ZERO;
         }
         let normal = if is_inside { -hit.normal } else { hit.normal };
-        let ambient =
-            if self.makes(NoAmbient) { Vec3::ZERO } else { self.scene.background.ambient.as_vec3() };
-        let mut color = ambient * self.mixed(hit.material, point, &|phong| phong.diffuse.as_vec3());
-        let lights: Vec<Incident> =
-            self.scene.lights.iter().map(|light| self.incident(light, point)).collect();
-        let is_blocked: Vec<bool> = lights
-            .iter()
-            .enumerate()
-            .map(|(index, light)| self.is_blocked(index, light, point, normal))
-            .collect();
-        if self.makes(ShadowsOfAnyLight) && is_blocked.contains(&true) {
-            return color;
-        }
-        for (light, is_blocked) in lights.iter().zip(is_blocked) {
-            let passed = match is_blocked {
-                true if self.makes(ShadowsHalve) => 0.5,
-                true => continue,
-                false => 1.0,
-            };
+        let diffuse = self.mixed(hit.material, point, &|phong| phong.diffuse.as_vec3());
+        let mut color = self.scene.background.ambient.as_vec3() * diffuse;
+        let lights: Vec<_> = self.scene.lights.iter().map(|light| self.incident(light, point)).collect();
+        let is_blocked = |light: &Incident| self.is_blocked(light, point, normal);
+        let are_all_blocked = self.makes(ShadowsOfAnyLight) && lights.iter().any(is_blocked);
+        for (index, light) in lights.iter().enumerate() {
+            let has_shadows = index == 0 || !self.makes(ShadowsOfFirstLight);
+            let is_dark = are_all_blocked || has_shadows && is_blocked(light);
+            let passed = if is_dark { self.pick(0.0, [(ShadowsHalve, 0.5)]) } else { 1.0 };
             let reflect = |phong: &Phong| self.reflect(phong, normal, light.direction, -ray.direction);
             let reflected = passed * light.color * self.mixed(hit.material, point, &reflect);
-            color = if self.makes(LightsOverwritten) { reflected } else { color + reflected };
+            if passed > 0.0 {
+                color = self.pick(color + reflected, [(LightsOverwritten, reflected)]);
+            }
         }
         color
     }
 
     fn incident(&self, light: &Light, point: Vec3) -> Incident {
-        let brightness = if self.makes(LightsDimmer) { 0.99 } else { 1.0 };
+        let (Light::Directional { color, .. } | Light::Point { color, .. }) = *light;
+        let color = self.pick(1.0, [(LightsDimmer, 0.99)]) * color.as_vec3();
         match *light {
-            Light::Directional { direction, color } => {
-                let direction = -direction.as_vec3().normalize();
-                Incident { direction, distance: f32::INFINITY, color: brightness * color.as_vec3() }
+            Light::Directional { direction, .. } => {
+                Incident { direction: -direction.as_vec3().normalize(), distance: f32::INFINITY, color }
             }
-            Light::Point { position, color, attenuation } => {
+            Light::Point { position, attenuation, .. } => {
                 let to_light = position.as_vec3() - point;
-                let distance = to_light.length();
-                let factor = self.attenuation(attenuation.map(|number| number as f32), distance);
-                let color = brightness * factor * color.as_vec3();
-                Incident { direction: to_light / distance, distance, color }
+                let d = to_light.length();
+                let [a, b, c] = attenuation.map(|coefficient| coefficient as f32);
+                let [a, b, c] = self.pick([a, b, c], [(AttenuationReversed, [c, b, a])]);
+                let falloff = a + b * d + c * self.pick(d * d, [(AttenuationByDistance, d)]);
+                let factor = if falloff > 0.0 { 1.0 / falloff } else { 0.0 };
+                let factor = self.pick(factor, [(AttenuationTwice, factor * factor)]);
+                Incident { direction: to_light / d, distance: d, color: factor * color }
             }
         }
-    }
-
-    fn attenuation(&self, mut coefficients: [f32; 3], distance: f32) -> f32 {
-        if self.makes(AttenuationReversed) {
-            coefficients.reverse();
-        }
-        let [constant, linear, quadratic] = coefficients;
-        let square = if self.makes(AttenuationByDistance) { distance } else { distance * distance };
-        let falloff = constant + linear * distance + quadratic * square;
-        let factor = if falloff > 0.0 { 1.0 / falloff } else { 0.0 };
-        if self.makes(AttenuationTwice) { factor * factor } else { factor }
     }
 
     /// Returns true if an object is between the point and the light.
-    fn is_blocked(&self, index: usize, light: &Incident, point: Vec3, normal: Vec3) -> bool {
-        if self.effects.shadows == Shadows::None || self.makes(ShadowsOfFirstLight) && index > 0 {
-            return false;
-        }
-        let (origin, t_min) = match () {
-            _ if self.makes(ShadowBiasOfHundredth) => (point + 0.01 * normal, 0.0),
-            _ if self.makes(ShadowBiasOfTenth) => (point + 0.1 * normal, 0.0),
-            _ => (point, self.epsilon),
-        };
+    fn is_blocked(&self, light: &Incident, point: Vec3, normal: Vec3) -> bool {
+        let biased = |bias: f32| (point + bias * normal, 0.0);
+        let wrong = [(ShadowBiasOfHundredth, biased(0.01)), (ShadowBiasOfTenth, biased(0.1))];
+        let (origin, t_min) = self.pick((point, self.epsilon), wrong);
         let ray = Ray { origin, direction: light.direction };
-        self.objects.nearest(&ray, t_min, light.distance).is_some()
+        self.effects.shadows != Shadows::None && self.objects.nearest(&ray, t_min, light.distance).is_some()
     }
 
     /// Returns the part of the light that a material reflects to the viewer, by Blinn's model.
     fn reflect(&self, phong: &Phong, normal: Vec3, to_light: Vec3, to_viewer: Vec3) -> Vec3 {
         let cosine = normal.dot(to_light);
-        let cosine = if self.makes(CosineAbsolute) { cosine.abs() } else { cosine };
-        let diffuse = if self.makes(CosineNotClamped) { cosine } else { cosine.max(0.0) };
-        let has_highlight = cosine > 0.0 || self.makes(HighlightsUngated);
-        let highlight =
-            if has_highlight { self.highlight(phong, normal, to_light, to_viewer) } else { Vec3::ZERO };
-        diffuse * phong.diffuse.as_vec3() + highlight
-    }
-
-    fn highlight(&self, phong: &Phong, normal: Vec3, to_light: Vec3, to_viewer: Vec3) -> Vec3 {
-        let cosine = normal.dot(to_light);
-        let alignment = match () {
-            _ if self.makes(HighlightsByReflection) => (2.0 * cosine * normal - to_light).dot(to_viewer),
-            _ if self.makes(HighlightsByWrongReflection) => {
-                (2.0 * cosine * (normal - to_light)).dot(to_viewer)
-            }
-            _ => (to_light + to_viewer).normalize().dot(normal),
-        };
-        let exponent = match phong.exponent as f32 {
-            exponent if self.makes(ExponentQuartered) => exponent / 4.0,
-            exponent if self.makes(ExponentHalved) => exponent / 2.0,
-            exponent if self.makes(ExponentDoubled) => exponent * 2.0,
-            exponent if self.makes(ExponentTimesFour) => exponent * 4.0,
-            exponent => exponent,
-        };
-        let scale = match () {
-            _ if self.makes(HighlightsNormalisedByTwo) => (exponent + 2.0) / (2.0 * PI),
-            _ if self.makes(HighlightsNormalisedByEight) => (exponent + 8.0) / (8.0 * PI),
-            _ => 1.0,
-        };
-        let color = match phong.specular.as_vec3() {
-            _ if self.makes(HighlightsWithoutColor) => Vec3::ONE,
-            color if self.makes(HighlightsWhite) && color != Vec3::ZERO => Vec3::ONE,
-            color if self.makes(HighlightsTimesDiffuse) => color * phong.diffuse.as_vec3(),
-            color => color,
-        };
-        scale * alignment.max(0.0).powf(exponent) * color
+        let cosine = self.pick(cosine, [(CosineAbsolute, cosine.abs())]);
+        let [diffuse, specular] = [phong.diffuse.as_vec3(), phong.specular.as_vec3()];
+        let scattered = self.pick(cosine.max(0.0), [(CosineNotClamped, cosine)]) * diffuse;
+        if cosine <= 0.0 && !self.makes(HighlightsUngated) {
+            return scattered;
+        }
+        // The cosine of the highlight
+        let by_half_way = normal.dot((to_light + to_viewer).normalize());
+        let by_mirror = (2.0 * cosine * normal - to_light).dot(to_viewer);
+        let by_wrong = (2.0 * cosine * (normal - to_light)).dot(to_viewer);
+        let wrong = [(HighlightsByReflection, by_mirror), (HighlightsByWrongReflection, by_wrong)];
+        let alignment = self.pick(by_half_way, wrong).max(0.0);
+        // Its exponent
+        let larger = self.pick(1.0, [(ExponentDoubled, 2.0), (ExponentTimesFour, 4.0)]);
+        let n = larger * phong.exponent as f32;
+        let n = self.pick(n, [(ExponentQuartered, n / 4.0), (ExponentHalved, n / 2.0)]);
+        // Its colour
+        let [by_two, by_eight] = [(n + 2.0) / (2.0 * PI), (n + 8.0) / (8.0 * PI)];
+        let normalised = [(HighlightsNormalisedByTwo, by_two), (HighlightsNormalisedByEight, by_eight)];
+        let white = if specular == Vec3::ZERO { Vec3::ZERO } else { Vec3::ONE };
+        let wrong = [(HighlightsWhite, white), (HighlightsTimesDiffuse, specular * diffuse)];
+        let color = self.pick(self.pick(specular, wrong), [(HighlightsWithoutColor, Vec3::ONE)]);
+        scattered + self.pick(1.0, normalised) * alignment.powf(n) * color
     }
 
     /// Returns a value of a material at a point. Textures mix the values of two other materials.
-    fn mixed<T>(&self, material: usize, point: Vec3, value: &impl Fn(&Phong) -> T) -> T
-    where
-        T: Mul<f32, Output = T> + Add<Output = T>,
-    {
+    fn mixed(&self, material: usize, point: Vec3, value: &dyn Fn(&Phong) -> Vec3) -> Vec3 {
         match &self.scene.materials[material] {
             Material::Phong(phong) | Material::Painted(phong, _) => value(phong),
             Material::Texture(texture) => {
@@ -351,72 +300,30 @@ impl Tracer {
         }
     }
 
-    fn depth(&self, t: f32, [near, far]: [f32; 2]) -> Vec3 {
-        let grey = (far - t.clamp(near, far)) / (far - near);
-        Vec3::splat(if self.makes(DepthInverted) { 1.0 - grey } else { grey })
-    }
-
-    fn normal_color(&self, normal: Vec3) -> Vec3 {
-        match () {
-            _ if self.makes(NormalsHalved) => (normal + 1.0) / 2.0,
-            _ if self.makes(NormalsClamped) => normal.max(Vec3::ZERO),
-            _ => normal.abs(),
-        }
-    }
-
-    /// Returns a colour as the picture shows it.
-    fn shown(&self, color: Vec3) -> Vec3 {
-        match () {
-            _ if self.makes(GammaOfTwo) => color.max(Vec3::ZERO).powf(1.0 / 2.0),
-            _ if self.makes(Gamma) => color.max(Vec3::ZERO).powf(1.0 / 2.2),
-            _ if self.makes(ToneMapped) => color / (1.0 + color),
-            _ => color,
-        }
-    }
-
+    /// Converts a colour to bytes. The conversion to `u8` truncates and clamps.
     fn bytes(&self, color: Vec3) -> [u8; 3] {
-        // The conversion to u8 truncates and clamps.
-        let [red, green, blue] = color.to_array().map(|channel| match () {
-            _ if self.makes(Rounded) => (255.0 * channel + 0.5) as u8,
-            _ if self.makes(Times256) => (256.0 * channel) as u8,
-            _ if self.makes(Wrapped) => (255.0 * channel) as i32 as u8,
-            _ => (255.0 * channel) as u8,
+        let [red, green, blue] = color.to_array().map(|channel| {
+            let [level, higher] = [255.0 * channel, 256.0 * channel];
+            let rounded = (level + 0.5) as u8;
+            self.pick(
+                level as u8,
+                [(Rounded, rounded), (Times256, higher as u8), (Wrapped, level as i32 as u8)],
+            )
         });
-        if self.makes(RedAndBlueSwapped) { [blue, green, red] } else { [red, green, blue] }
+        self.pick([red, green, blue], [(RedAndBlueSwapped, [blue, green, red])])
     }
-}
-
-/// Returns the camera's direction, and the directions to the right and up.
-fn axes(direction: Vec3, up: Vec3) -> [Vec3; 3] {
-    let direction = direction.normalize();
-    let right = direction.cross(up).normalize();
-    [direction, right, right.cross(direction)]
 }
 
 fn reflected(direction: Vec3, normal: Vec3) -> Vec3 {
     (direction - 2.0 * direction.dot(normal) * normal).normalize()
 }
 
-/// Returns the direction of a refracted ray, or `None` at total internal reflection. The normal points against the
-/// ray, and the ratio is the index in front of the surface over the one behind it.
-fn refracted(direction: Vec3, normal: Vec3, ratio: f32) -> Option<Vec3> {
-    let cosine = -direction.dot(normal);
-    let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
-    let along_normal = ratio * cosine - squared.sqrt();
-    (squared >= 0.0).then(|| (along_normal * normal + ratio * direction).normalize())
-}
-
-/// Returns the text of a scene with other angles of rotations.
+/// Returns the text of a scene, which has no comments, with other angles of rotations.
 fn with_angles(text: &str, change: fn(f64) -> f64) -> String {
-    let (mut changed, mut last) = (String::new(), "");
-    for word in text.split_inclusive(char::is_whitespace) {
-        match word.trim().parse() {
-            Ok(angle) if ["XRotate", "YRotate", "ZRotate"].contains(&last) => {
-                changed += &format!("{} ", change(angle))
-            }
-            _ => changed += word,
-        }
-        last = if word.trim().is_empty() { last } else { word.trim() };
-    }
-    changed
+    let mut last = "";
+    let words = text.split_whitespace().map(|word| {
+        let is_angle = ["XRotate", "YRotate", "ZRotate"].contains(&std::mem::replace(&mut last, word));
+        if is_angle { change(word.parse().unwrap()).to_string() } else { word.to_owned() }
+    });
+    words.collect::<Vec<_>>().join(" ")
 }

@@ -24,12 +24,8 @@ const PERMUTATION: [u8; 256] = [
 /// Returns the weight of a texture's first material at a point of world space.
 pub fn first_weight(texture: &Texture, point: Vec3, mistakes: &Mistakes) -> f32 {
     let map = texture.world_to_texture.map.as_affine3a();
-    let map = match map {
-        _ if mistakes.has(TextureMatrixMissing) => Affine3A::IDENTITY,
-        map if mistakes.has(TextureMatrixInverted) => map.inverse(),
-        map => map,
-    };
-    let q = map.transform_point3(point);
+    let wrong = [(TextureMatrixMissing, Affine3A::IDENTITY), (TextureMatrixInverted, map.inverse())];
+    let q = mistakes.pick(map, wrong).transform_point3(point);
     match texture.pattern {
         Pattern::Checkerboard => {
             let cell = q.floor();
@@ -42,11 +38,11 @@ pub fn first_weight(texture: &Texture, point: Vec3, mistakes: &Mistakes) -> f32 
         }
         Pattern::Wood { octaves, frequency, amplitude } => {
             let squared = q.x * q.x + q.z * q.z;
-            let radius = if mistakes.has(WoodWithoutRoot) { squared } else { squared.sqrt() };
+            let radius = mistakes.pick(squared.sqrt(), [(WoodWithoutRoot, squared)]);
             let grain = turbulence(Vec3::new(q.x, 0.2 * q.y, q.z), octaves, mistakes);
             let phase = frequency as f32 * (radius + 0.05 * q.y) + amplitude as f32 * grain;
             let ring = (0.5 + phase.sin()).clamp(0.0, 1.0);
-            if mistakes.has(WoodNotSquared) { ring } else { ring * ring }
+            mistakes.pick(ring * ring, [(WoodNotSquared, ring)])
         }
     }
 }
@@ -60,9 +56,9 @@ fn turbulence(q: Vec3, octaves: u32, mistakes: &Mistakes) -> f32 {
 
 /// Returns one octave of noise, from about -1 to 1.
 fn noise(q: Vec3, mistakes: &Mistakes) -> f32 {
-    let fade = |t: f32| match mistakes.has(NoiseWithOldCurve) {
-        true => t * t * (3.0 - 2.0 * t),
-        false => t * t * t * (t * (6.0 * t - 15.0) + 10.0),
+    let fade = |t: f32| {
+        let right = t * t * t * (t * (6.0 * t - 15.0) + 10.0);
+        mistakes.pick(right, [(NoiseWithOldCurve, t * t * (3.0 - 2.0 * t))])
     };
     let cell = q.floor();
     let inside = q - cell;
