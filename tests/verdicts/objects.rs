@@ -58,9 +58,10 @@ impl Objects {
     fn place(&mut self, scene: &Scene, meshes: &[Mesh], id: ObjectId, to_world: Option<Affine3A>) {
         let (shape, material) = match &scene.objects[id] {
             Object::Group(children) => {
-                let last = children.len() - usize::from(self.mistakes.has(LastObjectMissing));
                 let first = usize::from(self.mistakes.has(FirstObjectMissing));
-                return children[first..last].iter().for_each(|&id| self.place(scene, meshes, id, to_world));
+                let last = children.len().saturating_sub(usize::from(self.mistakes.has(LastObjectMissing)));
+                let placed = children.iter().take(last).skip(first);
+                return placed.for_each(|&id| self.place(scene, meshes, id, to_world));
             }
             Object::Transform { matrix, child, .. } => {
                 let own = matrix.map.as_affine3a();
@@ -88,9 +89,9 @@ impl Objects {
 
     fn mesh(&self, mesh: &Mesh) -> Shape {
         let missing = usize::from(self.mistakes.has(LastTriangleMissing));
-        let triangles = &mesh.triangles[..mesh.triangles.len() - missing];
+        let triangles = mesh.triangles.iter().take(mesh.triangles.len().saturating_sub(missing));
         let vertex = |index: u32| mesh.vertices[index as usize].as_vec3();
-        Shape::Triangles(triangles.iter().map(|corners| corners.map(vertex)).collect())
+        Shape::Triangles(triangles.map(|corners| corners.map(vertex)).collect())
     }
 
     /// Returns the nearest hit with t between `t_min` and `t_max`.

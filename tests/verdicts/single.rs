@@ -269,17 +269,17 @@ impl Tracer {
         if cosine <= 0.0 && !self.makes(HighlightsUngated) {
             return scattered;
         }
-        // The cosine of the highlight
+        // Compute the cosine of the highlight.
         let by_half_way = normal.dot((to_light + to_viewer).normalize());
         let by_mirror = (2.0 * cosine * normal - to_light).dot(to_viewer);
         let by_wrong = (2.0 * cosine * (normal - to_light)).dot(to_viewer);
         let wrong = [(HighlightsByReflection, by_mirror), (HighlightsByWrongReflection, by_wrong)];
         let alignment = self.pick(by_half_way, wrong).max(0.0);
-        // Its exponent
+        // Compute its exponent.
         let larger = self.pick(1.0, [(ExponentDoubled, 2.0), (ExponentTimesFour, 4.0)]);
         let n = larger * phong.exponent as f32;
         let n = self.pick(n, [(ExponentQuartered, n / 4.0), (ExponentHalved, n / 2.0)]);
-        // Its colour
+        // Compute its colour.
         let [by_two, by_eight] = [(n + 2.0) / (2.0 * PI), (n + 8.0) / (8.0 * PI)];
         let normalised = [(HighlightsNormalisedByTwo, by_two), (HighlightsNormalisedByEight, by_eight)];
         let white = if specular == Vec3::ZERO { Vec3::ZERO } else { Vec3::ONE };
@@ -303,12 +303,10 @@ impl Tracer {
     /// Converts a colour to bytes. The conversion to `u8` truncates and clamps.
     fn bytes(&self, color: Vec3) -> [u8; 3] {
         let [red, green, blue] = color.to_array().map(|channel| {
-            let [level, higher] = [255.0 * channel, 256.0 * channel];
-            let rounded = (level + 0.5) as u8;
-            self.pick(
-                level as u8,
-                [(Rounded, rounded), (Times256, higher as u8), (Wrapped, level as i32 as u8)],
-            )
+            let level = 255.0 * channel;
+            let [rounded, higher, wrapped] = [level + 0.5, 256.0 * channel, level.trunc().rem_euclid(256.0)];
+            let level = self.pick(level, [(Rounded, rounded), (Times256, higher), (Wrapped, wrapped)]);
+            level as u8
         });
         self.pick([red, green, blue], [(RedAndBlueSwapped, [blue, green, red])])
     }
