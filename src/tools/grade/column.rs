@@ -241,7 +241,7 @@ mod tests {
         let tolerance = Tolerance { levels: 5, pixels: 0 };
         let explain = |wrong: &[Picture], fails: &[bool]| {
             assert_eq!((wrong, fails), (&[5, 7, 6].map(picture)[..], &[false, true, true][..]));
-            vec![None, Some(Finding::Unknown { tried: 3 }), None]
+            vec![None, Some(Finding::Unknown { tried: 3, difference: None }), None]
         };
         let submissions = handed_in.into_iter().chain(rest).map(Ok::<_, ()>);
         let column = Column::graded("a".into(), &picture(0), submissions, tolerance, explain).unwrap();
@@ -270,7 +270,7 @@ mod tests {
         let mut counts = vec![];
         let explain = |wrong: &[Picture], _: &[bool]| {
             counts.push(wrong.len());
-            vec![Some(Finding::Unknown { tried: counts.len() })]
+            vec![Some(Finding::Unknown { tried: counts.len(), difference: None })]
         };
         let submissions = (1..4).map(|level| Ok::<_, ()>(Submission::Picture(large(level))));
         let column =
@@ -278,7 +278,7 @@ mod tests {
         assert_eq!(counts, [1, 1, 1]);
         for (at, cell) in column.cells.iter().enumerate() {
             let Cell::Different { comparison, cause, picture, .. } = cell else { panic!("{cell:?}") };
-            assert_eq!((*picture, cause), (at, &Some(Finding::Unknown { tried: at + 1 })));
+            assert_eq!((*picture, cause), (at, &Some(Finding::Unknown { tried: at + 1, difference: None })));
             assert_eq!(comparison.largest.map(|largest| largest.levels), Some(at as u8 + 1));
         }
         let submissions = [Ok(Submission::Missing), Err("no memory"), Ok(Submission::Missing)];

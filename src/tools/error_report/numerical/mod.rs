@@ -2,7 +2,7 @@
 //! with exact decisions, by this program, and by a textbook's tracer in single precision.
 
 mod brute_force;
-pub(super) mod single;
+mod single;
 
 use super::plan::brute_force_tests;
 use crate::math::ray::Ray;
