@@ -71,7 +71,7 @@ fn mistakes_of_the_editions_are_found() {
             |scene| scene.materials.iter_mut().for_each(with_highlights),
             "picture with highlights",
         ),
-        ("mirrors_2019", |scene| scene.lighting.epsilon = Some(1e-4), "an epsilon of 0.0001"),
+        ("mirrors_2019", |scene| scene.lighting.epsilon = Some(1e-4), "the course's own epsilon of 0.0001"),
     ];
     for (name, change, cause) in cases {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/editions/{name}.txt"));

@@ -7,14 +7,19 @@
 
 mod cases;
 mod mistake;
+mod names;
 mod objects;
 mod single;
 mod textures;
 
 use cases::{CASES, Opened};
 use mistake::Mistake;
+use names::name_of;
 use raytracer::image_io::OutputFile;
 use raytracer::picture::Picture;
+use raytracer::render::Request;
+use raytracer::render::renderer::{Meshes, Renderer};
+use raytracer::tools::causes::{Finding, MAX_UNEXPLAINED, Mistake as Named, Original};
 use std::fmt::Write;
 use std::path::Path;
 use std::{env, fs};
@@ -74,6 +79,110 @@ fn every_mistake_shows_in_a_case() {
         hidden.retain(|&mistake| right == render(&opened, &[mistake]));
     }
     assert_eq!(hidden, []);
+}
+
+/// One of this many pictures is judged, at half the size, unless `VERDICTS=all` is set.
+const STEP: usize = 5;
+
+/// The verdict on a picture with mistakes that show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// All mistakes are named, or others that give the same picture.
+    Right,
+    /// Only some of the mistakes are named, or none.
+    Unnamed,
+    /// Another mistake is named.
+    Wrong,
+    /// No mistake is there.
+    Acquitted,
+}
+
+/// Judges a finding on a picture with these mistakes.
+fn judge(original: &Original, found: &Finding, mistakes: &[Mistake]) -> Verdict {
+    let is_meant = |named: &Named| {
+        mistakes
+            .iter()
+            .filter_map(|&mistake| name_of(mistake))
+            .any(|[name, detail]| named.name == name && (detail.is_empty() || named.detail == detail))
+    };
+    // Whatever else gives the same picture is right, too.
+    let known: Option<Vec<Named>> = mistakes
+        .iter()
+        .map(|&mistake| {
+            let [name, detail] = name_of(mistake)?;
+            Named::all().find(|named| named.name == name && (detail.is_empty() || named.detail == detail))
+        })
+        .collect();
+    let is_same = |named: &[Named]| {
+        let known = known.as_ref().and_then(|known| original.picture(known));
+        known.is_some() && original.picture(named) == known
+    };
+    match found {
+        Finding::Equal { cause, also, .. } => {
+            let named: Vec<Named> = std::iter::once(cause).chain(also).cloned().collect();
+            match named.iter().all(&is_meant) {
+                true if named.len() == mistakes.len() => Verdict::Right,
+                true => Verdict::Unnamed,
+                false if is_same(&named) => Verdict::Right,
+                false => Verdict::Wrong,
+            }
+        }
+        Finding::Part { cause, .. } if is_meant(cause) => Verdict::Unnamed,
+        Finding::Part { .. } => Verdict::Wrong,
+        Finding::Speckles { .. } if mistakes == [Mistake::EpsilonZero] => Verdict::Right,
+        Finding::Speckles { .. } => Verdict::Wrong,
+        Finding::Rounding { rest } if rest.unexplained <= MAX_UNEXPLAINED => Verdict::Acquitted,
+        Finding::Rounding { .. } | Finding::Unknown { .. } => Verdict::Unnamed,
+    }
+}
+
+#[test]
+fn mistakes_are_named_and_none_is_acquitted() {
+    let is_whole = env::var_os("VERDICTS").is_some_and(|value| value == "all");
+    let step = if is_whole { 1 } else { STEP };
+    let (mut counts, mut wrong, mut unnamed) = ([0; 4], vec![], vec![]);
+    for (place, case) in CASES.iter().enumerate() {
+        let mut opened = case.open();
+        if !is_whole {
+            opened.options.size = opened.options.size.map(|side| side / 2);
+        }
+        let renderer = Renderer::new(opened.scene.clone(), Meshes::Kept).unwrap();
+        let request = Request { layers: vec![opened.layer], ..opened.options.request() };
+        let original = Original::new(&renderer, &request).unwrap();
+        let (own, right) = (original.own(), render(&opened, &[]));
+        let found = original.explain(&right);
+        let is_rounding = match &found {
+            Finding::Rounding { rest } => rest.unexplained <= MAX_UNEXPLAINED,
+            Finding::Equal { cause, .. } => cause.is_unchanged(),
+            _ => false,
+        };
+        assert!(is_rounding, "{}: {found}", case.name);
+        let all: Vec<Vec<Mistake>> = Mistake::ALL.iter().map(|&mistake| vec![mistake]).collect();
+        let pairs = PAIRS.iter().map(|pair| pair.to_vec());
+        for mistakes in all.into_iter().chain(pairs).skip(place % step).step_by(step) {
+            let picture = render(&opened, &mistakes);
+            // A mistake may also hide the tracer's own rounding.
+            let more = count(&differing(&picture, &own, 1)) >= count(&differing(&right, &own, 1)) + VISIBLE;
+            if !more || count(&differing(&right, &picture, 1)) < VISIBLE {
+                continue;
+            }
+            let found = original.explain(&picture);
+            let names: Vec<String> = mistakes.iter().map(|mistake| mistake.name()).collect();
+            let line = format!("{} {}: {found}", case.name, names.join("+"));
+            let verdict = judge(&original, &found, &mistakes);
+            match verdict {
+                Verdict::Right => {}
+                Verdict::Unnamed if mistakes.iter().all(|&mistake| name_of(mistake).is_none()) => continue,
+                Verdict::Unnamed => unnamed.push(line),
+                Verdict::Wrong | Verdict::Acquitted => wrong.push(format!("{verdict:?}: {line}")),
+            }
+            counts[verdict as usize] += 1;
+        }
+    }
+    let all: usize = counts.iter().sum();
+    println!("{} of {all} visible mistakes are named; not named:\n{}", counts[0], unnamed.join("\n"));
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(100 * counts[0] >= 90 * all && all > 100, "{counts:?}\n{unnamed:#?}");
 }
 
 /// Writes pictures to the folder `VERDICTS_DIR`: the right one of each case, those of the mistakes that are visible in

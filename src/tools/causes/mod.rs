@@ -132,7 +132,9 @@ impl<'a> Original<'a> {
         let unset = unset_pixels(picture, size, &before.unexplained);
         let unset = unset.map(|unset| Mistake::unset(unset, size));
         let parts = self.parts(search.wrong_sample());
-        let all: Vec<Mistake> = unset.into_iter().chain(parts).chain(Mistake::all()).collect();
+        // A camera of the other handedness turns the picture, too.
+        let table = Mistake::all().filter(|mistake| mistake.name != "turned");
+        let all: Vec<Mistake> = unset.into_iter().chain(parts).chain(table).collect();
         let (likely, tried) = self.likely(&search, &[], &all);
         let candidates = self.judged(&search, most_likely(likely));
         if let Some(best) = best_of(&candidates, |candidate| candidate.is_all(&before)) {
