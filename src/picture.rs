@@ -3,6 +3,7 @@
 use crate::base::memory::{Bytes, with_room};
 use glam::DVec3;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt;
 
 /// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
@@ -107,10 +108,58 @@ impl FloatPicture {
         (bytes, nans)
     }
 
+    /// Counts the colours that a byte does not show, because they are below 0, above 1 or not numbers.
+    pub fn count_beyond_bytes(&self) -> u64 {
+        let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
+        self.colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
+    }
+
+    /// Rounds the numbers to those that a floating-point file holds.
+    #[must_use]
+    pub fn in_single_precision(mut self) -> Self {
+        self.colors.iter_mut().for_each(|color| *color = color.as_vec3().as_dvec3());
+        self
+    }
+
     /// Returns the picture of bytes that is written to a file.
     pub fn to_picture(&self) -> Picture {
         let [width, height] = self.size.map(|n| n as u32);
         Picture::from_rgb(width, height, self.to_bytes().0)
+    }
+}
+
+/// A picture in the form of its file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pixels {
+    /// Bytes, from 0 to 255.
+    Bytes(Picture),
+    /// Numbers, neither clamped nor truncated.
+    Numbers(FloatPicture),
+}
+
+impl Pixels {
+    /// Returns the width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Bytes(picture) => [picture.width, picture.height],
+            Self::Numbers(picture) => picture.size.map(|n| n as u32),
+        }
+    }
+
+    /// Consumes the picture and returns its bytes, to which numbers are truncated.
+    pub fn into_picture(self) -> Picture {
+        match self {
+            Self::Bytes(picture) => picture,
+            Self::Numbers(picture) => picture.to_picture(),
+        }
+    }
+
+    /// Returns the bytes, to which numbers are truncated.
+    pub fn bytes(&self) -> Cow<'_, Picture> {
+        match self {
+            Self::Bytes(picture) => Cow::Borrowed(picture),
+            Self::Numbers(picture) => Cow::Owned(picture.to_picture()),
+        }
     }
 }
 

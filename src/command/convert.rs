@@ -1,6 +1,6 @@
 //! Writes a picture in another format, or joins the parts of one.
 
-use super::compare::read_picture;
+use super::compare::read_bytes;
 use super::log::Log;
 use super::outputs::Outputs;
 use super::progress::{ProgressLine, rows_text};
@@ -23,7 +23,7 @@ pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome
         Source::Picture(picture) => match Rows::open(picture) {
             // Only one row at a time is in memory.
             Ok(rows) => convert(rows, file, output.format)?,
-            Err(_) => file.picture(output.format, &read_picture(picture, "converted", log)?)?,
+            Err(_) => file.picture(output.format, &read_bytes(picture, log)?)?,
         },
         Source::Parts(parts, region) => {
             let merge = Merge::open(parts, *region)?;

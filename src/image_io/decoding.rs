@@ -3,7 +3,7 @@
 
 use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
+use crate::picture::{CHANNELS, Color, FloatPicture, Picture};
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
@@ -11,8 +11,8 @@ use std::path::Path;
 /// Facts that a user should know about a picture that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Remarks {
-    /// The number of pixels that a byte does not show, because they are below 0, above 1 or not numbers.
-    pub clamped: u64,
+    /// The number of pixels whose alpha, which is ignored, is not opaque.
+    pub transparent: u64,
     /// A line end follows the last pixel.
     pub has_line_end: bool,
 }
@@ -37,6 +37,15 @@ pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Pict
     Ok(Picture::new(width, height)?)
 }
 
+/// Returns a picture of zeros, to be filled from the file. `limit` is that of its bytes when it is shown.
+pub(super) fn zeros(size @ [width, height]: [u32; 2], limit: u64) -> Result<FloatPicture, Diagnostic> {
+    let pixels = u64::from(width) * u64::from(height);
+    check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
+    let mut picture = FloatPicture::with_room(size.map(|n| n as usize))?;
+    picture.colors.resize(pixels as usize, Color::ZERO);
+    Ok(picture)
+}
+
 pub(super) fn check_bytes([width, height]: [u32; 2], bytes: u64, limit: u64) -> Result<(), Diagnostic> {
     if bytes <= limit {
         return Ok(());
@@ -57,11 +66,4 @@ pub(super) fn too_short([width, height]: [u32; 2]) -> Diagnostic {
 /// Returns the level nearest to a sample between 0 and `white`.
 pub(super) fn level(sample: u32, white: u32) -> u8 {
     ((sample * 255 + white / 2) / white) as u8
-}
-
-/// Sets a row of bytes to these colours. Returns the number of colours beyond bytes.
-pub(super) fn fill_row(colors: &[Color], row: &mut [u8]) -> u64 {
-    truncate_to_bytes::<RED_FIRST>(colors, row);
-    let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
-    colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
 }

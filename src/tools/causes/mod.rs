@@ -105,18 +105,13 @@ impl<'a> Original<'a> {
         Some(colors)
     }
 
-    /// Finds why the picture `a` differs from the reference `b`. Both have the original's size.
-    pub fn explain(&self, a: &Picture, b: &Picture) -> Finding {
-        self.explain_all(std::slice::from_ref(a), b, &[]).pop().unwrap_or(Finding::Unknown { tried: 0 })
-    }
-
     /// Finds why each wrong picture differs from the reference `b`. All have the original's size. The mistakes in
     /// `first` are tried first, and together with all others.
     ///
     /// Tries mistakes in the finished picture first. Then searches in a window of about five hundred camera rays where
     /// many pixels differ, and checks the likely findings on the whole picture. Pictures that remain unexplained are
     /// searched for two mistakes, and in a larger window.
-    pub fn explain_all(&self, wrong: &[Picture], b: &Picture, first: &[Mistake]) -> Vec<Finding> {
+    fn explain_all_with(&self, wrong: &[Picture], b: &Picture, first: &[Mistake]) -> Vec<Finding> {
         let reference = if self.colors.to_picture() == *b { &self.colors } else { &of_bytes(b) };
         let made = Rc::new(Made::new(reference));
         let search = |wrong| Search::new(Cow::Borrowed(wrong), made.clone());
@@ -335,4 +330,30 @@ pub fn explain_finished(
 /// Renders the request's only layer. `None` if memory is too small or the watch cancels.
 fn rendered(prepared: &Prepared, request: &Request, watch: Watch) -> Option<FloatPicture> {
     prepared.render_layer(request, watch).ok().map(|(picture, _)| picture)
+}
+
+// STUB, to be replaced at the merge: the interface that `command/compare`, `tools/grade` and `live` use.
+impl Original<'_> {
+    /// Returns this program's picture.
+    pub fn colors(&self) -> &FloatPicture {
+        &self.colors
+    }
+
+    /// Finds why a picture of the original's size differs from it.
+    pub fn explain(&self, picture: &Picture) -> Finding {
+        self.explain_all(std::slice::from_ref(picture)).pop().unwrap_or(Finding::Unknown { tried: 0 })
+    }
+
+    /// Finds why each of these pictures of the original's size differs from it.
+    pub fn explain_all(&self, pictures: &[Picture]) -> Vec<Finding> {
+        self.explain_all_with(pictures, &self.colors.to_picture(), &[])
+    }
+
+    /// Returns the number of pixels whose difference rounding of single precision does not explain.
+    pub fn unexplained(&self, picture: &Picture) -> u64 {
+        let own = self.colors.to_picture();
+        let pairs = colors(picture).iter().zip(colors(&own));
+        let beyond = |(a, b): &(&_, &_)| crate::tools::compare::largest_channel_difference(**a, **b) > 1;
+        pairs.filter(beyond).count() as u64
+    }
 }

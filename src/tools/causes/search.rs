@@ -340,7 +340,7 @@ fn tolerance(rest: &Rest) -> Tolerance {
     let rounds = (1..).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u64.pow(power)));
     let pixels =
         if rest.visible == 0 { 0 } else { rounds.take(30).find(|&n| n >= rest.visible).unwrap_or(u64::MAX) };
-    Tolerance { levels: 1, pixels }
+    Tolerance { levels: 1.0, pixels }
 }
 
 /// Tries all of these mistakes in each search that has not tried them. Skips those that cannot be seen in the reference.

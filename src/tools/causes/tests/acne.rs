@@ -47,7 +47,7 @@ fn speckles_are_known_at_any_density() {
             let student = Student { hits_itself: Some(&hits_itself), ..student };
             colors(&student, &case.request, &|| false).unwrap().to_picture()
         });
-        for (found, density) in original.explain_all(&wrong, &right, &[]).into_iter().zip(densities) {
+        for (found, density) in original.explain_all_with(&wrong, &right, &[]).into_iter().zip(densities) {
             let is_known = match found {
                 Finding::Speckles { .. } => true,
                 _ => matches!(named(&found), Some(Mistake::NoEpsilon { .. } | Mistake::ReflectionFromBelow)),

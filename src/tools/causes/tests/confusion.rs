@@ -171,7 +171,7 @@ struct Row {
 /// Returns the mistakes named for each mistake.
 fn named_alone(made: &Made) -> Vec<(Mistake, Vec<Mistake>)> {
     let wrong: Vec<Picture> = made.mistakes.iter().map(|made| made.picture.clone()).collect();
-    let found = made.original.explain_all(&wrong, &made.right, &[]);
+    let found = made.original.explain_all_with(&wrong, &made.right, &[]);
     let names = |(MadePicture { mistake, picture, .. }, found): (&MadePicture, Finding)| {
         let Finding::Equal { pixels: 0, cause, ref also, ref same, .. } = found else {
             panic!("{mistake:?}: {found}")
@@ -230,7 +230,7 @@ fn pairs(made: &Made, wrong_names: &mut Vec<String>) -> Vec<String> {
     let both =
         chosen.filter_map(|&pair| Some((pair, made.original.made(&pair, None)?.to_picture()))).take(PAIRS);
     let (pairs, wrong): (Vec<[Mistake; 2]>, Vec<Picture>) = both.unzip();
-    let found = made.original.explain_all(&wrong, &made.right, &[]);
+    let found = made.original.explain_all_with(&wrong, &made.right, &[]);
     let rows = pairs.into_iter().zip(wrong).zip(found).map(|(([one, other], wrong), found)| {
         let is_meant = |name: Mistake| name.is_akin(one) || name.is_akin(other);
         let (shown, is_right) = match &found {

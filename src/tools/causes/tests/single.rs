@@ -102,7 +102,7 @@ fn a_correct_tracer_in_single_precision_rounds() {
         let right = original.colors.to_picture();
         if own != right {
             differing += 1;
-            let found = original.explain(&own, &right);
+            let found = original.explain(&own);
             assert!(matches!(found, Finding::Rounding { .. }), "{}: {found}", case.name);
         }
     }
@@ -116,7 +116,7 @@ fn a_picture_darker_by_a_level_shows_no_acne() {
     let case = Case::new("scene6_11_mirrored_floor.txt", request);
     let mistakes = [Mistake::OneLevelDarker];
     let (original, wrong) = (case.original(), picture(&case, &mistakes).unwrap());
-    let found = original.explain(&wrong, &original.colors.to_picture());
+    let found = original.explain(&wrong);
     assert!(names_only(&original, &found, &mistakes), "{found}");
 }
 
@@ -141,7 +141,7 @@ fn score(case: &Case) -> Score {
     let pairs = pairs.filter(|pair| pair[0].kind() < pair[1].kind()).step_by(PAIR_STEP).filter_map(show);
     let (pictures, mistakes): (Vec<Picture>, Vec<_>) = singles.into_iter().chain(pairs).unzip();
     let mut score = Score::default();
-    for (mistakes, found) in mistakes.iter().zip(original.explain_all(&pictures, &right, &[])) {
+    for (mistakes, found) in mistakes.iter().zip(original.explain_all_with(&pictures, &right, &[])) {
         assert!(names_only(&original, &found, mistakes), "{} {mistakes:?}: {found}", case.name);
         let is_named = match &found {
             Finding::Equal { also, .. } => also.len() + 1 == mistakes.len(),

@@ -1,0 +1,60 @@
+//! The results as a JSON document, whose form `docs/json.md` describes.
+
+use super::csv::points;
+use super::{NotGraded, Rule, Table};
+use serde_json::{Value, json};
+
+/// Returns the document in one line. Infinities are null.
+pub fn document(table: &Table, format: u32) -> String {
+    let names = table.names.iter().enumerate().map(|(row, name)| {
+        let score = table.score_of_row(row);
+        json!({
+            "name": name,
+            "points": score.points(),
+            "graded": score.graded(),
+            "percent": score.percent(),
+        })
+    });
+    let rows = 0..table.names.len();
+    let pictures = rows.flat_map(|row| table.columns.iter().map(move |column| (row, column)));
+    let pictures = pictures.map(|(row, column)| {
+        let cell = &column.cells[row];
+        json!({
+            "name": table.names[row],
+            "picture": column.picture,
+            "result": cell.verdict().word(),
+            "points": points(cell),
+            "values": cell.values(),
+            "reason": column.reason(row),
+        })
+    });
+    let no_reference = table.columns.iter().filter_map(|column| {
+        let problem = column.problem.as_ref()?;
+        Some(json!({ "picture": column.picture, "reason": problem }))
+    });
+    let tolerance = match table.rule {
+        Rule::Tolerance(tolerance) => Some(tolerance),
+        Rule::Equal | Rule::Rounding => None,
+    };
+    let document = json!({
+        "format": format,
+        "version": env!("CARGO_PKG_VERSION"),
+        "tolerance": tolerance,
+        "explains_rounding": table.rule == Rule::Rounding,
+        "passes": table.passes(),
+        "names": names.collect::<Vec<_>>(),
+        "pictures": pictures.collect::<Vec<_>>(),
+        "no_reference": no_reference.collect::<Vec<_>>(),
+        "not_graded": table.not_graded.iter().map(not_graded).collect::<Vec<_>>(),
+    });
+    format!("{document}\n")
+}
+
+fn not_graded(file: &NotGraded) -> Value {
+    json!({
+        "name": file.name,
+        "file": file.file,
+        "reason": file.reason.words(),
+        "meant_for": file.meant_for,
+    })
+}
