@@ -123,7 +123,20 @@ impl Comparison {
         let reference = flags.reference.as_ref();
         let reference = reference.map(|path| value("reference", path.as_os_str(), picture())).transpose()?;
         let (picture, difference) = (flags.compare.clone(), flags.difference.clone());
-        Ok(Some(Self { picture, reference, difference, tolerance: tolerance(flags)? }))
+        let tolerance = tolerance(flags)?;
+        let comparison = Self { picture, reference, difference, tolerance };
+        match tolerance {
+            Some(Tolerance { levels, .. }) if levels > 255.0 && !comparison.has_only_numbers() => {
+                fail(format!("-tolerance: {levels} is above 255 levels"))
+            }
+            _ => Ok(Some(comparison)),
+        }
+    }
+
+    /// Returns true if all pictures with a file are of floating-point numbers.
+    fn has_only_numbers(&self) -> bool {
+        let is_float = |file: &PathBuf| Format::of_input(file).is_some_and(Format::is_float);
+        self.picture.iter().chain(&self.reference).all(is_float)
     }
 
     /// Returns true if one of the pictures is to be rendered.
@@ -327,9 +340,8 @@ impl Options {
     /// Returns true if the numbers of the rendered picture are compared: those of the other picture are known, and it is
     /// not written in bytes.
     pub fn compares_numbers(&self) -> bool {
-        let is_float = |file: &PathBuf| Format::of_input(file).is_some_and(Format::is_float);
         let wanted = self.comparison.as_ref().filter(|wanted| wanted.needs_scene());
-        wanted.is_some_and(|wanted| wanted.picture.iter().chain(&wanted.reference).all(is_float))
+        wanted.is_some_and(Comparison::has_only_numbers)
             && self.compared_output().is_none_or(|output| output.format.is_float())
     }
 

@@ -116,10 +116,9 @@ impl Folder {
         taken.filter(|taken| *taken != Path::new(picture)).map(|taken| taken.to_string_lossy().into_owned())
     }
 
-    /// Returns the files of a name that are not graded but are probably meant for a wanted picture, with the reasons.
-    pub fn meant_for(&self, row: usize, index: usize) -> Vec<String> {
-        let meant = self.pairings[row].others.iter().filter(|file| file.meant_for == Some(index));
-        meant.map(|file| format!("{} ({})", file.path.to_string_lossy(), file.reason.words())).collect()
+    /// Returns the files of a name that are not graded but are probably meant for a wanted picture, and the reason.
+    pub fn meant_for(&self, row: usize, index: usize) -> Option<String> {
+        self.pairings[row].meant_for(index)
     }
 }
 

@@ -185,9 +185,10 @@ impl fmt::Display for Number {
     }
 }
 
+/// Formats a colour, or the number that its channels have in common.
 fn color(color: Color) -> String {
-    let [red, green, blue] = color.to_array().map(Number);
-    format!("({red}, {green}, {blue})")
+    let [red, green, blue] = color.to_array().map(|channel| Number(channel).to_string());
+    if red == green && green == blue { red } else { format!("({red}, {green}, {blue})") }
 }
 
 impl fmt::Display for NumberDifference {

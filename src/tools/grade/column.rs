@@ -25,6 +25,8 @@ pub struct Column {
     pub picture: String,
     /// The reason why there is no reference, if there is none.
     pub problem: Option<String>,
+    /// True if the reference is a picture of numbers.
+    has_numbers: bool,
     /// The results, one for each name.
     pub cells: Vec<Cell>,
     /// Remarks on the files, one for each name.
@@ -36,8 +38,8 @@ pub struct Column {
 pub struct Remark {
     /// The path of the file used, if it differs from the picture's name.
     pub found_as: Option<String>,
-    /// Files that are not used but may be meant for the picture.
-    pub others: Vec<String>,
+    /// The files that are not used but may be meant for the picture, and why not.
+    pub others: Option<String>,
 }
 
 /// The result of one picture of one name.
@@ -60,10 +62,15 @@ pub enum Cell {
     Ungraded,
 }
 
+/// The unit of differences of bytes.
+const LEVELS: &str = "levels";
+/// The unit of differences of numbers.
+const NUMBERS: &str = "numbers";
+
 /// The numbers of a result.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Values {
-    /// `levels`, or `numbers` of floating-point pictures.
+    /// `levels`, or `numbers` if floating-point pictures are compared.
     pub unit: &'static str,
     pub pixels_that_differ: u64,
     /// Only of levels.
@@ -131,17 +138,20 @@ impl Cell {
         }
     }
 
-    /// Returns the numbers of a picture that was compared.
-    pub fn values(&self) -> Option<Values> {
+    /// Returns the numbers of a picture that was compared. `unit` is that of an equal one.
+    fn values(&self, unit: &'static str) -> Option<Values> {
         let (difference, verdict) = match self {
-            Self::Equal => return Some(Values { unit: "levels", ..Values::default() }),
+            Self::Equal => {
+                let by_more_than_one_level = (unit == LEVELS).then_some(0);
+                return Some(Values { unit, by_more_than_one_level, ..Values::default() });
+            }
             Self::Different { difference, verdict, .. } => (difference, verdict),
             Self::Missing | Self::Unusable(_) | Self::Ungraded => return None,
         };
         let pixels_that_differ = difference.pixels_that_differ();
         Some(match difference {
             Difference::Levels(levels) => Values {
-                unit: "levels",
+                unit: LEVELS,
                 pixels_that_differ,
                 by_more_than_one_level: Some(levels.pixels_differing_by_more_than(1)),
                 not_rounding: verdict.unexplained,
@@ -149,7 +159,7 @@ impl Cell {
                 root_mean_square_error: levels.root_mean_square_error,
             },
             Difference::Numbers(numbers) => Values {
-                unit: "numbers",
+                unit: NUMBERS,
                 pixels_that_differ,
                 by_more_than_one_level: None,
                 not_rounding: None,
@@ -202,17 +212,23 @@ impl Column {
         Self {
             picture,
             problem: Some(problem),
+            has_numbers: false,
             cells: vec![Cell::Ungraded; names],
             remarks: vec![Remark::default(); names],
         }
+    }
+
+    /// Returns the numbers of the picture in a row, if it was compared.
+    pub fn values(&self, row: usize) -> Option<Values> {
+        self.cells[row].values(if self.has_numbers { NUMBERS } else { LEVELS })
     }
 
     /// Returns the remarks on the cell in a row: on its file, and why it differs.
     pub fn reason(&self, row: usize) -> Option<String> {
         let (cell, Remark { found_as, others }) = (&self.cells[row], &self.remarks[row]);
         let found_as = found_as.as_ref().map(|file| format!("found as {file}"));
-        let has_others = !others.is_empty() && cell.verdict() != CellWord::Passed;
-        let others = has_others.then(|| format!("perhaps {}", others.join(", ")));
+        let others = others.as_ref().filter(|_| cell.verdict() != CellWord::Passed);
+        let others = others.map(|others| format!("perhaps {others}"));
         let all: Vec<String> = found_as.into_iter().chain(cell.reason()).chain(others).collect();
         (!all.is_empty()).then(|| all.join(": "))
     }
@@ -330,7 +346,8 @@ impl<'g, 'r> ColumnGrader<'g, 'r> {
                 Cell::Different { difference, verdict: *verdict, cause: cause.clone(), picture }
             }
         });
-        Ok(Column { picture, problem: None, cells: cells.collect(), remarks })
+        let has_numbers = matches!(self.reference.pixels, Pixels::Numbers(_));
+        Ok(Column { picture, problem: None, has_numbers, cells: cells.collect(), remarks })
     }
 }
 
@@ -396,7 +413,9 @@ mod tests {
         let submissions = [f64::NAN, 1.0].map(|number| Submission::Picture(numbers(number)));
         let column = graded(&numbers(f64::NAN), submissions, EXACT);
         assert!(matches!(column.cells[0], Cell::Equal));
-        assert_eq!(column.cells[1].values().unwrap().largest_difference, f64::INFINITY);
+        let values = [0, 1].map(|row| column.values(row).unwrap());
+        assert_eq!(values.each_ref().map(|values| values.largest_difference), [0.0, f64::INFINITY]);
+        assert_eq!(values.map(|values| values.unit), [NUMBERS; 2]);
     }
 
     #[test]
@@ -409,8 +428,7 @@ mod tests {
             assert!(grader.waiting.is_empty());
         }
         let column = grader.finish("a".into(), vec![Remark::default(); 3]).unwrap();
-        let largest: Vec<f64> =
-            column.cells.iter().map(|cell| cell.values().unwrap().largest_difference).collect();
+        let largest = [0, 1, 2].map(|row| column.values(row).unwrap().largest_difference);
         assert_eq!(largest, [1.0, 2.0, 3.0]);
     }
 }

@@ -20,7 +20,7 @@ fn line(name: &str, column: &Column, row: usize) -> String {
     let (name, picture) = (csv_field(name), csv_field(&column.picture));
     let reason = csv_field(&column.reason(row).unwrap_or_default());
     let (word, points) = (cell.verdict().word(), points(cell).map_or("", |point| ["0", "1"][point]));
-    format!("{name},{picture},{word},{points},{},{reason}\r\n", numbers(cell.values()))
+    format!("{name},{picture},{word},{points},{},{reason}\r\n", numbers(column.values(row)))
 }
 
 /// Returns the point of a picture that has a reference: 1 if it passes.

@@ -24,7 +24,7 @@ pub fn document(table: &Table, format: u32) -> String {
             "picture": column.picture,
             "result": cell.verdict().word(),
             "points": points(cell),
-            "values": cell.values(),
+            "values": column.values(row),
             "reason": column.reason(row),
         })
     });

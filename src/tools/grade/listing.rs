@@ -65,6 +65,8 @@ const UNREAD: [&str; 19] = [
     "jpg", "jpeg", "jfif", "gif", "webp", "tif", "tiff", "heic", "heif", "avif", "jxl", "jp2", "hdr", "psd",
     "xcf", "svg", "pdf", "ico", "dds",
 ];
+/// The number of files that are named for a picture that they may be meant for.
+const NAMED: usize = 2;
 /// The largest number of letters in which a misspelt name differs.
 const MISSPELT: usize = 2;
 /// A name of fewer letters is not recognised if it is misspelt.
@@ -96,6 +98,16 @@ impl Pairing {
         };
         let others = files.iter().filter(is_other).map(|file| Other::new(file, wanted, &taken)).collect();
         Self { taken, others }
+    }
+
+    /// Returns the files that are not taken but are probably meant for a wanted picture, and the reason of the first.
+    pub fn meant_for(&self, index: usize) -> Option<String> {
+        let meant: Vec<&Other> = self.others.iter().filter(|file| file.meant_for == Some(index)).collect();
+        let reason = meant.first()?.reason.words();
+        let named: Vec<_> = meant.iter().take(NAMED).map(|file| file.path.to_string_lossy()).collect();
+        let more = meant.len().saturating_sub(NAMED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        Some(format!("{}{more}: {reason}", named.join(", ")))
     }
 }
 
@@ -266,10 +278,12 @@ mod tests {
 
     #[test]
     fn of_several_files_for_a_picture_the_nearest_is_taken() {
-        let found = pairing(&["OUTPUT4_02.TGA", "old/output4_02.tga", "output4_02.png", "output4_02.jpg"]);
+        let found = pairing(&["OUTPUT4_02.TGA", "old/output4_02.tga", "output4_02.jpg", "output4_02.png"]);
         assert_eq!(found.taken[0], Some("output4_02.png".into()));
         assert!(found.others.iter().all(|other| other.reason == Reason::OtherIsGraded));
         assert_eq!(found.others.len(), 3);
+        let named = "OUTPUT4_02.TGA, old/output4_02.tga and 1 more: another file is graded";
+        assert_eq!(found.meant_for(0).as_deref(), Some(named));
     }
 
     #[test]
