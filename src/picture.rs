@@ -108,12 +108,6 @@ impl FloatPicture {
         (bytes, nans)
     }
 
-    /// Counts the colours that a byte does not show, because they are below 0, above 1 or not numbers.
-    pub fn count_beyond_bytes(&self) -> u64 {
-        let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
-        self.colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
-    }
-
     /// Rounds the numbers to those that a floating-point file holds.
     #[must_use]
     pub fn in_single_precision(mut self) -> Self {
@@ -147,10 +141,22 @@ impl Pixels {
     }
 
     /// Consumes the picture and returns its bytes, to which numbers are truncated.
-    pub fn into_picture(self) -> Picture {
+    pub fn into_bytes(self) -> Picture {
         match self {
             Self::Bytes(picture) => picture,
             Self::Numbers(picture) => picture.to_picture(),
+        }
+    }
+
+    /// Sets pixels from this column and row on, counted from the top left.
+    pub fn set(&mut self, [x, y]: [usize; 2], colors: &[Color]) {
+        let start = y * self.size()[0] as usize + x;
+        match self {
+            Self::Bytes(picture) => {
+                let bytes = &mut picture.pixels[start * CHANNELS..][..colors.len() * CHANNELS];
+                truncate_to_bytes::<RED_FIRST>(colors, bytes);
+            }
+            Self::Numbers(picture) => picture.colors[start..][..colors.len()].copy_from_slice(colors),
         }
     }
 

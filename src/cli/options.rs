@@ -337,12 +337,11 @@ impl Options {
         }
     }
 
-    /// Returns true if the numbers of the rendered picture are compared: those of the other picture are known, and it is
-    /// not written in bytes.
+    /// Returns true if numbers are compared: all files have them, and a rendered picture is not written in bytes.
     pub fn compares_numbers(&self) -> bool {
-        let wanted = self.comparison.as_ref().filter(|wanted| wanted.needs_scene());
-        wanted.is_some_and(Comparison::has_only_numbers)
-            && self.compared_output().is_none_or(|output| output.format.is_float())
+        let is_float = || self.compared_output().is_none_or(|output| output.format.is_float());
+        let wanted = self.comparison.as_ref().filter(|wanted| wanted.has_only_numbers());
+        wanted.is_some_and(|wanted| !wanted.needs_scene() || is_float())
     }
 
     /// Width and height of the colour picture.
@@ -365,7 +364,9 @@ impl Options {
             sampler: self.sampler,
             adaptive: self.adaptive,
             has_floats: self.outputs.iter().any(has_float_colors)
-                || self.compares_numbers() && self.compared_layer() == Some(Layer::Color),
+                || self.comparison.as_ref().is_some_and(Comparison::needs_scene)
+                    && self.compares_numbers()
+                    && self.compared_layer() == Some(Layer::Color),
             filter: self.filter,
             is_reduced: self.reduced,
             layers: self.outputs.iter().map(|output| output.layer).collect(),

@@ -10,7 +10,7 @@ use crate::base::memory;
 use crate::cli::{self, Options};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{Format, OutputFile, Remarks, read_pixels};
-use crate::picture::{Picture, Pixels};
+use crate::picture::Pixels;
 use crate::render::Request;
 use crate::render::renderer::Renderer;
 use crate::tools::causes::{Finding, Original, explain_finished};
@@ -87,10 +87,9 @@ impl<'o> Pair<'o> {
     /// differ; `None` if the live page is left to compare at the other size.
     pub fn open(options: &'o Options, log: &Log) -> Result<Option<Self>, Diagnostic> {
         let Some(wanted) = &options.comparison else { return Ok(None) };
-        let read = |path: &Option<_>| path.as_deref().map(|path| read(path, log)).transpose();
+        let read = |path: &Option<_>| path.as_deref().map(|path| read(path, options, log)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
         let pair = Self { options, wanted, picture, reference };
-        pair.note_clamped(log);
         let rendered = rendered_size(options);
         let sizes =
             [&pair.picture, &pair.reference].map(|picture| picture.as_ref().map(Pixels::size).or(rendered));
@@ -106,23 +105,6 @@ impl<'o> Pair<'o> {
             return Ok(None);
         }
         Ok(Some(pair))
-    }
-
-    /// Notes how many numbers are clamped if they are compared with bytes.
-    fn note_clamped(&self, log: &Log) {
-        let files = [(&self.picture, &self.wanted.picture), (&self.reference, &self.wanted.reference)];
-        let is_bytes = |picture: &Option<Pixels>| match picture {
-            Some(picture) => matches!(picture, Pixels::Bytes(_)),
-            None => !self.options.compares_numbers(),
-        };
-        if !files.iter().any(|(picture, _)| is_bytes(picture)) {
-            return;
-        }
-        for (picture, path) in files {
-            if let (Some(picture), Some(path)) = (picture, path) {
-                note_clamped(picture, path, "compared", log);
-            }
-        }
     }
 
     /// Compares, and draws the difference. `rendered` is the picture of the scene, if one of the two is rendered.
@@ -196,34 +178,28 @@ fn rendered_size(options: &Options) -> Option<[u32; 2]> {
     Some(options.request().layer_size(&layer).map(|n| n as u32))
 }
 
-/// Reads a picture. Notes say if its alpha is ignored, and whether a line end follows the last pixel.
-fn read(path: &Path, log: &Log) -> Result<Pixels, Diagnostic> {
-    let (picture, Remarks { transparent, has_line_end }) = read_pixels(path)?;
-    let shown = quoted(path);
-    if transparent > 0 {
-        let message = format!("ignored the alpha of {shown}: {transparent} of its pixels are not opaque");
-        log.tell(Diagnostic::note(message));
-    }
-    if has_line_end {
-        log.tell(Diagnostic::note(format!("ignored a line end after the last pixel of {shown}")));
-    }
+/// Reads a picture for a comparison.
+fn read(path: &Path, options: &Options, log: &Log) -> Result<Pixels, Diagnostic> {
+    let (picture, remarks) = read_pixels(path)?;
+    let clamped = if options.compares_numbers() { 0 } else { remarks.clamped };
+    tell(&Remarks { clamped, ..remarks }, path, "compared", log);
     Ok(picture)
 }
 
-/// Reads a picture like [`read`], to convert its numbers to bytes.
-pub fn read_bytes(path: &Path, log: &Log) -> Result<Picture, Diagnostic> {
-    let picture = read(path, log)?;
-    note_clamped(&picture, path, "converted", log);
-    Ok(picture.into_picture())
-}
-
-/// Notes how many pixels are clamped, where `done` is "compared" or "converted".
-fn note_clamped(picture: &Pixels, path: &Path, done: &str, log: &Log) {
-    let Pixels::Numbers(numbers) = picture else { return };
-    let clamped = numbers.count_beyond_bytes();
-    if clamped > 0 {
-        let shown = quoted(path);
+/// Tells how many pixels of a picture are clamped, where `done` is "compared" or "converted", if its alpha is ignored, and
+/// if a line end follows the last pixel.
+pub fn tell(remarks: &Remarks, path: &Path, done: &str, log: &Log) {
+    let Remarks { clamped, transparent, has_line_end } = remarks;
+    let shown = quoted(path);
+    if *clamped > 0 {
         let message = format!("{clamped} pixels of {shown} are outside 0 to 1 and are {done} clamped");
         log.tell(Diagnostic::note(message));
+    }
+    if *transparent > 0 {
+        let message = format!("ignored the alpha of {shown}: {transparent} of its pixels are not opaque");
+        log.tell(Diagnostic::note(message));
+    }
+    if *has_line_end {
+        log.tell(Diagnostic::note(format!("ignored a line end after the last pixel of {shown}")));
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, FloatPicture, Picture};
+use crate::picture::{CHANNELS, Color, FloatPicture, Picture, Pixels};
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
@@ -11,10 +11,19 @@ use std::path::Path;
 /// Facts that a user should know about a picture that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Remarks {
+    /// The number of pixels that a byte does not show, because they are below 0, above 1 or not numbers.
+    pub clamped: u64,
     /// The number of pixels whose alpha, which is ignored, is not opaque.
     pub transparent: u64,
     /// A line end follows the last pixel.
     pub has_line_end: bool,
+}
+
+/// The form in which the numbers of a file are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    Bytes,
+    Numbers,
 }
 
 /// Opens a regular file. A pipe could block the program.
@@ -37,13 +46,26 @@ pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Pict
     Ok(Picture::new(width, height)?)
 }
 
-/// Returns a picture of zeros, to be filled from the file. `limit` is that of its bytes when it is shown.
-pub(super) fn zeros(size @ [width, height]: [u32; 2], limit: u64) -> Result<FloatPicture, Diagnostic> {
+/// Returns a picture of zeros, to be filled from the numbers of the file. `limit` is that of its bytes.
+pub(super) fn zeros(
+    size @ [width, height]: [u32; 2],
+    limit: u64,
+    wanted: Wanted,
+) -> Result<Pixels, Diagnostic> {
+    if wanted == Wanted::Bytes {
+        return black(size, limit).map(Pixels::Bytes);
+    }
     let pixels = u64::from(width) * u64::from(height);
     check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
     let mut picture = FloatPicture::with_room(size.map(|n| n as usize))?;
     picture.colors.resize(pixels as usize, Color::ZERO);
-    Ok(picture)
+    Ok(Pixels::Numbers(picture))
+}
+
+/// Counts the colours that a byte does not show.
+pub(super) fn beyond_bytes(colors: &[Color]) -> u64 {
+    let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
+    colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
 }
 
 pub(super) fn check_bytes([width, height]: [u32; 2], bytes: u64, limit: u64) -> Result<(), Diagnostic> {

@@ -2,11 +2,11 @@
 //!
 //! The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
-use super::decoding::{Remarks, no_pixels, too_short, zeros};
+use super::decoding::{Remarks, Wanted, beyond_bytes, no_pixels, too_short, zeros};
 use super::header::{EXR_FLOAT, EXR_START};
 use crate::base::escape::{escape, quoted};
 use crate::diagnostic::Diagnostic;
-use crate::picture::{Color, FloatPicture};
+use crate::picture::{Color, Pixels};
 use std::borrow::Cow;
 
 /// A byte of a deflate stream encodes at most this many.
@@ -46,7 +46,7 @@ struct Area {
 }
 
 /// Reads the display window. It is zero where the data window has no numbers, and what lies outside it is cut off.
-pub(super) fn read(file: &[u8], limit: u64) -> Result<(FloatPicture, Remarks), Diagnostic> {
+pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let bad = |problem: &str| Err(Diagnostic::error(problem));
     let mut rest = file;
     let header = header(&mut rest)?;
@@ -70,7 +70,7 @@ pub(super) fn read(file: &[u8], limit: u64) -> Result<(FloatPicture, Remarks), D
     if pixels > length.saturating_mul(MAX_INFLATION) || blocks > length / 8 {
         return Err(short());
     }
-    let mut picture = zeros(size_of(display), limit)?;
+    let mut picture = zeros(size_of(display), limit, wanted)?;
     let row_bytes =
         data.width as u64 * header.channels.iter().map(|channel| channel.bytes() as u64).sum::<u64>();
     if row_bytes > LONGEST_ROW {
@@ -111,8 +111,9 @@ pub(super) fn read(file: &[u8], limit: u64) -> Result<(FloatPicture, Remarks), D
             if left < right && (0..display.height).contains(&y) {
                 let width = data.width as usize;
                 let colors = header.row(bytes, width, red_green_blue);
-                let row = &mut picture.colors[y as usize * display.width as usize..];
-                row[columns(display)].copy_from_slice(&colors[columns(data)]);
+                let shown = &colors[columns(data)];
+                picture.set([columns(display).start, y as usize], shown);
+                remarks.clamped += beyond_bytes(shown);
                 let is_transparent = |alpha: &f64| *alpha < 1.0;
                 let alpha = header.alpha(bytes, width).skip(columns(data).start).take(columns(data).len());
                 remarks.transparent += alpha.filter(is_transparent).count() as u64;

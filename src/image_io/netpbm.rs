@@ -5,11 +5,11 @@
 //! of the file. If the rest is longer, its pixels may be shifted, and the file is refused unless line feeds written as
 //! CR LF explain every byte.
 
-use super::decoding::{Remarks, black, level, no_pixels, too_short, zeros};
+use super::decoding::{Remarks, Wanted, beyond_bytes, black, level, no_pixels, too_short, zeros};
 use super::format::{BYTE_ORDER_MARK, CUT_HEADER, OTHER_TEXT};
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{FloatPicture, Picture, Pixels};
+use crate::picture::{Color, Picture, Pixels};
 use std::borrow::Cow;
 
 /// Upper bound on the bytes of a word that are shown.
@@ -50,7 +50,7 @@ impl Header {
 }
 
 /// Reads a picture from the start of a file.
-pub(super) fn read(file: &[u8], limit: u64) -> Result<(Pixels, Remarks), Diagnostic> {
+pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let start = file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file);
     let mut text = Text { start, rest: start, size: None };
     let kind = text.word()?;
@@ -73,8 +73,7 @@ pub(super) fn read(file: &[u8], limit: u64) -> Result<(Pixels, Remarks), Diagnos
         return Err(too_short(header.size));
     }
     if header.bits == 32 {
-        let (numbers, remarks) = text.numbers(&header, zeros(header.size, limit)?)?;
-        return Ok((Pixels::Numbers(numbers), remarks));
+        return text.numbers(&header, zeros(header.size, limit, wanted)?);
     }
     let picture = black(header.size, limit)?;
     let (picture, remarks) =
@@ -166,29 +165,28 @@ impl<'a> Text<'a> {
                 transparent += alphas.filter(|&alpha| alpha < white).count() as u64;
             }
         }
-        Ok((picture, Remarks { transparent, has_line_end }))
+        Ok((picture, Remarks { transparent, has_line_end, ..Remarks::default() }))
     }
 
     /// Reads numbers in single precision. Their rows are stored from the bottom.
-    fn numbers(
-        self,
-        header: &Header,
-        mut picture: FloatPicture,
-    ) -> Result<(FloatPicture, Remarks), Diagnostic> {
-        let channels = header.channels;
-        let (row_bytes, [width, height]) = (header.row_bytes() as usize, picture.size);
+    fn numbers(self, header: &Header, mut picture: Pixels) -> Result<(Pixels, Remarks), Diagnostic> {
+        let Header { channels, size: [_, height], is_little_endian, .. } = *header;
+        let (row_bytes, height) = (header.row_bytes() as usize, height as usize);
         let (samples, has_line_end) = self.samples(row_bytes * height)?;
-        let number = |&bytes: &[u8; 4]| match header.is_little_endian {
+        let mut remarks = Remarks { has_line_end, ..Remarks::default() };
+        let number = |&bytes: &[u8; 4]| match is_little_endian {
             true => f64::from(f32::from_le_bytes(bytes)),
             false => f64::from(f32::from_be_bytes(bytes)),
         };
-        let rows = picture.colors.chunks_exact_mut(width).rev();
-        for (row, bytes) in rows.zip(samples.chunks_exact(row_bytes)) {
-            for (color, pixel) in row.iter_mut().zip(bytes.as_chunks().0.chunks_exact(channels)) {
-                *color = [0, channels / 2, channels - 1].map(|index| number(&pixel[index])).into();
-            }
+        for (bytes, y) in samples.chunks_exact(row_bytes).zip((0..height).rev()) {
+            let pixels = bytes.as_chunks().0.chunks_exact(channels);
+            let color =
+                |pixel: &[[u8; 4]]| [0, channels / 2, channels - 1].map(|index| number(&pixel[index]));
+            let colors: Vec<Color> = pixels.map(|pixel| color(pixel).into()).collect();
+            picture.set([0, y], &colors);
+            remarks.clamped += beyond_bytes(&colors);
         }
-        Ok((picture, Remarks { has_line_end, ..Remarks::default() }))
+        Ok((picture, remarks))
     }
 
     /// Returns the samples, which take `needed` bytes, and whether a line end follows them.

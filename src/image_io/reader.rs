@@ -3,7 +3,9 @@
 //! The message of an error is the reason alone, to which [`read_picture`] adds the file.
 
 use super::cannot;
-use super::decoding::{Remarks, black, check_bytes, level, no_pixels, open_regular, or_too_early, too_short};
+use super::decoding::{
+    Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, or_too_early, too_short,
+};
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
 use super::{exr, netpbm};
 use crate::base::escape::escape;
@@ -41,7 +43,12 @@ const MAX_PIXELS_PER_BYTE: u64 = 1032 * 8;
 /// against the file's length before memory is allocated for it, and a picture of more than 512 MiB is an
 /// error.
 pub fn read_picture(path: &Path) -> Result<Picture, Diagnostic> {
-    read_pixels(path).map(|(pixels, _)| pixels.into_picture())
+    read_remarked_picture(path).map(|(picture, _)| picture)
+}
+
+/// Reads a picture like [`read_picture`], with remarks.
+pub fn read_remarked_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
+    load_picture(path).map_err(|reason| cannot("read", path, reason))
 }
 
 /// Reads a picture like [`read_picture`], with remarks. The numbers of PFM and OpenEXR files stay numbers.
@@ -52,12 +59,22 @@ pub fn read_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
 /// Reads a picture like [`read_picture`] from the bytes of a file with this name. One that takes more than `limit`
 /// bytes when it is decoded is an error.
 pub fn read_picture_from(name: &Path, bytes: &[u8], limit: u64) -> Result<Picture, Diagnostic> {
-    let decoded = decode(name, bytes, limit).map_err(|reason| cannot("read", name, reason))?;
-    Ok(decoded.0.into_picture())
+    let decoded = decode(name, bytes, limit, Wanted::Bytes).map_err(|reason| cannot("read", name, reason))?;
+    Ok(decoded.0.into_bytes())
+}
+
+/// Reads a picture like [`read_remarked_picture`]. The message of an error does not name the file.
+pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
+    let (picture, remarks) = load(path, Wanted::Bytes)?;
+    Ok((picture.into_bytes(), remarks))
 }
 
 /// Reads a picture like [`read_pixels`]. The message of an error does not name the file.
 pub fn load_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
+    load(path, Wanted::Numbers)
+}
+
+fn load(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
     if length > LONGEST_FILE {
@@ -65,10 +82,10 @@ pub fn load_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
     }
     let mut bytes = with_room(length as usize)?;
     file.take(length).read_to_end(&mut bytes)?;
-    decode(path, &bytes, MAX_BYTES)
+    decode(path, &bytes, MAX_BYTES, wanted)
 }
 
-fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Pixels, Remarks), Diagnostic> {
+fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let format = identify(name, bytes)?;
     if has_no_pixels(format, bytes) {
         return Err(no_pixels());
@@ -82,10 +99,8 @@ fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Pixels, Remarks), Di
             decoded(PngDecoder::with_limits(Cursor::new(bytes), limits), max_pixels, limit)?
         }
         Format::Bmp => decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit)?,
-        Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit),
-        Format::Exr => {
-            return exr::read(bytes, limit).map(|(picture, remarks)| (Pixels::Numbers(picture), remarks));
-        }
+        Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit, wanted),
+        Format::Exr => return exr::read(bytes, limit, wanted),
     };
     // A TGA file without bits of alpha may have anything in the fourth byte of a pixel.
     let has_alpha = format != Format::Tga || bytes[TGA_HEADER - 1] & 0xf != 0;

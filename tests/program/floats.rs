@@ -179,6 +179,7 @@ fn floats_are_compared_with_bytes_as_the_bytes_that_they_show() {
     // The rendered picture is written in bytes.
     let run = folder.run("-input s.txt -size 8 6 -output p.tga -compare o.pfm -tolerance 0 0").ok();
     assert_eq!(value(&run, "PSNR"), "inf dB");
+    assert!(run.stderr.contains("48 pixels of `o.pfm` are outside 0 to 1"), "{}", run.stderr);
 }
 
 /// A file of grey numbers in a row.

@@ -51,6 +51,11 @@ fn darkened(bytes: &[u8], count: usize) -> Vec<u8> {
     changed
 }
 
+/// A black picture of the same size.
+fn black(bytes: &[u8]) -> Vec<u8> {
+    [&bytes[..18], &vec![0; bytes.len() - 18]].concat()
+}
+
 /// The same picture with a level more in one pixel of the middle, and a level less in another.
 fn nudged(bytes: &[u8]) -> Vec<u8> {
     let mut changed = bytes.to_vec();
@@ -260,10 +265,8 @@ fn what_is_not_graded_is_listed_with_its_reason() {
 #[test]
 fn the_document_has_the_values_of_the_table() {
     let folder = folder();
-    hand_in(&folder, "bela", "o.tga", &vec![0; 18 + 24 * 18 * 3]);
     hand_in(&folder, "bela", "d.tga", &nudged(&picture(&folder, "d.tga")));
-    let wrong = [&picture(&folder, "o.tga")[..18], &[9; 24 * 18 * 3]].concat();
-    hand_in(&folder, "bela", "o.tga", &wrong);
+    hand_in(&folder, "bela", "o.tga", &black(&picture(&folder, "o.tga")));
     let line = "-grade class -commands commands.txt -report page.html";
     folder.run(&format!("{line} -json page.json")).ok();
     let printed = folder.run(&format!("{line} -json -")).ok().stdout;
@@ -307,7 +310,7 @@ fn one_student_is_graded_alone() {
     let message = folder.run("-grade class -reference ref -student carl").message(1);
     assert!(only_line(&message).contains("`carl`"), "{message}");
     let message = folder.run("-input s.txt -student anna").message(2);
-    assert!(message.contains("-student") && message.contains("-grade"), "{message}");
+    assert!(message.contains("-grade <folder>"), "{message}");
 }
 
 #[test]
@@ -412,10 +415,10 @@ fn a_picture_under_another_name_is_found_and_said() {
         ("deep", "sub/deeper/o.tga", &right),
         ("all", "sub/O.PNG", &png),
         // What is nearer is taken.
-        ("two", "sub/o.tga", &darkened(&right, 9)),
+        ("two", "sub/o.tga", &black(&right)),
         ("two", "o.png", &png),
         // The name itself comes first, right or wrong.
-        ("own", "o.tga", &darkened(&right, 9)),
+        ("own", "o.tga", &black(&right)),
         ("own", "o.png", &png),
         ("other", "oo.tga", &right),
     ] {
@@ -513,7 +516,7 @@ fn what_is_no_picture_is_a_cell() {
 #[test]
 fn names_are_text_and_nothing_else() {
     let folder = folder();
-    let wrong = upside_down(&darkened(&picture(&folder, "o.tga"), 4));
+    let wrong = black(&picture(&folder, "o.tga"));
     for who in ["<script>alert(1)", "\"a' onclick=x", "=1+1", "a,b"] {
         hand_in(&folder, who, "o.tga", &wrong);
     }
@@ -546,7 +549,7 @@ fn names_are_text_and_nothing_else() {
 #[test]
 fn the_page_is_one_file_and_has_a_wrong_picture_once() {
     let folder = folder();
-    let wrong = upside_down(&darkened(&picture(&folder, "o.tga"), 4));
+    let wrong = black(&picture(&folder, "o.tga"));
     ["b", "c", "d"].iter().for_each(|who| hand_in(&folder, who, "o.tga", &wrong));
     grade(&folder);
     let page = String::from_utf8(folder.read("page.html")).unwrap();

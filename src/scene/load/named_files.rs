@@ -3,7 +3,7 @@
 use crate::base::escape::{escape, quoted};
 use crate::base::memory::{self, NoMemory};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::image_io::load_pixels;
+use crate::image_io::load_picture;
 use crate::scene::edition::Edition;
 use crate::scene::mesh::ObjFile;
 use crate::scene::obj::{self, memory_for, read_obj};
@@ -51,11 +51,10 @@ pub fn read_texels(
     let mut places = mesh_places(name, folder, edition);
     let first = places.iter().position(|place| place.symlink_metadata().is_ok());
     let file = places.swap_remove(first.unwrap_or(0));
-    let (pixels, _) = load_pixels(&file).map_err(|reason| Diagnostic {
+    let (picture, _) = load_picture(&file).map_err(|reason| Diagnostic {
         hint: hint_to_name(name, folder).or(reason.hint),
         ..image_unreadable(name, *at, &reason.message)
     })?;
-    let picture = pixels.into_picture();
     let size = [picture.width(), picture.height()].map(|n| n as usize);
     let rgb = picture.into_pixels();
     Ok((Arc::new(Texels { size, rgb, divides_last: edition.divides_texels_last() }), file))
