@@ -280,17 +280,16 @@ fn the_document_has_the_values_of_the_table() {
         other => other.as_f64().unwrap().to_string(),
     };
     for (one, line) in pictures.iter().zip(table(&folder)) {
-        let values = &one["values"];
-        let error = match &values["root_mean_square_error"] {
+        let error = match &one["root_mean_square_error"] {
             Value::Null => String::new(),
             error if error.as_f64() == Some(0.0) => "0".into(),
             error => format!("{:.6}", error.as_f64().unwrap()),
         };
         let fields = ["pixels_that_differ", "by_more_than_one_level", "not_rounding", "largest_difference"];
-        let numbers = fields.map(|field| text(&values[field])).join(",");
+        let numbers = fields.map(|field| text(&one[field])).join(",");
         let [name, picture, reason] =
             ["name", "picture", "reason"].map(|field| format!("{:?}", text(&one[field])));
-        let [result, points, unit] = [&one["result"], &one["points"], &values["unit"]].map(text);
+        let [result, points, unit] = [&one["result"], &one["points"], &one["unit"]].map(text);
         assert_eq!(line, format!("{name},{picture},{result},{points},{numbers},{error},{unit},{reason}"));
     }
     let bela = &document["names"][1];

@@ -78,6 +78,24 @@ impl Difference {
         }
     }
 
+    /// Returns the largest difference, in levels or of numbers. It is infinite if one of two numbers is not finite.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Self::Levels(comparison) => comparison.largest.map_or(0.0, |largest| largest.levels.into()),
+            Self::Numbers(comparison) => {
+                comparison.first_not_finite.or(comparison.largest).map_or(0.0, |largest| largest.difference)
+            }
+        }
+    }
+
+    /// Returns the root mean square error, in levels or of numbers.
+    pub fn root_mean_square_error(&self) -> f64 {
+        match self {
+            Self::Levels(comparison) => comparison.root_mean_square_error,
+            Self::Numbers(comparison) => comparison.root_mean_square_error,
+        }
+    }
+
     /// Returns the block, which ends with these lines.
     pub fn block(&self, more: impl IntoIterator<Item = Line>) -> String {
         let lines = match self {

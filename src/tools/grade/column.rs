@@ -6,7 +6,6 @@ use crate::diagnostic::Diagnostic;
 use crate::picture::{FloatPicture, Pixels};
 use crate::tools::causes::Finding;
 use crate::tools::compare::{Difference, relation};
-use serde::Serialize;
 
 /// A submission.
 #[derive(Clone, Debug)]
@@ -26,7 +25,7 @@ pub struct Column {
     /// The reason why there is no reference, if there is none.
     pub problem: Option<String>,
     /// True if the reference is a picture of numbers.
-    has_numbers: bool,
+    pub has_numbers: bool,
     /// The results, one for each name.
     pub cells: Vec<Cell>,
     /// Remarks on the files, one for each name.
@@ -60,25 +59,6 @@ pub enum Cell {
     Unusable(String),
     /// There is no reference.
     Ungraded,
-}
-
-/// The unit of differences of bytes.
-const LEVELS: &str = "levels";
-/// The unit of differences of numbers.
-const NUMBERS: &str = "numbers";
-
-/// The numbers of a result.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Values {
-    /// `levels`, or `numbers` if floating-point pictures are compared.
-    pub unit: &'static str,
-    pub pixels_that_differ: u64,
-    /// Only of levels.
-    pub by_more_than_one_level: Option<u64>,
-    /// The number of pixels that rounding does not explain, if it can.
-    pub not_rounding: Option<u64>,
-    pub largest_difference: f64,
-    pub root_mean_square_error: f64,
 }
 
 /// The verdict of a cell.
@@ -138,40 +118,6 @@ impl Cell {
         }
     }
 
-    /// Returns the numbers of a picture that was compared. `unit` is that of an equal one.
-    fn values(&self, unit: &'static str) -> Option<Values> {
-        let (difference, verdict) = match self {
-            Self::Equal => {
-                let by_more_than_one_level = (unit == LEVELS).then_some(0);
-                return Some(Values { unit, by_more_than_one_level, ..Values::default() });
-            }
-            Self::Different { difference, verdict, .. } => (difference, verdict),
-            Self::Missing | Self::Unusable(_) | Self::Ungraded => return None,
-        };
-        let pixels_that_differ = difference.pixels_that_differ();
-        Some(match difference {
-            Difference::Levels(levels) => Values {
-                unit: LEVELS,
-                pixels_that_differ,
-                by_more_than_one_level: Some(levels.pixels_differing_by_more_than(1)),
-                not_rounding: verdict.unexplained,
-                largest_difference: levels.largest.map_or(0.0, |largest| largest.levels.into()),
-                root_mean_square_error: levels.root_mean_square_error,
-            },
-            Difference::Numbers(numbers) => Values {
-                unit: NUMBERS,
-                pixels_that_differ,
-                by_more_than_one_level: None,
-                not_rounding: None,
-                largest_difference: match numbers.first_not_finite {
-                    Some(_) => f64::INFINITY,
-                    None => numbers.largest.map_or(0.0, |largest| largest.difference),
-                },
-                root_mean_square_error: numbers.root_mean_square_error,
-            },
-        })
-    }
-
     /// Returns why the picture does not equal the reference: rounding, the cause of the difference, or the reason why the
     /// picture cannot be used.
     pub fn reason(&self) -> Option<String> {
@@ -216,11 +162,6 @@ impl Column {
             cells: vec![Cell::Ungraded; names],
             remarks: vec![Remark::default(); names],
         }
-    }
-
-    /// Returns the numbers of the picture in a row, if it was compared.
-    pub fn values(&self, row: usize) -> Option<Values> {
-        self.cells[row].values(if self.has_numbers { NUMBERS } else { LEVELS })
     }
 
     /// Returns the remarks on the cell in a row: on its file, and why it differs.
@@ -413,9 +354,8 @@ mod tests {
         let submissions = [f64::NAN, 1.0].map(|number| Submission::Picture(numbers(number)));
         let column = graded(&numbers(f64::NAN), submissions, EXACT);
         assert!(matches!(column.cells[0], Cell::Equal));
-        let values = [0, 1].map(|row| column.values(row).unwrap());
-        assert_eq!(values.each_ref().map(|values| values.largest_difference), [0.0, f64::INFINITY]);
-        assert_eq!(values.map(|values| values.unit), [NUMBERS; 2]);
+        let Cell::Different { difference, .. } = &column.cells[1] else { panic!("{column:?}") };
+        assert_eq!(difference.largest(), f64::INFINITY);
     }
 
     #[test]
@@ -428,7 +368,10 @@ mod tests {
             assert!(grader.waiting.is_empty());
         }
         let column = grader.finish("a".into(), vec![Remark::default(); 3]).unwrap();
-        let largest = [0, 1, 2].map(|row| column.values(row).unwrap().largest_difference);
-        assert_eq!(largest, [1.0, 2.0, 3.0]);
+        let largest = column.cells.iter().map(|cell| match cell {
+            Cell::Different { difference, .. } => difference.largest(),
+            other => panic!("{other:?}"),
+        });
+        assert!(largest.eq([1.0, 2.0, 3.0]));
     }
 }

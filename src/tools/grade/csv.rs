@@ -1,7 +1,7 @@
 //! Writes a table of results as comma-separated values (RFC 4180): one line for each picture of each name, then one for
 //! each file that is not graded.
 
-use super::{Cell, CellWord, Column, NotGraded, Table, Values};
+use super::{Entry, Table};
 use crate::base::escape::csv_field;
 
 const HEAD: &str = "name,picture,result,points,pixels that differ,by more than one level,not rounding,\
@@ -9,46 +9,28 @@ const HEAD: &str = "name,picture,result,points,pixels that differ,by more than o
 
 /// Returns the table's lines, name by name.
 pub fn csv(table: &Table) -> String {
-    let rows = table.names.iter().enumerate();
-    let lines = rows.flat_map(|(row, name)| table.columns.iter().map(move |column| line(name, column, row)));
-    let not_graded = table.not_graded.iter().map(not_graded);
-    std::iter::once(HEAD.to_owned()).chain(lines).chain(not_graded).collect()
+    let entries = table.entries().chain(table.not_graded.iter().map(Entry::of_file));
+    std::iter::once(HEAD.to_owned()).chain(entries.map(|entry| line(&entry))).collect()
 }
 
-fn line(name: &str, column: &Column, row: usize) -> String {
-    let cell = &column.cells[row];
-    let (name, picture) = (csv_field(name), csv_field(&column.picture));
-    let reason = csv_field(&column.reason(row).unwrap_or_default());
-    let (word, points) = (cell.verdict().word(), points(cell).map_or("", |point| ["0", "1"][point]));
-    format!("{name},{picture},{word},{points},{},{reason}\r\n", numbers(column.values(row)))
-}
-
-/// Returns the point of a picture that has a reference: 1 if it passes.
-pub(super) fn points(cell: &Cell) -> Option<usize> {
-    let word = cell.verdict();
-    (word != CellWord::Ungraded).then_some(usize::from(word == CellWord::Passed))
-}
-
-fn numbers(values: Option<Values>) -> String {
-    let Some(values) = values else { return ",".repeat(5) };
+fn line(entry: &Entry) -> String {
     let count = |count: Option<u64>| count.map_or(String::new(), |count| count.to_string());
-    let error = match values.root_mean_square_error {
+    let error = entry.root_mean_square_error.map_or(String::new(), |error| match error {
         0.0 => "0".to_owned(),
         error => format!("{error:.6}"),
-    };
-    [
-        values.pixels_that_differ.to_string(),
-        count(values.by_more_than_one_level),
-        count(values.not_rounding),
-        values.largest_difference.to_string(),
+    });
+    let fields = [
+        csv_field(&entry.name),
+        csv_field(&entry.picture),
+        entry.result.to_owned(),
+        count(entry.points),
+        count(entry.pixels_that_differ),
+        count(entry.by_more_than_one_level),
+        count(entry.not_rounding),
+        entry.largest_difference.map_or(String::new(), |largest| largest.to_string()),
         error,
-        values.unit.to_owned(),
-    ]
-    .join(",")
-}
-
-fn not_graded(file: &NotGraded) -> String {
-    let name = csv_field(file.name.as_deref().unwrap_or_default());
-    let (path, words) = (csv_field(&file.file), csv_field(&file.words()));
-    format!("{name},{path},not graded,,{},{words}\r\n", numbers(None))
+        entry.unit.unwrap_or_default().to_owned(),
+        csv_field(entry.reason.as_deref().unwrap_or_default()),
+    ];
+    fields.join(",") + "\r\n"
 }

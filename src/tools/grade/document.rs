@@ -1,6 +1,5 @@
 //! The results as a JSON document, whose form `docs/json.md` describes.
 
-use super::csv::points;
 use super::{NotGraded, Rule, Table};
 use serde_json::{Value, json};
 
@@ -13,19 +12,6 @@ pub fn document(table: &Table, format: u32) -> String {
             "points": score.points(),
             "graded": score.graded(),
             "percent": score.percent(),
-        })
-    });
-    let rows = 0..table.names.len();
-    let pictures = rows.flat_map(|row| table.columns.iter().map(move |column| (row, column)));
-    let pictures = pictures.map(|(row, column)| {
-        let cell = &column.cells[row];
-        json!({
-            "name": table.names[row],
-            "picture": column.picture,
-            "result": cell.verdict().word(),
-            "points": points(cell),
-            "values": column.values(row),
-            "reason": column.reason(row),
         })
     });
     let no_reference = table.columns.iter().filter_map(|column| {
@@ -43,7 +29,7 @@ pub fn document(table: &Table, format: u32) -> String {
         "explains_rounding": table.rule == Rule::Rounding,
         "passes": table.passes(),
         "names": names.collect::<Vec<_>>(),
-        "pictures": pictures.collect::<Vec<_>>(),
+        "pictures": table.entries().collect::<Vec<_>>(),
         "no_reference": no_reference.collect::<Vec<_>>(),
         "not_graded": table.not_graded.iter().map(not_graded).collect::<Vec<_>>(),
     });

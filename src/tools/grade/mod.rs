@@ -7,14 +7,16 @@
 mod column;
 mod csv;
 mod document;
+mod entry;
 mod listing;
 mod page;
 mod reference;
 mod summary;
 
-pub use column::{Cell, CellWord, Column, ColumnGrader, Remark, Submission, Values};
+pub use column::{Cell, CellWord, Column, ColumnGrader, Remark, Submission};
 pub use csv::csv;
 pub use document::document;
+pub use entry::Entry;
 pub use listing::{Kind, Listed, Other, Pairing, Reason};
 pub use page::Page;
 pub use reference::{Reference, Rule};
