@@ -27,9 +27,9 @@ use serde::Serialize;
 /// The difference of a picture from a reference.
 #[derive(Clone, Debug)]
 pub enum Difference {
-    /// That of bytes.
+    /// Between bytes.
     Levels(Box<Comparison>),
-    /// That of numbers.
+    /// Between numbers.
     Numbers(Box<NumberComparison>),
 }
 
