@@ -341,6 +341,11 @@ impl Original<'_> {
 
     /// Finds why a picture of the original's size differs from it.
     pub fn explain(&self, picture: &Picture) -> Finding {
+        if *picture == self.colors.to_picture() {
+            // A picture that equals this program's, but not the reference of a file.
+            let (cause, also, same) = (Mistake::Unchanged, vec![], vec![]);
+            return Finding::Equal { cause, also, same, pixels: 0, by_more_than_one_level: 0, at_edges: 0 };
+        }
         self.explain_all(std::slice::from_ref(picture)).pop().unwrap_or(Finding::Unknown { tried: 0 })
     }
 
