@@ -3,13 +3,15 @@
 //! The message of an error is the reason alone, to which [`read_picture`] adds the file.
 
 use super::cannot;
-use super::decoding::{Remarks, black, check_bytes, level, no_pixels, open_regular, or_too_early, too_short};
+use super::decoding::{
+    Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, or_too_early, too_short,
+};
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
 use super::{exr, netpbm};
 use crate::base::escape::escape;
 use crate::base::memory::{Bytes, with_room};
 use crate::diagnostic::Diagnostic;
-use crate::picture::Picture;
+use crate::picture::{Picture, Pixels};
 use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
@@ -49,14 +51,30 @@ pub fn read_remarked_picture(path: &Path) -> Result<(Picture, Remarks), Diagnost
     load_picture(path).map_err(|reason| cannot("read", path, reason))
 }
 
+/// Reads a picture like [`read_picture`], with remarks. The numbers of PFM and OpenEXR files stay numbers.
+pub fn read_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
+    load_pixels(path).map_err(|reason| cannot("read", path, reason))
+}
+
 /// Reads a picture like [`read_picture`] from the bytes of a file with this name. One that takes more than `limit`
 /// bytes when it is decoded is an error.
 pub fn read_picture_from(name: &Path, bytes: &[u8], limit: u64) -> Result<Picture, Diagnostic> {
-    decode(name, bytes, limit).map(|(picture, _)| picture).map_err(|reason| cannot("read", name, reason))
+    let decoded = decode(name, bytes, limit, Wanted::Bytes).map_err(|reason| cannot("read", name, reason))?;
+    Ok(decoded.0.into_bytes())
 }
 
-/// Reads a picture like [`read_picture`], with remarks. The message of an error does not name the file.
+/// Reads a picture like [`read_remarked_picture`]. The message of an error does not name the file.
 pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
+    let (picture, remarks) = load(path, Wanted::Bytes)?;
+    Ok((picture.into_bytes(), remarks))
+}
+
+/// Reads a picture like [`read_pixels`]. The message of an error does not name the file.
+pub fn load_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
+    load(path, Wanted::Numbers)
+}
+
+fn load(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
     if length > LONGEST_FILE {
@@ -64,16 +82,16 @@ pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
     }
     let mut bytes = with_room(length as usize)?;
     file.take(length).read_to_end(&mut bytes)?;
-    decode(path, &bytes, MAX_BYTES)
+    decode(path, &bytes, MAX_BYTES, wanted)
 }
 
-fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagnostic> {
+fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let format = identify(name, bytes)?;
     if has_no_pixels(format, bytes) {
         return Err(no_pixels());
     }
     let max_pixels = MAX_PIXELS_PER_BYTE * bytes.len() as u64;
-    let picture = match format {
+    let (picture, transparent) = match format {
         Format::Tga => decoded(TgaDecoder::new(tga(bytes)?), max_pixels, limit)?,
         Format::Png => {
             let mut limits = Limits::no_limits();
@@ -81,10 +99,13 @@ fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Picture, Remarks), D
             decoded(PngDecoder::with_limits(Cursor::new(bytes), limits), max_pixels, limit)?
         }
         Format::Bmp => decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit)?,
-        Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit),
-        Format::Exr => return exr::read(bytes, limit),
+        Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit, wanted),
+        Format::Exr => return exr::read(bytes, limit, wanted),
     };
-    Ok((picture, Remarks::default()))
+    // A TGA file without bits of alpha may have anything in the fourth byte of a pixel.
+    let has_alpha = format != Format::Tga || bytes[TGA_HEADER - 1] & 0xf != 0;
+    let remarks = Remarks { transparent: if has_alpha { transparent } else { 0 }, ..Remarks::default() };
+    Ok((Pixels::Bytes(picture), remarks))
 }
 
 /// Returns true if a header of a format that the image crate reads has a width or height of 0, which the crate would
@@ -115,12 +136,13 @@ fn tga(bytes: &[u8]) -> Result<impl Read, Diagnostic> {
     Ok(Cursor::new(header).chain(rest))
 }
 
-/// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows.
+/// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows. Returns also how many of
+/// them are not opaque.
 fn decoded<D: ImageDecoder>(
     decoder: image::ImageResult<D>,
     max_pixels: u64,
     limit: u64,
-) -> Result<Picture, Diagnostic> {
+) -> Result<(Picture, u64), Diagnostic> {
     let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER)))?;
     let (width, height) = decoder.dimensions();
     let (size, color_type, length) = ([width, height], decoder.color_type(), decoder.total_bytes());
@@ -133,11 +155,22 @@ fn decoded<D: ImageDecoder>(
     samples.resize(length as usize, 0);
     decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size)))?;
     if color_type == ColorType::Rgb8 {
-        return Ok(Picture::from_rgb(width, height, samples));
+        return Ok((Picture::from_rgb(width, height, samples), 0));
     }
     let mut picture = black(size, limit)?;
     to_rgb(color_type, &samples, picture.pixels_mut());
-    Ok(picture)
+    Ok((picture, transparent(color_type, &samples)))
+}
+
+/// Counts the pixels that are not opaque. Alpha is the last channel.
+fn transparent(color_type: ColorType, samples: &[u8]) -> u64 {
+    if !color_type.has_alpha() {
+        return 0;
+    }
+    let pixel_bytes = usize::from(color_type.bytes_per_pixel());
+    let alpha = pixel_bytes - pixel_bytes / usize::from(color_type.channel_count());
+    let pixels = samples.chunks_exact(pixel_bytes);
+    pixels.filter(|pixel| pixel[alpha..].iter().any(|&byte| byte != u8::MAX)).count() as u64
 }
 
 /// Returns the error of a decoder, with other words for a file that ends too early.

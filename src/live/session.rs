@@ -277,14 +277,14 @@ impl Session {
         let (reference, own) = self.pair(view, stop)?;
         let picture = &reference.picture;
         let compared = Comparison::new_unless(picture, &own.picture, &|| stop.is_over())?;
-        let shown = DifferencePicture::new(picture, &own.picture)?;
+        let (shown, amplification) = DifferencePicture::of_bytes(picture, &own.picture)?;
         let meta = json!({
             "size": picture_size(picture), "block": compared.to_string(), "largest": compared.largest,
-            "amplification": shown.amplification,
+            "amplification": amplification,
         });
-        let difference = rgba(&shown.picture);
+        let difference = rgba(&shown);
         // The last of the panels that stand side by side.
-        let [all, panel] = [shown.picture.width(), picture.width()].map(|width| 4 * width as usize);
+        let [all, panel] = [shown.width(), picture.width()].map(|width| 4 * width as usize);
         let difference: Vec<&[u8]> = difference.chunks_exact(all).map(|row| &row[all - panel..]).collect();
         Ok(Answer::described(&meta, &[&rgba(picture), &rgba(&own.picture), &difference.concat()]))
     }

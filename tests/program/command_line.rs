@@ -153,7 +153,7 @@ fn comparisons() {
     let both = Comparison {
         reference: file("b.PNG"),
         difference: file("d.png"),
-        tolerance: Some(Tolerance { levels: 2, pixels: 4294967295 }),
+        tolerance: Some(Tolerance { levels: 2.0, pixels: 4294967295 }),
         ..mine
     };
     accepts(

@@ -180,6 +180,35 @@ fn of_comparisons(documents: &mut Vec<Value>) {
     documents.push(document(&folder, "-input s.txt -size 100 75 -shadows -compare a.png"));
 }
 
+/// Documents of comparisons of numbers.
+fn of_numbers(documents: &mut Vec<Value>) {
+    let folder = Folder::new();
+    let write = |name: &str, numbers: [f32; 3]| {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        folder.write(name, [b"Pf\n3 1\n-1.0\n", &bytes[..]].concat());
+    };
+    write("a.pfm", [1.0, 2.0, f32::NAN]);
+    write("b.pfm", [1.0, 3.0, 4.0]);
+    documents.push(document(&folder, "-compare a.pfm -reference b.pfm -difference d.png -tolerance 0.5 0"));
+    documents.push(document(&folder, "-compare b.pfm -reference b.pfm"));
+}
+
+/// Documents of gradings.
+fn of_gradings() -> Vec<Value> {
+    let folder = Folder::with_scene(&scene(1, "Sphere { center 0 0 0 radius .7 }"));
+    folder.write("commands.txt", "rt -input s.txt -output o.tga\nrt -input none.txt -output n.tga\n");
+    fs::create_dir_all(folder.path().join("class/anna")).expect("a folder");
+    folder.write("class/loose.tga", "");
+    folder.write("class/anna/o.jpg", "");
+    let line = "-grade class -commands commands.txt";
+    let mut documents = vec![document(&folder, line)];
+    folder.run("-input s.txt -output class/anna/o.tga").ok();
+    documents.push(document(&folder, &format!("{line} -tolerance 0.5 1")));
+    folder.run("-input s.txt -uv -output class/anna/o.tga").ok();
+    documents.push(document(&folder, line));
+    documents
+}
+
 /// A document of a comparison with a picture in which faces of the cube map are swapped.
 fn of_a_cube_map(documents: &mut Vec<Value>) {
     let folder = Folder::with_scene(
@@ -225,9 +254,12 @@ fn every_member_is_documented_and_every_documented_member_exists() {
     of_comparisons(&mut documents);
     of_a_cube_map(&mut documents);
     of_pictures(&mut documents);
+    of_numbers(&mut documents);
     let form = Form::read();
     let mut findings = Findings::default();
     documents.iter().for_each(|document| form.check("Document", "", document, &mut findings));
+    let gradings = of_gradings();
+    gradings.iter().for_each(|document| form.check("Document of a grading", "", document, &mut findings));
     let rows =
         form.0.iter().flat_map(|(table, rows)| rows.keys().map(move |path| (*table, path.to_string())));
     let unseen = rows.filter(|row| !findings.seen.contains(row));

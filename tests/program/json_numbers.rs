@@ -176,7 +176,7 @@ fn the_comparison_is_that_of_the_text() {
     assert_eq!((&compared["size"], &compared["cause"]), (&json!([48, 36]), &cause));
     let above = compared["tolerance"]["pixels_above"].as_u64().expect("a count");
     assert!(above > 40 && above < differing as u64, "{above}");
-    let check = json!({ "levels": 60, "pixels": 40, "pixels_above": above, "passes": false });
+    let check = json!({ "levels": 60.0, "pixels": 40, "pixels_above": above, "passes": false });
     assert_eq!(compared["tolerance"], check);
     // The number above is the last that does not pass.
     let passes =

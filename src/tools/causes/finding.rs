@@ -81,7 +81,7 @@ impl Rounded {
             unexplained: rest.unexplained.len(),
             first: rest.unexplained.first().map(place),
             epsilon: rest.epsilon,
-            by_one_level: rest.visible == 0,
+            by_one_level: rest.visible.is_empty(),
         }
     }
 }

@@ -97,6 +97,11 @@ impl<'a> Original<'a> {
         self.colors.to_picture()
     }
 
+    /// Returns the colours of this program's own picture.
+    pub fn colors(&self) -> &FloatPicture {
+        &self.colors
+    }
+
     /// Returns the picture with these mistakes. `None` if it cannot be made.
     pub fn picture(&self, mistakes: &[Mistake]) -> Option<Picture> {
         Some(Variant::new(self, mistakes)?.picture()?.to_picture())
@@ -104,10 +109,10 @@ impl<'a> Original<'a> {
 
     /// Returns the number of pixels whose difference from this program's picture rounding does not explain. The picture
     /// must have the original's size.
-    pub fn unexplained(&self, picture: &Picture) -> Rounded {
+    pub fn unexplained(&self, picture: &Picture) -> u64 {
         let made = Made::new(self.colors.clone());
         let variant = Variant::new(self, &[]);
-        Rounded::new(&rounding::rest(colors(picture), &made, variant.as_ref()), self.colors.size[0])
+        rounding::rest(colors(picture), &made, variant.as_ref()).unexplained.len() as u64
     }
 
     /// Finds why each picture differs from this program's, like [`explain`](Self::explain).
@@ -123,7 +128,8 @@ impl<'a> Original<'a> {
         if before.differing == 0 {
             return self.equal(&Candidate::unchanged(own, before), &[], size);
         }
-        if before.unexplained.is_empty() {
+        let is_visible = before.unexplained.len() >= MIN_VISIBLE;
+        if before.unexplained.is_empty() && before.visible.len() < MIN_VISIBLE {
             return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
         }
 
@@ -139,6 +145,10 @@ impl<'a> Original<'a> {
         let candidates = self.judged(&search, most_likely(likely));
         if let Some(best) = best_of(&candidates, |candidate| candidate.is_all(&before)) {
             return self.equal(best, &candidates, size);
+        }
+
+        if !is_visible {
+            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
         }
 
         // Try each mistake together with those that explain the most.
@@ -159,14 +169,13 @@ impl<'a> Original<'a> {
         if let Some(best) = pair.or(single) {
             return self.equal(best, &candidates, size);
         }
-        let is_visible = before.unexplained.len() >= MIN_VISIBLE;
-        if let Some(found) = speckles(self, picture, &before).filter(|_| is_visible) {
+        if let Some(found) = speckles(self, picture, &before) {
             return found;
         }
-        if let Some(Candidate { mistakes, share, .. }) = part(&search, &candidates).filter(|_| is_visible) {
+        if let Some(Candidate { mistakes, share, .. }) = part(&search, &candidates) {
             return Finding::Part { cause: mistakes[0].clone(), share: *share };
         }
-        if 2 * before.unexplained.len() <= before.visible {
+        if 2 * before.unexplained.len() <= before.visible.len() {
             return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
         }
         let difference = difference_kind(self, picture, &before.unexplained).map(Box::new);

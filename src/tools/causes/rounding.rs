@@ -37,8 +37,8 @@ pub struct Rest {
     pub differing: usize,
     /// The pixels that rounding does not explain, in ascending order.
     pub unexplained: Vec<usize>,
-    /// The number of pixels that differ by more than a level.
-    pub visible: usize,
+    /// The pixels that differ by more than a level, in ascending order.
+    pub visible: Vec<usize>,
     /// The course's own epsilon, if it explains some pixels.
     pub epsilon: Option<f64>,
 }
@@ -55,16 +55,16 @@ pub fn rest(picture: &[Rgb], made: &Made, variant: Option<&Variant>) -> Rest {
         made.levels(pixel) > 0 && !made.differs_visibly(pixel)
     };
     let by_a_level: Vec<usize> = (0..picture.len()).filter(is_by_a_level).collect();
-    let mut rest = Rest { differing, visible: visible.len(), ..Rest::default() };
+    let mut rest = Rest { differing, visible, ..Rest::default() };
     let Some(variant) = variant else {
-        rest.unexplained = visible;
+        rest.unexplained = rest.visible.clone();
         if !is_balanced(picture, made, &by_a_level) {
             rest.unexplained.extend(by_a_level);
             rest.unexplained.sort_unstable();
         }
         return rest;
     };
-    rest.unexplained = rest.examine(picture, made, variant, visible);
+    rest.unexplained = rest.examine(picture, made, variant, rest.visible.clone());
     if !is_balanced(picture, made, &by_a_level) {
         // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
         let left = rest.examine_grazing(picture, made, variant, by_a_level);

@@ -100,9 +100,11 @@ impl Counts {
 impl<'p> Search<'p> {
     /// Starts a search. `unexplained` are the pixels that the base and rounding do not explain.
     pub fn new(picture: &'p [Rgb], base: Rc<Made>, size: [usize; 2], rest: &Rest) -> Self {
-        let level = u8::from(rest.visible >= MIN_VISIBLE);
+        let level = u8::from(rest.visible.len() >= MIN_VISIBLE);
         let mut is_wrong = vec![false; picture.len()];
-        rest.unexplained.iter().for_each(|&at| is_wrong[at] = true);
+        // Where rounding explains all, only a mistake that explains it better is of interest.
+        let visible = if rest.unexplained.len() < MIN_VISIBLE { &rest.visible[..] } else { &[] };
+        rest.unexplained.iter().chain(visible).for_each(|&at| is_wrong[at] = true);
         let is_wrong_by = |at: &usize| is_wrong[*at] && base.pixels[*at].levels(picture[*at]) > level;
         let wrong: Vec<usize> = (0..picture.len()).filter(is_wrong_by).collect();
         let right: Vec<usize> =
@@ -244,10 +246,10 @@ impl Candidate {
 
     /// Returns true if rounding explains what the mistakes leave of a difference of this size.
     pub fn is_all(&self, before: &Rest) -> bool {
-        let left = self.rest.unexplained.len();
-        match before.unexplained.len() {
-            0..MIN_VISIBLE => self.rest.differing == 0,
-            _ => left <= MAX_UNEXPLAINED,
+        match (before.unexplained.len(), before.visible.len()) {
+            (0..MIN_VISIBLE, 0..MIN_VISIBLE) => self.rest.differing == 0,
+            (0..MIN_VISIBLE, _) => self.rest.visible.is_empty() && self.rest.unexplained.is_empty(),
+            _ => self.rest.unexplained.len() <= MAX_UNEXPLAINED,
         }
     }
 

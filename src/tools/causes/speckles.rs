@@ -45,14 +45,14 @@ pub fn speckles(original: &Original, picture: &[Rgb], before: &Rest) -> Option<F
         && request.filter.support() == 0
         && !request.is_reduced;
     // Acne does not change many pixels by a level.
-    let by_a_level = before.differing - before.visible;
+    let by_a_level = before.differing - before.visible.len();
     let differs_by_a_level = by_a_level as f64 > BY_A_LEVEL * picture.len() as f64;
     if !can_show || differs_by_a_level || original.is_cancelled() {
         return None;
     }
     let own = original.own();
     let (differing, mixed) = differing(request, picture, colors(&own), &EdgeMap::new(&own));
-    if mixed < HARDLY_MIXED || (differing.len() as f64) < MIN_AWAY * before.visible as f64 {
+    if mixed < HARDLY_MIXED || (differing.len() as f64) < MIN_AWAY * before.visible.len() as f64 {
         return None;
     }
     let step = differing.len().div_ceil(MAX_PIXELS).max(1);
