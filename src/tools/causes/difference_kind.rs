@@ -8,7 +8,7 @@ use super::changes::Part;
 use super::made::MadePixel;
 use super::mistakes::Mistake;
 use super::regions::{largest_region, window_around};
-use super::variant::{Variant, colors_at};
+use super::variant::{Rough, Variant, colors_at};
 use crate::picture::Window;
 use crate::render::Layer;
 use crate::scene::Position;
@@ -222,8 +222,8 @@ impl Region<'_> {
 
     fn colors_with(&self, mistakes: &[Mistake], pixels: &[usize]) -> Option<Vec<Rgb>> {
         let variant = Variant::new(self.original, mistakes)?;
-        let colors =
-            variant.with_painter(None, |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
+        let colors = variant
+            .with_painter(Rough::default(), |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
         Some(colors.into_iter().map(|color| MadePixel::new(color).bytes).collect())
     }
 

@@ -134,7 +134,9 @@ impl<'a> Original<'a> {
         }
 
         // Try each mistake.
-        let search = Search::new(picture, own, size, &before);
+        let rays_per_pixel = Variant::new(self, &[]).map_or(1, |variant| variant.rays_per_pixel());
+        let rays = rays_per_pixel * picture.len();
+        let search = Search::new(picture, own, size, &before, rays_per_pixel);
         let unset = unset_pixels(picture, size, &before.unexplained);
         let unset = unset.map(|unset| Mistake::unset(unset, size));
         let parts = self.parts(search.wrong_sample());
@@ -142,7 +144,7 @@ impl<'a> Original<'a> {
         let table = Mistake::all().filter(|mistake| mistake.name != "turned");
         let all: Vec<Mistake> = unset.into_iter().chain(parts).chain(table).collect();
         let (likely, tried) = self.likely(&search, &[], &all);
-        let candidates = self.judged(&search, most_likely(likely));
+        let candidates = self.judged(&search, most_likely(likely, rays));
         if let Some(best) = best_of(&candidates, |candidate| candidate.is_all(&before)) {
             return self.equal(best, &candidates, size);
         }
@@ -154,10 +156,10 @@ impl<'a> Original<'a> {
         // Try each mistake together with those that explain the most.
         let mut pairs = vec![];
         for ground in grounds(&candidates) {
-            let search = Search::new(picture, ground.made.clone(), size, &ground.rest);
+            let search = Search::new(picture, ground.made.clone(), size, &ground.rest, rays_per_pixel);
             let (likely, _) = self.likely(&search, &ground.mistakes, &all);
             let least = ground.rest.unexplained.len() / 2;
-            let found = self.judged(&search, most_likely(likely));
+            let found = self.judged(&search, most_likely(likely, rays));
             pairs.extend(found.into_iter().filter(|pair| pair.rest.unexplained.len() < least));
         }
         if let Some(best) = best_of(&pairs, |pair| pair.is_all(&before)) {
@@ -359,7 +361,7 @@ pub fn explain_finished(
     let explain = |picture: &Picture| {
         let picture = colors(picture);
         let before = rounding::rest(picture, &base, None);
-        let search = Search::new(picture, base.clone(), size, &before);
+        let search = Search::new(picture, base.clone(), size, &before, 1);
         let likely = every.iter().filter_map(|mistakes| search.likely_finished(mistakes, &own));
         let judge = |mistakes: Vec<Mistake>| {
             let mut made = own.clone();
@@ -367,7 +369,7 @@ pub fn explain_finished(
             search.judged(mistakes, Made::new(made), None)
         };
         let candidates: Vec<Candidate> =
-            most_likely(likely.collect()).into_iter().filter_map(judge).collect();
+            most_likely(likely.collect(), picture.len()).into_iter().filter_map(judge).collect();
         let most_left = MAX_LEFT * before.unexplained.len() as f64;
         let is_all = |candidate: &Candidate| {
             candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left

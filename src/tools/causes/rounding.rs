@@ -8,7 +8,7 @@
 use super::made::{Made, MadePixel};
 use super::self_hits::is_made;
 use super::student::Departure;
-use super::variant::{Variant, colors_at};
+use super::variant::{Rough, Variant, colors_at};
 use crate::picture::Color;
 use crate::tools::compare::{Rgb, largest_channel_difference};
 use crate::world::SurfacePoint;
@@ -28,7 +28,11 @@ const RARER_SIGN: f64 = 0.1;
 const FEW: usize = 8;
 /// The number of pixels that are examined one by one, and of those that are sampled if more differ.
 const MOST_EXAMINED: usize = 1 << 12;
-const SAMPLED: usize = 1 << 9;
+const SAMPLED: usize = 1 << 7;
+/// The number of camera rays of one view of the pixels that are examined.
+const MOST_RAYS: usize = 1 << 16;
+/// The relative rounding of a ray's weight in single precision.
+const WEIGHT_ROUNDING: f64 = 1e-5;
 
 /// What rounding explains of a picture's difference from one that this program makes.
 #[derive(Clone, Debug, Default)]
@@ -87,22 +91,29 @@ fn is_balanced(picture: &[Rgb], made: &Made, by_a_level: &[usize]) -> bool {
 impl Rest {
     /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
     fn examine(&mut self, picture: &[Rgb], made: &Made, variant: &Variant, pixels: Vec<usize>) -> Vec<usize> {
-        if pixels.len() > MOST_EXAMINED {
+        let views = Views { picture, made, variant };
+        let most = (MOST_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MOST_EXAMINED);
+        if pixels.len() > SAMPLED {
             let step = pixels.len() / SAMPLED;
             let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
-            let left = unexplained(picture, made, variant, &sample, None);
-            if 2 * left.len() > sample.len() {
+            let left = views.unexplained(&sample, Rough::default());
+            if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
                 return pixels;
             }
         }
-        let left = unexplained(picture, made, variant, &pixels, None);
-        if left.is_empty() || left.len() > MOST_EXAMINED || !variant.has_secondary_rays() {
+        let mut left = views.unexplained(&pixels, Rough::default());
+        if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
             return left;
         }
+        if variant.weighs_rays() {
+            for weight in [1.0 - WEIGHT_ROUNDING, 1.0 + WEIGHT_ROUNDING] {
+                left = views.unexplained(&left, Rough { epsilon: None, weight });
+            }
+        }
         let by_epsilon = |epsilon| {
-            let left = unexplained(picture, made, variant, &left, Some(epsilon));
+            let left = views.unexplained(&left, Rough { epsilon: Some(epsilon), weight: 1.0 });
             let moves: Vec<[f64; 2]> = moves(true).collect();
-            unexplained_by_grazing(picture, made, variant, left, epsilon, &moves)
+            views.unexplained_by_grazing(left, epsilon, &moves)
         };
         self.better_epsilon(left.len(), by_epsilon)
     }
@@ -118,8 +129,8 @@ impl Rest {
         if pixels.len() > MOST_EXAMINED || !variant.has_secondary_rays() {
             return pixels;
         }
-        let by_epsilon =
-            |epsilon| unexplained_by_grazing(picture, made, variant, pixels.clone(), epsilon, &[[0.0; 2]]);
+        let views = Views { picture, made, variant };
+        let by_epsilon = |epsilon| views.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]]);
         self.better_epsilon(pixels.len(), by_epsilon)
     }
 
@@ -135,60 +146,59 @@ impl Rest {
     }
 }
 
-/// Returns which of these pixels no moved view explains. With an epsilon, the views are those of a tracer that has it.
-fn unexplained(
-    picture: &[Rgb],
-    made: &Made,
-    variant: &Variant,
-    pixels: &[usize],
-    epsilon: Option<f64>,
-) -> Vec<usize> {
-    let left = variant.with_painter(epsilon, |painter| {
-        let mut left = pixels.to_vec();
-        for [x, y] in moves(epsilon.is_some()) {
-            let views = colors_at(painter, variant, &left, DVec2::new(x, y));
-            let pairs = left.iter().zip(views);
-            let explains = |(at, view): &(&usize, Color)| {
-                let view = variant.finish().color(*view, **at, variant.size());
-                !is_explained(picture[**at], made.colors[**at], view)
-            };
-            left = pairs.filter(explains).map(|(&at, _)| at).collect();
-            if left.is_empty() {
-                break;
-            }
-        }
-        left
-    });
-    left.unwrap_or_else(|| pixels.to_vec())
+/// A picture, and the variant from which it differs.
+struct Views<'v> {
+    picture: &'v [Rgb],
+    made: &'v Made,
+    variant: &'v Variant<'v>,
 }
 
-/// Returns which of these pixels are not explained by rays that graze the surface that they leave. In single precision
-/// such a ray may start below the surface, and hit it beyond the epsilon.
-fn unexplained_by_grazing(
-    picture: &[Rgb],
-    made: &Made,
-    variant: &Variant,
-    mut pixels: Vec<usize>,
-    epsilon: f64,
-    moves: &[[f64; 2]],
-) -> Vec<usize> {
-    let largest_cosine = variant.depth() / epsilon;
-    let grazes = |why, surface: &SurfacePoint, direction: DVec3| {
-        why != Departure::Onwards && surface.normal.dot(direction).abs() <= largest_cosine
-    };
-    let left = variant.with_painter(Some(epsilon), |painter| {
-        let is_left = |at: &usize| {
-            let source = variant.finish().source(*at, variant.size());
-            let accepts = |view| {
-                let view = variant.finish().color(view, *at, variant.size());
-                is_explained(picture[*at], made.colors[*at], view)
-            };
-            !moves.iter().any(|&[x, y]| is_made(painter, source, DVec2::new(x, y), &grazes, &accepts))
+impl Views<'_> {
+    /// Returns true if a view explains a pixel.
+    fn explains(&self, at: usize, view: Color) -> bool {
+        let view = self.variant.finish().color(view, at, self.variant.size());
+        is_explained(self.picture[at], self.made.colors[at], view)
+    }
+
+    /// Returns which of these pixels no moved view of a rough tracer explains.
+    fn unexplained(&self, pixels: &[usize], rough: Rough) -> Vec<usize> {
+        let left = self.variant.with_painter(rough, |painter| {
+            let mut left = pixels.to_vec();
+            for [x, y] in moves(rough != Rough::default()) {
+                let views = colors_at(painter, self.variant, &left, DVec2::new(x, y));
+                let pairs = left.iter().zip(views);
+                left = pairs.filter(|(at, view)| !self.explains(**at, *view)).map(|(&at, _)| at).collect();
+                if left.is_empty() {
+                    break;
+                }
+            }
+            left
+        });
+        left.unwrap_or_else(|| pixels.to_vec())
+    }
+
+    /// Returns which of these pixels are not explained by rays that graze the surface that they leave. In single
+    /// precision such a ray may start below the surface, and hit it beyond the epsilon. A pixel with several samples
+    /// has too many of them.
+    fn unexplained_by_grazing(&self, pixels: Vec<usize>, epsilon: f64, moves: &[[f64; 2]]) -> Vec<usize> {
+        if self.variant.rays_per_pixel() > 1 {
+            return pixels;
+        }
+        let largest_cosine = self.variant.depth() / epsilon;
+        let grazes = |why, surface: &SurfacePoint, direction: DVec3| {
+            why != Departure::Onwards && surface.normal.dot(direction).abs() <= largest_cosine
         };
-        pixels.par_iter().copied().filter(is_left).collect()
-    });
-    pixels = left.unwrap_or(pixels);
-    pixels
+        let rough = Rough { epsilon: Some(epsilon), weight: 1.0 };
+        let left = self.variant.with_painter(rough, |painter| {
+            let is_left = |at: &usize| {
+                let source = self.variant.finish().source(*at, self.variant.size());
+                let accepts = |view| self.explains(*at, view);
+                !moves.iter().any(|&[x, y]| is_made(painter, source, DVec2::new(x, y), &grazes, &accepts))
+            };
+            pixels.par_iter().copied().filter(is_left).collect()
+        });
+        left.unwrap_or(pixels)
+    }
 }
 
 /// Returns the moves of the views, along x and y.

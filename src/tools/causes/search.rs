@@ -7,14 +7,18 @@
 use super::made::{Made, MadePixel};
 use super::mistakes::Mistake;
 use super::rounding::{self, Rest};
-use super::variant::{Finish, Variant, colors_at};
+use super::variant::{Finish, Rough, Variant, colors_at};
 use crate::picture::{Color, FloatPicture};
 use crate::tools::compare::Rgb;
 use glam::DVec2;
 use std::rc::Rc;
 
-/// The number of wrong pixels by which a mistake is judged first, and the number of wrong and of right ones in a sample.
+/// The number of wrong pixels by which a mistake is judged first, if they need at most this number of rays, and the number of wrong and of right ones in a sample.
 const FIRST: usize = 48;
+const MIN_FIRST: usize = 12;
+const FIRST_RAYS: usize = 1 << 10;
+const MIN_SAMPLE: usize = 48;
+const SAMPLE_RAYS: usize = 1 << 14;
 const WRONG: usize = 512;
 const RIGHT: usize = 256;
 /// The smallest share of the first wrong pixels that a mistake makes right.
@@ -34,8 +38,9 @@ const MAX_CONTRADICTED: f64 = 0.03;
 const MAX_NEARLY: f64 = 0.1;
 /// A pixel is nearly right if it differs by at most this many levels.
 const NEARLY: u8 = 6;
-/// The number of mistakes that are judged by the whole picture.
+/// The number of mistakes that are judged by the whole picture, and the number of camera rays of all their pictures.
 const MOST_LIKELY: usize = 10;
+const MOST_LIKELY_RAYS: usize = 1 << 22;
 /// Every mistake of another kind must leave at least this many times as many wrong pixels.
 const MIN_LEAD: f64 = 2.0;
 /// The number of pixels that a correct tracer in single precision may leave unexplained.
@@ -98,8 +103,14 @@ impl Counts {
 }
 
 impl<'p> Search<'p> {
-    /// Starts a search. `unexplained` are the pixels that the base and rounding do not explain.
-    pub fn new(picture: &'p [Rgb], base: Rc<Made>, size: [usize; 2], rest: &Rest) -> Self {
+    /// Starts a search. `rest` is what the base leaves of the difference.
+    pub fn new(
+        picture: &'p [Rgb],
+        base: Rc<Made>,
+        size: [usize; 2],
+        rest: &Rest,
+        rays_per_pixel: usize,
+    ) -> Self {
         let level = u8::from(rest.visible.len() >= MIN_VISIBLE);
         let mut is_wrong = vec![false; picture.len()];
         // Where rounding explains all, only a mistake that explains it better is of interest.
@@ -109,9 +120,11 @@ impl<'p> Search<'p> {
         let wrong: Vec<usize> = (0..picture.len()).filter(is_wrong_by).collect();
         let right: Vec<usize> =
             (0..picture.len()).filter(|&at| base.pixels[at].levels(picture[at]) == 0).collect();
-        let mut sample = scattered(&wrong, WRONG);
+        // Few pixels are enough where each needs many rays.
+        let most = |pixels: usize| pixels.min((SAMPLE_RAYS / rays_per_pixel).max(MIN_SAMPLE));
+        let mut sample = scattered(&wrong, most(WRONG));
         let wrong = sample.len();
-        sample.extend(scattered(&right, RIGHT));
+        sample.extend(scattered(&right, most(RIGHT)));
         Self { picture, base, size, is_wrong, level, sample, wrong }
     }
 
@@ -148,8 +161,9 @@ impl<'p> Search<'p> {
         changes: &[Mistake],
     ) -> Vec<(usize, Vec<Mistake>)> {
         let size = variant.size();
-        let found = variant.with_painter(None, |painter| {
-            let first = self.wrong.min(FIRST);
+        let found = variant.with_painter(Rough::default(), |painter| {
+            // Few pixels are enough where each needs many rays.
+            let first = (FIRST_RAYS / variant.rays_per_pixel()).clamp(MIN_FIRST, FIRST).min(self.wrong);
             let colors = colors_at(painter, variant, &self.sample[..first], DVec2::ZERO);
             let is_possible = |all: &Vec<Mistake>| {
                 let finish = Finish::new(all);
@@ -259,13 +273,14 @@ impl Candidate {
     }
 }
 
-/// Sorts likely mistakes, the best ones first, and drops those that a better one leads.
-pub fn most_likely(mut likely: Vec<(usize, Vec<Mistake>)>) -> Vec<Vec<Mistake>> {
+/// Sorts likely mistakes, the best ones first, and drops those that a better one leads. A picture has this number of
+/// camera rays.
+pub fn most_likely(mut likely: Vec<(usize, Vec<Mistake>)>, rays: usize) -> Vec<Vec<Mistake>> {
     likely.sort_by_key(|(left, mistakes)| (*left, mistakes.len()));
     let best = likely.first().map_or(0, |(left, _)| *left);
     let bound = MIN_LEAD * best as f64 + 8.0;
     let kept = likely.into_iter().take_while(|(left, _)| *left as f64 <= bound);
-    kept.map(|(_, mistakes)| mistakes).take(MOST_LIKELY).collect()
+    kept.map(|(_, mistakes)| mistakes).take((MOST_LIKELY_RAYS / rays).clamp(2, MOST_LIKELY)).collect()
 }
 
 /// Returns the candidate of which a part of the difference consists, if there is one: a single mistake that is not merely

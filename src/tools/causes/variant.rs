@@ -17,6 +17,21 @@ use crate::trace::Shadows;
 use crate::world::{Objects, PlacedObject};
 use glam::DVec2;
 
+/// What differs in a tracer in single precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rough {
+    /// An epsilon in place of the scene's.
+    pub epsilon: Option<f64>,
+    /// The factor of the smallest weight of a ray that is traced.
+    pub weight: f64,
+}
+
+impl Default for Rough {
+    fn default() -> Self {
+        Self { epsilon: None, weight: 1.0 }
+    }
+}
+
 /// A picture with some mistakes, ready to be rendered.
 pub struct Variant<'o> {
     original: &'o Original<'o>,
@@ -79,6 +94,19 @@ impl<'o> Variant<'o> {
         self.request.layers.first() == Some(&Layer::Color) && leaves
     }
 
+    /// Returns true if the weights of rays decide which ones are traced.
+    pub fn weighs_rays(&self) -> bool {
+        self.request.effects.bounces > 0 && self.request.effects.min_weight > 0.0
+    }
+
+    /// Returns the number of camera rays on which a pixel depends.
+    pub fn rays_per_pixel(&self) -> usize {
+        let is_color = self.request.layers.first() == Some(&Layer::Color);
+        let Request { sampler, filter, .. } = self.request;
+        let side = 2 * filter.support() + 1;
+        if is_color { sampler.count() as usize * side * side } else { 1 }
+    }
+
     /// Returns the width and height of the picture.
     pub fn size(&self) -> [usize; 2] {
         self.request.layer_size(&self.original.layer())
@@ -98,7 +126,7 @@ impl<'o> Variant<'o> {
                 |prepared: &Prepared| prepared.render_layer(&self.request, self.original.watch).ok();
             self.with_prepared(rendered)??.0
         } else {
-            self.with_painter(None, |painter| painter.picture().ok())??
+            self.with_painter(Rough::default(), |painter| painter.picture().ok())??
         };
         if self.original.is_cancelled() {
             return None;
@@ -116,18 +144,20 @@ impl<'o> Variant<'o> {
     }
 
     /// Calls `work` with a student's tracer that paints the picture before it is finished. `None` if memory is too small.
-    pub fn with_painter<T>(&self, epsilon: Option<f64>, work: impl FnOnce(&Painter) -> T) -> Option<T> {
+    pub fn with_painter<T>(&self, rough: Rough, work: impl FnOnce(&Painter) -> T) -> Option<T> {
         let paint = |prepared: &Prepared| {
             let (renderer, caster) = (prepared.renderer(), prepared.caster());
             let objects = Objects::new(&renderer.scene, self.original.renderer().meshes(), caster.world)?;
             let wrong = WrongHits::new(caster, &objects, self.rules, self.hidden(&objects));
-            let effects = self.request.effects;
+            let mut effects = self.request.effects;
+            effects.min_weight *= rough.weight;
             let student = if wrong.is_needed() {
                 Student::new(renderer, &wrong, effects)
             } else {
                 Student::new(renderer, caster, effects)
             };
-            let student = Student { rules: self.rules, objects: Some(&objects), epsilon, ..student };
+            let student =
+                Student { rules: self.rules, objects: Some(&objects), epsilon: rough.epsilon, ..student };
             let is_over = || self.original.is_cancelled();
             Some(work(&Painter::new(&student, &self.request, &is_over).with_moves(&self.moves)))
         };
