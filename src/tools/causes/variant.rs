@@ -6,7 +6,7 @@ use super::mistakes::{Make, Mistake};
 use super::paint::{Move, Painter};
 use super::rules::Rules;
 use super::student::{MAX_BOUNCES, Student};
-use super::wrong_hits::{EXHAUSTIVE, MAX_PRIMITIVES, WrongHits};
+use super::wrong_hits::{EXHAUSTIVE, MAX_TESTS, WrongHits};
 use crate::caster::choose::Rays;
 use crate::picture::{Color, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
@@ -70,7 +70,7 @@ impl<'o> Variant<'o> {
         }
         let is_student = !rules.is_empty() || !moves.is_empty();
         let is_deep = is_student && request.effects.bounces > MAX_BOUNCES && has_secondary_rays(&scene);
-        let is_large = rules.has_any(&EXHAUSTIVE) && own.world().ids().len() > MAX_PRIMITIVES;
+        let is_large = rules.has_any(&EXHAUSTIVE) && own.world().ids().len() * request.camera_rays() > MAX_TESTS;
         if is_deep || is_large {
             return None;
         }

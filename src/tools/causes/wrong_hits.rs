@@ -8,8 +8,8 @@ use crate::world::{Objects, PlacedObject, SurfacePoint, World};
 /// The rules that need a test of every primitive.
 pub const EXHAUSTIVE: [Rule; 4] = [Rule::FarHit, Rule::FirstHit, Rule::LastHit, Rule::TNotRescaled];
 
-/// The largest number of primitives for which every one is tested.
-pub const MAX_PRIMITIVES: usize = 1 << 12;
+/// The largest number of tests for the camera rays of a picture, if every primitive is tested.
+pub const MAX_TESTS: usize = 1 << 26;
 
 /// Finds hits as broken rules say.
 pub struct WrongHits<'a> {
