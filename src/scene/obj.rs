@@ -3,9 +3,10 @@
 //! Files with only positions and triangles take a faster path in `plain_obj`. `obj_reader` reads all others.
 
 use super::foreign_format::foreign;
-use super::mesh::{Mesh, ObjFile};
+use super::mesh::{Mesh, NamedFile, ObjFile};
+pub use super::obj_lines::LIBRARY;
 pub use super::plain_obj::memory_for;
-use super::{obj_reader, plain_obj};
+use super::{obj_lines, obj_reader, plain_obj};
 use crate::base::shortcut::Shortcut;
 use crate::diagnostic::Diagnostic;
 use std::borrow::Cow;
@@ -27,6 +28,12 @@ pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> 
 /// Reads a mesh without texture coordinates.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
     read_obj(bytes, false).map(|file| file.mesh)
+}
+
+/// Returns the files that a mesh or a material library names.
+pub fn named_files(kind: &str, bytes: &[u8]) -> Vec<NamedFile> {
+    let text = without_mark(bytes);
+    if kind == LIBRARY { obj_lines::maps_in(text) } else { obj_lines::files_in(text) }
 }
 
 /// Returns the text of a mesh file. Positions of errors refer to it.

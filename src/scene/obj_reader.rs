@@ -6,8 +6,8 @@
 
 use super::foreign_format::foreign_without_faces;
 use super::lexer::nearest;
-use super::mesh::ObjFile;
-use super::obj_lines::{COMMON, is_keyword, next_statement, position};
+use super::mesh::{NamedFile, ObjFile};
+use super::obj_lines::{COMMON, files_of, is_keyword, next_statement, position};
 use super::plain_obj::{digits, keep_used};
 use super::polygon::{OutlineFault, triangulate};
 use crate::base::escape::quoted;
@@ -84,7 +84,7 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
             None => {}
         }
     }
-    let mut file = ObjFile { vertices: normal.vertices as usize, ..ObjFile::default() };
+    let mut file = ObjFile { vertices: normal.vertices as usize, files: normal.files, ..ObjFile::default() };
     // `keep_used` expects indices that count from 1.
     file.mesh.triangles = triangles.iter().map(|corners| corners.map(|k| found.indices[k] + 1)).collect();
     keep_used(&mut positions, &mut file.mesh.triangles);
@@ -101,12 +101,12 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
         for coordinate in all {
             outside.add(|| {
                 let message = "a texture coordinate is outside 0 to 1: there the picture's edge continues";
-                let hint = "the picture is not repeated: draw the copies into it, and divide the coordinates";
+                let hint = "keep the coordinates from 0 to 1: a picture is not repeated";
                 fault(text, normal.coordinates[coordinate], message, Some(hint))
             });
         }
     }
-    let doubts = [normal.unknown, normal.surfaces, crossing, empty, outside];
+    let doubts = [normal.unknown, normal.surfaces, normal.commands, crossing, empty, outside];
     file.doubts = doubts.into_iter().filter_map(Doubt::told).collect();
     file.doubts.sort_by_key(|doubt| doubt.position().map(|at| (at.line, at.column)));
     Ok(file)
@@ -156,8 +156,10 @@ struct Normal<'a> {
     faces: Vec<(&'a [u8], usize)>,
     /// The index of each corner's texture coordinate, if `is_textured`.
     places: Vec<Option<usize>>,
+    files: Vec<NamedFile>,
     unknown: Doubt,
     surfaces: Doubt,
+    commands: Doubt,
 }
 
 impl<'a> Normal<'a> {
@@ -166,6 +168,7 @@ impl<'a> Normal<'a> {
         let (mut rest, mut words, mut has_lines) = (text, vec![], false);
         self.lines.reserve(text.len());
         while next_statement(&mut rest, &mut words) {
+            self.files.extend(files_of(&words));
             match words[0] {
                 b"v" => self.vertex(&words)?,
                 b"vt" if self.is_textured => self.coordinate(&words)?,
@@ -174,6 +177,13 @@ impl<'a> Normal<'a> {
                     let hint = "export the mesh as polygons";
                     fault(text, words[0], "a curved surface is ignored", Some(hint))
                 }),
+                b"call" => self.commands.add(|| {
+                    let hint = "insert the lines of that file here";
+                    fault(text, words[0], "`call` is ignored, and so is the file that it names", Some(hint))
+                }),
+                b"csh" => self
+                    .commands
+                    .add(|| fault(text, words[0], "`csh` is ignored: no command of a file is run", None)),
                 b"p" | b"l" | b"curv" | b"curv2" => has_lines = true,
                 word if is_keyword(word) => {}
                 word if self.is_hidden_keyword(word) => {
@@ -195,7 +205,7 @@ impl<'a> Normal<'a> {
         if let Some(error) = foreign_without_faces(text) {
             return Err(error);
         }
-        let doubt = self.surfaces.0.take().or(self.unknown.0.take());
+        let doubt = self.surfaces.0.take().or(self.commands.0.take()).or(self.unknown.0.take());
         let why = match &doubt {
             Some(doubt) => format!(": {}", doubt.message),
             None if text.is_empty() => ": the file is empty".to_owned(),
