@@ -11,6 +11,8 @@ pub const MAX_PICTURE_FILE: usize = 1 << 25;
 
 /// Connections at the same time.
 pub const MAX_CONNECTIONS: usize = 32;
+/// The time that a connection waits for a thread.
+pub const START_TIME: Duration = Duration::from_secs(5);
 /// The time for the head of a request to arrive, for its body, and for an answer to be received.
 pub const HEAD_TIME: Duration = Duration::from_secs(5);
 pub const BODY_TIME: Duration = Duration::from_secs(20);

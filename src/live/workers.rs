@@ -7,6 +7,7 @@
 use super::http::Answer;
 use super::limits::{FEW_BYTES, MAX_BYTES};
 use super::lock;
+use crate::base::memory;
 use crate::render::Stop;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
@@ -46,7 +47,7 @@ impl Workers {
         work: impl FnOnce() -> T + Send,
     ) -> Result<T, Answer> {
         let threads = self.start(bytes, stop, has_left)?;
-        let mut found = None;
+        let (mut found, mut has_memory) = (None, true);
         threads.in_place_scope(|scope| {
             let (done, is_done) = channel::<()>();
             let found = &mut found;
@@ -55,16 +56,22 @@ impl Workers {
                 drop(done);
             });
             while is_done.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
-                if has_left() {
+                has_memory &= memory::has_reserve();
+                if has_left() || !has_memory {
                     stop.cancel();
                 }
             }
         });
         let mut state = lock(&self.state);
         state.taken -= bytes;
-        state.idle.push(threads);
+        if has_memory {
+            state.idle.push(threads);
+        } else {
+            // Threads take memory too.
+            state.idle.clear();
+        }
         // The result of stopped work is incomplete. Complete work is kept, though its time may be over by now.
-        found.filter(|_| !stop.has_stopped()).ok_or_else(too_long)
+        found.filter(|_| !stop.has_stopped()).ok_or_else(if has_memory { too_long } else { no_memory })
     }
 
     /// Waits until there is enough memory, and returns threads.
@@ -83,6 +90,8 @@ impl Workers {
             }
             state = lock(&self.state);
         }
+        // With the lock, so that several requests do not start their threads where there is room for one.
+        memory::keep_reserve().map_err(|_| no_memory())?;
         let build = || ThreadPoolBuilder::new().num_threads(self.threads).build();
         let threads = state.idle.pop().map_or_else(build, Ok);
         let threads = threads.map_err(|error| Answer::text(503, &format!("no threads: {error}")))?;
@@ -94,6 +103,11 @@ impl Workers {
 /// The refusal of work that was stopped. A client that has left seldom reads it.
 fn too_long() -> Answer {
     Answer::text(422, "this takes longer than a page may: choose a smaller picture, or fewer samples")
+}
+
+/// The refusal of work for which there is no memory, or which was ended for want of it.
+fn no_memory() -> Answer {
+    Answer::text(503, "not enough memory: try again, or choose a smaller picture")
 }
 
 #[cfg(test)]
