@@ -98,11 +98,11 @@ fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Picture, Remarks), D
 fn has_no_pixels(format: Format, bytes: &[u8]) -> bool {
     let sides = match format {
         Format::Tga => [12..14, 14..16],
-        Format::Png => [16..20, 20..24],
+        Format::Png if bytes.get(12..16) == Some(b"IHDR") => [16..20, 20..24],
         // The oldest headers have 12 bytes.
         Format::Bmp if bytes.get(14) == Some(&12) => [18..20, 20..22],
         Format::Bmp => [18..22, 22..26],
-        Format::Ppm | Format::Pfm | Format::Exr => return false,
+        Format::Png | Format::Ppm | Format::Pfm | Format::Exr => return false,
     };
     sides.into_iter().any(|side| bytes.get(side).is_some_and(|side| side.iter().all(|&byte| byte == 0)))
 }

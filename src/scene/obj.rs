@@ -138,6 +138,8 @@ mod tests {
             (SQUARE, ""),
             ("v 0 0 0\nv 1 0 0\nl 1 2\n", ", only points, lines or curves"),
             ("surf 0 1 0 1 1 2 3 4", ": a curved surface is ignored"),
+            ("call all.obj", ": `call` is ignored, and so is the file that it names"),
+            ("csh ls", ": `csh` is ignored: no command of a file is run"),
             ("nothing", ": `nothing` is not a keyword of OBJ; its line is ignored"),
         ] {
             assert_eq!(refuse(text).message, format!("the mesh has no faces{why}"), "{text}");

@@ -1,6 +1,6 @@
 //! Files that are written twice or also read, by whatever names; files that are written together or not at all.
 
-use crate::support::{Folder, Run, finish, only_line, scene, sphere, sphere_in_perspective};
+use crate::support::{Folder, Run, finish, only_line, scene, skip, sphere, sphere_in_perspective};
 use std::fs::{File, create_dir, create_dir_all, hard_link};
 use std::io::Read;
 use std::os::unix::fs::{MetadataExt, symlink};
@@ -384,7 +384,7 @@ fn a_file_that_is_mounted_alone_is_an_error_before_rendering() {
     shell.arg(env!("CARGO_BIN_EXE_raytracer")).args(line.split_whitespace());
     let output = match shell.current_dir(folder.path()).output() {
         Ok(output) if output.status.code() != Some(99) && !output.stderr.starts_with(b"unshare: ") => output,
-        _ => return println!("skipped: nothing can be mounted here"),
+        _ => return skip("nothing can be mounted here"),
     };
     let message = String::from_utf8(output.stderr).unwrap();
     let expected = "error: cannot write `mounted.png`: it is mounted alone, so no other file can take its place\n  \
