@@ -38,9 +38,8 @@ pub fn ask(bytes: u64) -> Result<(), NoMemory> {
     Ok(())
 }
 
-/// The size of the reserve in bytes, for what requests allocate until they notice that it is used. The system's
-/// allocator maps a block of this size, so that all of it is free for others once it is given back.
-const RESERVE: usize = 40_000_000;
+/// The size of the reserve in bytes, for what requests allocate until they notice that it is used.
+const RESERVE: usize = 16 << 20;
 static RESERVED: AtomicPtr<u8> = AtomicPtr::new(null_mut());
 
 /// Takes the reserve, unless it is there.
@@ -61,8 +60,22 @@ pub fn keep_reserve() -> Result<(), NoMemory> {
     Ok(())
 }
 
-/// Lets all threads share a heap if the address space is limited. Otherwise the C library maps 64 MB for each of them,
-/// of which little is used.
+/// Returns the number of bytes that the system would give at once, up to `most`.
+pub fn free_space(most: u64) -> u64 {
+    let (mut least, mut beyond) = (0, most / WORTH_ASKING + 1);
+    while least + 1 < beyond {
+        let middle = least.midpoint(beyond);
+        if ask(middle * WORTH_ASKING).is_ok() {
+            least = middle;
+        } else {
+            beyond = middle;
+        }
+    }
+    least * WORTH_ASKING
+}
+
+/// Lets all threads share a heap if the address space is limited, and keeps large blocks out of it, so that they are
+/// given back to the system. Otherwise the C library maps 64 MB for each thread, of which little is used.
 pub fn use_few_heaps() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
@@ -70,8 +83,11 @@ pub fn use_few_heaps() {
         // SAFETY: the call writes to `limit` only.
         let is_known = unsafe { libc::getrlimit(libc::RLIMIT_AS, &raw mut limit) } == 0;
         if is_known && limit.rlim_cur != libc::RLIM_INFINITY {
-            // SAFETY: the call sets a number in the C library, under its lock.
-            unsafe { libc::mallopt(libc::M_ARENA_MAX, 1) };
+            // SAFETY: the calls set numbers in the C library, under its lock.
+            unsafe {
+                libc::mallopt(libc::M_ARENA_MAX, 1);
+                libc::mallopt(libc::M_MMAP_THRESHOLD, WORTH_ASKING as i32);
+            }
         }
     }
 }
@@ -154,10 +170,8 @@ mod tests {
     }
 
     #[test]
-    fn the_reserve_is_given_back_once() {
-        assert!(!has_reserve() && !give_reserve_back());
-        assert_eq!((keep_reserve(), keep_reserve()), (Ok(()), Ok(())));
-        assert!(has_reserve() && give_reserve_back() && !give_reserve_back());
+    fn the_free_space_is_measured_up_to_a_bound() {
+        assert_eq!([free_space(0), free_space(5 << 20)], [0, 5 << 20]);
     }
 
     #[test]

@@ -59,7 +59,7 @@ impl Server {
             let server = Arc::new(self);
             for stream in server.listener.incoming() {
                 // Connections wait until the requests that are being ended have given their memory back.
-                while memory::keep_reserve().is_err() {
+                while memory::keep_reserve().and_then(|()| memory::ask(2 * STACK)).is_err() {
                     thread::sleep(Duration::from_millis(20));
                 }
                 // There may be no file descriptors or threads left; some will be free again.
@@ -88,7 +88,8 @@ impl Server {
                 let _ = server.answer_all(&served, &end);
                 server.close(&served);
             };
-            match thread::Builder::new().name("connection".into()).spawn(serve) {
+            let thread = thread::Builder::new().name("connection".into()).stack_size(STACK as usize);
+            match thread.spawn(serve) {
                 Ok(_) => return Ok(()),
                 // There is no room for a thread until another ends.
                 Err(_) if Instant::now() < deadline => thread::sleep(Duration::from_millis(20)),

@@ -5,7 +5,7 @@
 //! bounded here.
 
 use super::http::Answer;
-use super::limits::{FEW_BYTES, MAX_BYTES};
+use super::limits::{BYTES_PER_REQUEST, FEW_BYTES, MAX_BYTES, MAX_CONNECTIONS, STACK};
 use super::lock;
 use crate::base::memory;
 use crate::render::Stop;
@@ -21,6 +21,8 @@ const LOOK: Duration = Duration::from_millis(20);
 pub struct Workers {
     /// The number of threads for each request.
     threads: usize,
+    /// The bytes that requests may take together.
+    budget: u64,
     state: Mutex<State>,
 }
 
@@ -34,7 +36,9 @@ struct State {
 
 impl Workers {
     pub fn new(threads: usize) -> Self {
-        Self { threads, state: Mutex::default() }
+        let connections = MAX_CONNECTIONS as u64 * STACK;
+        let budget = memory::free_space(MAX_BYTES + connections).saturating_sub(connections);
+        Self { threads, budget, state: Mutex::default() }
     }
 
     /// Waits for memory of this number of bytes, runs `work`, and returns its result. `has_left` is called often, and
@@ -46,6 +50,10 @@ impl Workers {
         has_left: &mut dyn FnMut() -> bool,
         work: impl FnOnce() -> T + Send,
     ) -> Result<T, Answer> {
+        // In a limited address space the threads of a request count too.
+        let is_limited = self.budget < MAX_BYTES;
+        let own = if is_limited { self.threads as u64 * STACK + BYTES_PER_REQUEST } else { 0 };
+        let bytes = bytes.saturating_add(own);
         let threads = self.start(bytes, stop, has_left)?;
         let (mut found, mut has_memory) = (None, true);
         threads.in_place_scope(|scope| {
@@ -82,7 +90,8 @@ impl Workers {
         has_left: &mut dyn FnMut() -> bool,
     ) -> Result<ThreadPool, Answer> {
         let mut state = lock(&self.state);
-        while bytes > FEW_BYTES && state.taken > 0 && state.taken.saturating_add(bytes) > MAX_BYTES {
+        let is_small = bytes <= FEW_BYTES && self.budget == MAX_BYTES;
+        while !is_small && state.taken > 0 && state.taken.saturating_add(bytes) > self.budget {
             drop(state);
             thread::sleep(LOOK);
             if has_left() || stop.is_over() {
@@ -92,7 +101,7 @@ impl Workers {
         }
         // With the lock, so that several requests do not start their threads where there is room for one.
         memory::keep_reserve().map_err(|_| no_memory())?;
-        let build = || ThreadPoolBuilder::new().num_threads(self.threads).build();
+        let build = || ThreadPoolBuilder::new().num_threads(self.threads).stack_size(STACK as usize).build();
         let threads = state.idle.pop().map_or_else(build, Ok);
         let threads = threads.map_err(|error| Answer::text(503, &format!("no threads: {error}")))?;
         state.taken += bytes;

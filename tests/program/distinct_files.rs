@@ -351,8 +351,9 @@ fn files_that_were_in_place_are_put_back_if_a_later_one_fails() {
         assert!(made.is_ok_and(|status| status.success()));
     }
     let names = folder.names();
-    let line = "-input s.txt -output old.tga -normals new.png -render_filter last.tga 4 -depth 1 2 first.pfm -json second.json";
-    let mut command = folder.command(line);
+    let pictures = "-output old.tga -depth 1 2 new.png -normals last.tga -render_filter first.tga 4";
+    let line = format!("-input s.txt {pictures} -json second.json");
+    let mut command = folder.command(&line);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     // The pictures have been checked when the program opens the first pipe. It waits for a reader of the second.
     let mut first = File::open(folder.path().join("first.tga")).unwrap();
@@ -438,13 +439,12 @@ fn files_that_a_scene_names_are_not_written_even_if_they_are_not_read() {
     }
     let blank = folder.command("-input mesh.txt -output").arg("wood grain.png").output().unwrap();
     assert_eq!(blank.status.code(), Some(2));
-    for (scene, name, kind) in
-        [("-edition 2019 -input bump.txt", "b.png", "texture"), ("-input mesh.txt", "map.png", "texture")]
-    {
+    for (scene, name) in [("-edition 2019 -input bump.txt", "b.png"), ("-input mesh.txt", "map.png")] {
         folder.write("commands.txt", format!("raytracer {scene} -output o.tga\n"));
-        let line = format!("-grade class -commands commands.txt -report {name} table.csv");
-        let message = folder.run(&line).message(2);
-        assert!(message.contains(&format!("would overwrite the {kind} `{name}`")), "{message}");
+        symlink(name, folder.path().join("r.html")).unwrap();
+        let message = format!("`r.html` would overwrite the texture `{name}`");
+        refuse(&folder, "-grade class -commands commands.txt -report r.html", name, &message);
+        std::fs::remove_file(folder.path().join("r.html")).unwrap();
     }
 }
 
