@@ -134,7 +134,7 @@ pub(super) struct Flags {
     /// Reads scene and flags as in this edition of the course. Default: 2004 if it has all words of the scene,
     /// otherwise the edition that has them.
     ///
-    /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2023, and aalto is Aalto University's. They
+    /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2019, and aalto is Aalto University's. They
     /// differ in scene words, camera, highlights, normals, bounces, and the colours of depths and normals.
     #[arg(long, value_name = "name")]
     #[arg(value_parser = PossibleValuesParser::new(Edition::NAMES).try_map(|name| Edition::named(&name).ok_or("")))]

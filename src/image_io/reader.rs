@@ -3,12 +3,9 @@
 //! The message of an error is the reason alone, to which [`read_picture`] adds the file.
 
 use super::cannot;
-use super::decoding::{
-    Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, or_too_early, too_short,
-};
+use super::decoding::{Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, too_short};
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
-use super::{exr, netpbm};
-use crate::base::escape::escape;
+use super::{exr, faults, netpbm};
 use crate::base::memory::{Bytes, with_room};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{Picture, Pixels};
@@ -16,7 +13,7 @@ use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{ColorType, ImageDecoder, Limits};
-use std::io::{Cursor, Read};
+use std::io::{Cursor, ErrorKind, Read};
 use std::path::Path;
 
 /// Upper bound on the length of a file, in bytes.
@@ -92,13 +89,20 @@ fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixe
     }
     let max_pixels = MAX_PIXELS_PER_BYTE * bytes.len() as u64;
     let (picture, transparent) = match format {
-        Format::Tga => decoded(TgaDecoder::new(tga(bytes)?), max_pixels, limit)?,
+        Format::Tga => {
+            let (header, file) = tga(bytes)?;
+            decoded(TgaDecoder::new(file), max_pixels, limit, || faults::in_tga(header))?
+        }
         Format::Png => {
+            check_png_size(bytes, max_pixels, limit)?;
             let mut limits = Limits::no_limits();
             limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
-            decoded(PngDecoder::with_limits(Cursor::new(bytes), limits), max_pixels, limit)?
+            let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits);
+            decoded(decoder, max_pixels, limit, || faults::in_png(bytes))?
         }
-        Format::Bmp => decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit)?,
+        Format::Bmp => {
+            decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit, || faults::in_bmp(bytes))?
+        }
         Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit, wanted),
         Format::Exr => return exr::read(bytes, limit, wanted),
     };
@@ -113,11 +117,11 @@ fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixe
 fn has_no_pixels(format: Format, bytes: &[u8]) -> bool {
     let sides = match format {
         Format::Tga => [12..14, 14..16],
-        Format::Png => [16..20, 20..24],
+        Format::Png if bytes.get(12..16) == Some(b"IHDR") => [16..20, 20..24],
         // The oldest headers have 12 bytes.
         Format::Bmp if bytes.get(14) == Some(&12) => [18..20, 20..22],
         Format::Bmp => [18..22, 22..26],
-        Format::Ppm | Format::Pfm | Format::Exr => return false,
+        Format::Png | Format::Ppm | Format::Pfm | Format::Exr => return false,
     };
     sides.into_iter().any(|side| bytes.get(side).is_some_and(|side| side.iter().all(|&byte| byte == 0)))
 }
@@ -125,25 +129,41 @@ fn has_no_pixels(format: Format, bytes: &[u8]) -> bool {
 /// Returns a TGA file for the image crate, which decodes all unknown types as grey, and expects the number of alpha
 /// bits that belongs to the size of a pixel. Many programs store another one, such as 8 for pixels of 24 bits, which is
 /// harmless, because alpha is ignored.
-fn tga(bytes: &[u8]) -> Result<impl Read, Diagnostic> {
-    let (&header, rest) =
+fn tga(bytes: &[u8]) -> Result<(&[u8; TGA_HEADER], impl Read), Diagnostic> {
+    let (stored, rest) =
         bytes.split_first_chunk::<TGA_HEADER>().ok_or_else(|| Diagnostic::error(CUT_HEADER))?;
-    let (mut header, kind, bits) = (header, header[2], header[16]);
+    let (mut header, kind, bits) = (*stored, stored[2], stored[16]);
     if !matches!(kind, 1..=3 | 9..=11) {
-        return Err(Diagnostic::error(format!("TGA of type {kind} is not supported")));
+        let problem = format!("TGA of type {kind} is not supported");
+        return Err(Diagnostic::error(problem).with_hint("save it as PNG, or as TGA of type 2"));
     }
     header[17] = header[17] & 0xf0 | if matches!((kind, bits), (3 | 11, 16)) { 8 } else { 0 };
-    Ok(Cursor::new(header).chain(rest))
+    Ok((stored, Cursor::new(header).chain(rest)))
+}
+
+/// Refuses a PNG file whose header states a size that the file or the limit does not allow. The decoder would refuse a
+/// long row in its own words.
+fn check_png_size(bytes: &[u8], max_pixels: u64, limit: u64) -> Result<(), Diagnostic> {
+    let Some((&[.., a, b, c, d], rest)) = bytes.split_first_chunk::<20>() else { return Ok(()) };
+    let Some(&height) = rest.first_chunk() else { return Ok(()) };
+    let size = [[a, b, c, d], height].map(u32::from_be_bytes);
+    let is_header = bytes.get(12..16) == Some(b"IHDR");
+    match u64::from(size[0]) * u64::from(size[1]) {
+        pixels if is_header && pixels > max_pixels => Err(too_short(size)),
+        pixels if is_header => check_bytes(size, pixels, limit),
+        _ => Ok(()),
+    }
 }
 
 /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows. Returns also how many of
-/// them are not opaque.
+/// them are not opaque. `fault` finds out what is wrong with a file that the decoder refuses.
 fn decoded<D: ImageDecoder>(
     decoder: image::ImageResult<D>,
     max_pixels: u64,
     limit: u64,
+    fault: impl Fn() -> Diagnostic,
 ) -> Result<(Picture, u64), Diagnostic> {
-    let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER)))?;
+    let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER), &fault))?;
     let (width, height) = decoder.dimensions();
     let (size, color_type, length) = ([width, height], decoder.color_type(), decoder.total_bytes());
     match u64::from(width) * u64::from(height) {
@@ -153,7 +173,7 @@ fn decoded<D: ImageDecoder>(
     }
     let mut samples = with_room(length as usize)?;
     samples.resize(length as usize, 0);
-    decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size)))?;
+    decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size), &fault))?;
     if color_type == ColorType::Rgb8 {
         return Ok((Picture::from_rgb(width, height, samples), 0));
     }
@@ -173,11 +193,16 @@ fn transparent(color_type: ColorType, samples: &[u8]) -> u64 {
     pixels.filter(|pixel| pixel[alpha..].iter().any(|&byte| byte != u8::MAX)).count() as u64
 }
 
-/// Returns the error of a decoder, with other words for a file that ends too early.
-fn undecoded(error: image::ImageError, too_early: Diagnostic) -> Diagnostic {
+/// Returns the error for a file that a decoder refuses, in other words than the decoder's.
+fn undecoded(error: image::ImageError, too_early: Diagnostic, fault: &impl Fn() -> Diagnostic) -> Diagnostic {
     match error {
-        image::ImageError::IoError(error) => or_too_early(error, too_early),
-        error => Diagnostic::error(escape(&error.to_string())),
+        image::ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => too_early,
+        image::ImageError::Limits(_) => {
+            let most = Bytes(MAX_PNG_EXTRA_BYTES);
+            let problem = format!("a row of its pixels or its metadata take more than {most}");
+            Diagnostic::error(problem).with_hint("save it again without metadata, or in another format")
+        }
+        _ => fault(),
     }
 }
 

@@ -79,6 +79,8 @@ type Found = Result<Answer, Answer>;
 impl Session {
     /// Opens the scene of a command line.
     pub fn open(line: &Options, input: &Path) -> Result<Self, Diagnostic> {
+        memory::use_few_heaps();
+        memory::keep_reserve()?;
         let compared =
             line.comparison.iter().find_map(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
         // The comparison of the command line has told about a picture that cannot be read.

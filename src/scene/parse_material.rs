@@ -82,7 +82,10 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
                 }
                 // As in the course's programs, bump maps have no effect. Textures have none on Aalto's triangles, which
                 // have no texture coordinates.
-                _ => _ = reader.file_name()?,
+                _ => {
+                    let name = reader.file_name()?.text.to_owned();
+                    reader.unread.push(("texture", name));
+                }
             }
             Ok(())
         })

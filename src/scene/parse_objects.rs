@@ -65,7 +65,9 @@ impl ObjectTree {
     /// Reads a `Group` and its contents, and returns its id. Replaces the objects read before. Takes time linear in the
     /// length of the text, and constant stack space.
     pub fn parse_root(&mut self, reader: &mut Reader<'_>) -> Parsed<ObjectId> {
-        (self.objects, self.positions, self.meshes) = Default::default();
+        let replaced = std::mem::take(&mut self.meshes).list.into_iter();
+        reader.unread.extend(replaced.map(|(name, _)| ("mesh", name)));
+        (self.objects, self.positions) = Default::default();
         let mut innermost = Open::group(reader)?;
         let mut ancestors = vec![];
         loop {

@@ -1,6 +1,7 @@
 //! Parses scene text into a [`Scene`]: the course's grammar of 2004, with the variants of 2003.
 
 use super::edition::Edition;
+use super::mesh::NamedFile;
 use super::model::Shows;
 use super::parse_material::parse_materials;
 use super::parse_objects::ObjectTree;
@@ -21,6 +22,8 @@ const NOUNS: [&str; 5] = ["camera", "`Background`", "list of lights", "list of m
 pub struct Reading {
     /// The scene. The files that it names are not opened.
     pub scene: Scene,
+    /// The files that the scene names and that have no effect.
+    pub unread: Vec<NamedFile>,
     /// Warnings about the text, with their positions in it.
     pub warnings: Vec<Diagnostic>,
 }
@@ -41,7 +44,8 @@ pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Diagnostic> {
         blocks.parse_block(&mut reader)?;
     }
     let scene = blocks.into_scene(&mut reader)?;
-    Ok(Reading { scene, warnings: reader.into_warnings() })
+    let unread = std::mem::take(&mut reader.unread);
+    Ok(Reading { scene, unread, warnings: reader.into_warnings() })
 }
 
 /// Parses a text that consists of one camera block. Fails for any other text.

@@ -3,6 +3,7 @@
 use super::edition::{Edition, editions_of};
 use super::lexer::{Lexer, Word, is_keyword, nearest};
 use super::limits::{BRIGHTEST, LARGEST};
+use super::mesh::NamedFile;
 use crate::diagnostic::Position;
 use crate::diagnostic::{Diagnostic, limited};
 use crate::picture::Color;
@@ -30,14 +31,16 @@ pub struct Reader<'a> {
     pub(super) edition: Edition,
     /// The pictures named so far.
     pub(super) images: NamedFiles,
+    /// The files named so far that are not read, each with its kind.
+    pub(super) unread: Vec<NamedFile>,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(edition: Edition, text: &'a str) -> Self {
         let mut lexer = Lexer::new(text);
         let ahead = lexer.next_word();
-        let (replaced, bright, images) = Default::default();
-        Self { lexer, ahead, field: "", values: None, replaced, bright, edition, images }
+        let (replaced, bright, images, unread) = Default::default();
+        Self { lexer, ahead, field: "", values: None, replaced, bright, edition, images, unread }
     }
 
     /// Returns the next word without taking it.

@@ -3,7 +3,7 @@
 //! `EDITIONS_DIR` names a folder with scenes and pictures of 2012 and 2019, which are not part of this project. Without
 //! it the tests of pictures print that they are skipped.
 
-use crate::support::{Folder, finish, program};
+use crate::support::{Folder, finish, outer_folder, program};
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
@@ -140,13 +140,9 @@ fn mistakes_in_depths_and_normals_are_found() {
     assert_eq!(colors.picture(&[near_white]), Some(colors.own()));
 }
 
-/// The folder of the editions, from `EDITIONS_DIR`.
+/// The folder of the editions.
 fn editions() -> Option<PathBuf> {
-    let folder = std::env::var_os("EDITIONS_DIR").map(PathBuf::from);
-    if folder.is_none() {
-        println!("skipped: EDITIONS_DIR is not set");
-    }
-    folder
+    outer_folder("EDITIONS_DIR")
 }
 
 /// A command line of an edition, the picture that its program made, and what is to be the same.

@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostic;
 use crate::image_io::{Format, ReadFile, read_pixels};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::render::{Layer, Request, Tracing, Watch};
-use crate::scene::load::mesh_files;
+use crate::scene::load::named_files;
 use crate::tools::causes::{Original, can_try};
 use crate::tools::grade::Reference;
 use std::ffi::{OsStr, OsString};
@@ -43,15 +43,14 @@ impl References {
         }
     }
 
-    /// The files to read: pictures, or scenes with their meshes.
+    /// The files to read: pictures, or scenes with the files that they name.
     pub fn files(&self) -> impl Iterator<Item = ReadFile> {
         self.0.iter().flat_map(|(_, origin)| match origin {
             Origin::File(path) => vec![("picture", path.clone())],
             Origin::Rendered(options, _) => {
                 let scenes = options.input.iter();
-                let meshes = scenes.clone().flat_map(|scene| mesh_files(scene, &options.hints()));
-                let meshes = meshes.map(|mesh| ("mesh", mesh));
-                scenes.map(|scene| ("scene", scene.clone())).chain(meshes).collect()
+                let named = scenes.clone().flat_map(|scene| named_files(scene, &options.hints()));
+                scenes.map(|scene| ("scene", scene.clone())).chain(named).collect()
             }
         })
     }

@@ -70,7 +70,8 @@ impl<'o> Variant<'o> {
         }
         let is_student = !rules.is_empty() || !moves.is_empty();
         let is_deep = is_student && request.effects.bounces > MAX_BOUNCES && has_secondary_rays(&scene);
-        let is_large = rules.has_any(&EXHAUSTIVE) && own.world().ids().len() * request.camera_rays() > MAX_TESTS;
+        let is_large =
+            rules.has_any(&EXHAUSTIVE) && own.world().ids().len() * request.camera_rays() > MAX_TESTS;
         if is_deep || is_large {
             return None;
         }
