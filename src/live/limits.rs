@@ -27,7 +27,7 @@ pub const MAX_BYTES: u64 = 400_000_000;
 pub const FEW_BYTES: u64 = 8_000_000;
 /// The stack of a thread, of a connection or of a request.
 pub const STACK: u64 = 1 << 21;
-/// What a request takes besides, where the address space is limited.
+/// The bytes that a request takes besides, where the address space is limited.
 pub const BYTES_PER_REQUEST: u64 = 1 << 22;
 /// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is
 /// built for each primitive in a cell, and of reading a picture, with something to spare.

@@ -195,7 +195,7 @@ fn the_manual_page_has_no_fault() {
             plain.push(character);
         }
     }
-    assert!(plain.contains("       -size <w> <h>\n"), "{plain}");
+    assert!(plain.contains("\n       -size <w> <h>"), "{plain}");
     // Lines may end anywhere.
     let words = plain.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in ["EXIT STATUS 0 Success.", "-output picture.png -grid 20 20 20"] {
