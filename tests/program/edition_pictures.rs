@@ -85,7 +85,7 @@ fn mistakes_of_the_editions_are_found() {
             let prepared = renderer.prepare(&request).expect("a structure");
             prepared.render(&request).expect("a picture").remove(0).to_picture()
         };
-        let (wrong, right) = (render(wrong), render(load()));
+        let wrong = render(wrong);
         let renderer = Renderer::new(load(), Meshes::Kept).expect("a scene");
         let original = Original::new(&renderer, &request).expect("memory");
         let found = original.explain(&wrong).to_string();

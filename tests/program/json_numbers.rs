@@ -169,8 +169,10 @@ fn the_comparison_is_that_of_the_text() {
         "finding": "equal",
         "mistake": { "kind": "request", "name": "shadows" },
         "pixels": 0,
-        "by_more_than_one_level": 0,
-        "at_edges": 0,
+        "unexplained": 0,
+        "first": null,
+        "epsilon": null,
+        "by_one_level": true,
         "text": "equals this program's picture with -shadows (0 pixels differ)",
     });
     assert_eq!((&compared["size"], &compared["cause"]), (&json!([48, 36]), &cause));
