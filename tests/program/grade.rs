@@ -131,10 +131,9 @@ fn a_tolerance_makes_it_a_check() {
 fn mistakes_in_the_scene_are_not_tried_with_adaptive_samples() {
     let folder = folder();
     folder.write("wide.txt", sphere().replace("size 2", "size 4"));
-    for (samples, cause) in [
-        ("-uniform_samples 4", "with a screen of twice the size"),
-        ("-adaptive_samples 16 1", "unknown ("),
-    ] {
+    for (samples, cause) in
+        [("-uniform_samples 4", "with a screen of twice the size"), ("-adaptive_samples 16 1", "unknown (")]
+    {
         let line = format!("-size 24 18 {samples} -output");
         folder.run(&format!("-input wide.txt {line} class/anna/o.tga")).ok();
         folder.write("commands.txt", format!("rt -input s.txt {line} o.tga"));
@@ -389,10 +388,7 @@ fn causes_are_found_by_the_scene_and_by_the_picture_alone() {
     make(&folder, "class/light");
     folder.run("-input reversed.txt -size 24 18 -output class/light/o.tga").ok();
     grade(&folder);
-    for (who, name, end) in [
-        ("over", "o.tga", "\"upside down\""),
-        ("over", "d.tga", "\"upside down\""),
-    ] {
+    for (who, name, end) in [("over", "o.tga", "\"upside down\""), ("over", "d.tga", "\"upside down\"")] {
         assert!(result(&folder, who, name).ends_with(end), "{}", result(&folder, who, name));
     }
     let found = result(&folder, "light", "o.tga");
