@@ -46,7 +46,7 @@ pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Pict
     Ok(Picture::new(width, height)?)
 }
 
-/// Returns a picture of zeros, to be filled from the numbers of the file. `limit` is that of its bytes.
+/// Returns a picture of zeros, to be filled from the numbers of the file. `limit` is the largest number of its bytes.
 pub(super) fn zeros(
     size @ [width, height]: [u32; 2],
     limit: u64,

@@ -1,6 +1,6 @@
 //! `-region` and `-merge`: parts of pictures, and pictures of parts.
 
-use crate::support::{CAMERA, Folder, Tga, only_line};
+use crate::support::{CAMERA, Folder, Tga};
 use raytracer::image_io::{self, Part};
 use std::fs;
 

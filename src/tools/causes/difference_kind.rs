@@ -40,12 +40,12 @@ pub struct DifferenceKind {
     pub worst: [usize; 2],
     /// That difference, in levels.
     pub levels: u8,
-    /// What differs there.
+    /// The subject.
     #[serde(flatten)]
     pub what: What,
 }
 
-/// What differs in a region.
+/// The subject of a difference in a region.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
 pub enum What {
@@ -78,7 +78,7 @@ pub enum What {
         /// The object.
         object: NamedObject,
     },
-    /// What objects reflect or refract.
+    /// Reflected or refracted light.
     Secondary,
     /// Distances or normals of an object.
     Measure {
@@ -239,7 +239,7 @@ impl Region<'_> {
         effects.bounces > 0 && others as f64 <= FEW * sample.len() as f64
     }
 
-    /// Returns the line of the light whose shadow differs, if one does, or `Some(None)` if those of all lights do.
+    /// Returns the line of the light whose shadow differs, if one does, or `Some(None)` if the shadows of all lights do.
     fn shadow(&self) -> Option<Option<u32>> {
         let lights = &self.original.renderer().scene.positions.lights;
         let without = |light: &usize| {

@@ -57,7 +57,7 @@ pub enum Finding {
     },
 }
 
-/// The pixels that differ, and those of them that rounding does not explain.
+/// The pixels that differ, and the ones that rounding does not explain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rounded {
     /// The number of pixels that differ.

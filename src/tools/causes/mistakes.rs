@@ -113,7 +113,7 @@ pub(super) const TABLE: &[Mistake] = &[
     request("screen", "double", "with a screen of twice the size", |request, scene| zoom(request, scene, 2.0)),
     request("angle_of_shorter_side", "", "with the camera's angle or size over the shorter side", widen),
     request("angle", "not halved", "with the tangent of the camera's whole angle instead of half of it",
-        |request, scene| set_half_tangent(request, scene, |angle| libm::tan(angle))),
+        |request, scene| set_half_tangent(request, scene, libm::tan)),
     request("angle", "quartered", "with the tangent of a quarter of the camera's angle instead of half of it",
         |request, scene| set_half_tangent(request, scene, |angle| libm::tan(0.25 * angle))),
     request("angle", "without tangent", "with half the camera's angle in place of its tangent",

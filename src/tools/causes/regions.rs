@@ -5,7 +5,7 @@ use crate::picture::Window;
 use crate::tools::compare::Rgb;
 
 /// Returns the largest connected region of these pixels of a picture of this size, where diagonal neighbours touch. The
-/// pixels are in ascending order, and so are those of the region.
+/// pixels are in ascending order, in the region too.
 pub fn largest_region(pixels: &[usize], [width, height]: [usize; 2]) -> Vec<usize> {
     let mut is_open = vec![false; width * height];
     pixels.iter().for_each(|&at| is_open[at] = true);
@@ -19,7 +19,8 @@ pub fn largest_region(pixels: &[usize], [width, height]: [usize; 2]) -> Vec<usiz
             next += 1;
             let (x, y) = (at % width, at / width);
             for row in y.saturating_sub(1)..(y + 2).min(height) {
-                for neighbour in row * width + x.saturating_sub(1)..row * width + (x + 2).min(width) {
+                for column in x.saturating_sub(1)..(x + 2).min(width) {
+                    let neighbour = row * width + column;
                     if std::mem::take(&mut is_open[neighbour]) {
                         region.push(neighbour);
                     }

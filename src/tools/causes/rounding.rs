@@ -34,7 +34,7 @@ const MOST_RAYS: usize = 1 << 16;
 /// The relative rounding of a ray's weight in single precision.
 const WEIGHT_ROUNDING: f64 = 1e-5;
 
-/// What rounding explains of a picture's difference from one that this program makes.
+/// The pixels in which a picture differs from one that this program makes, and which of them rounding explains.
 #[derive(Clone, Debug, Default)]
 pub struct Rest {
     /// The number of pixels whose bytes differ.

@@ -52,7 +52,7 @@ pub const MIN_VISIBLE: usize = 4;
 pub struct Candidate {
     pub mistakes: Vec<Mistake>,
     pub made: Rc<Made>,
-    /// What rounding explains of the difference that they leave.
+    /// The difference that they leave.
     pub rest: Rest,
     /// The share of the wrong pixels that they make right.
     pub share: f64,
@@ -152,7 +152,7 @@ impl<'p> Search<'p> {
         }
     }
 
-    /// Judges mistakes by the sample: those of the variant, alone and with each of these changes of the finished picture.
+    /// Judges the variant's mistakes by the sample, alone and with each of these changes of the finished picture.
     /// Returns those that are likely, each with the number of pixels in the sample that they leave wrong.
     pub fn likely(
         &self,
@@ -242,7 +242,7 @@ impl<'p> Search<'p> {
         is_meant && counts.contradicted as f64 <= most_contradicted
     }
 
-    /// Returns true if some mistakes are not merely similar to those of the picture.
+    /// Returns true if a candidate is not merely similar to the picture's mistakes.
     fn is_meant(&self, candidate: &Candidate) -> bool {
         let mut counts = Counts::default();
         for (at, pixel) in candidate.made.pixels.iter().enumerate() {

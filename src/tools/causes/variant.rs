@@ -17,7 +17,7 @@ use crate::trace::Shadows;
 use crate::world::{Objects, PlacedObject};
 use glam::DVec2;
 
-/// What differs in a tracer in single precision.
+/// Numbers that differ in a tracer in single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rough {
     /// An epsilon in place of the scene's.

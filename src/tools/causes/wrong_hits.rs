@@ -28,7 +28,7 @@ impl<'a> WrongHits<'a> {
         Self { hits, rules, objects, hidden }
     }
 
-    /// Returns true if hits differ from those of the tracer.
+    /// Returns true if hits differ from the tracer's.
     pub fn is_needed(&self) -> bool {
         let is_culled = self.rules.has_any(&[Rule::BackFacesCulled, Rule::FrontFacesCulled]);
         is_culled || self.rules.has_any(&EXHAUSTIVE) || !self.hidden.is_empty()

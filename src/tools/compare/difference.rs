@@ -55,7 +55,7 @@ impl Comparison {
         Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b))? })
     }
 
-    /// Compares without FLIP. `edges` are those of `b`. Fails if the sizes differ.
+    /// Compares without FLIP. `edges` are the edges of `b`. Fails if the sizes differ.
     pub(super) fn without_flip(a: &Picture, b: &Picture, edges: &EdgeMap) -> Result<Self, Diagnostic> {
         let mut comparison = Self {
             size: common_size(a, b)?,

@@ -49,7 +49,7 @@ pub enum Cell {
         difference: Difference,
         verdict: Verdict,
         /// The cause, if one was searched for and found.
-        cause: Option<Finding>,
+        cause: Option<Box<Finding>>,
         /// Its index among the different pictures of the column.
         picture: usize,
     },
@@ -131,7 +131,7 @@ impl Cell {
                     if *left > 0 { format!(", and {left} that it does not explain") } else { String::new() };
                 Some(format!("rounding, {} pixels{rest}", difference.pixels_that_differ() - left))
             }
-            Self::Different { cause, .. } => cause.as_ref().map(words),
+            Self::Different { cause, .. } => cause.as_deref().map(words),
             Self::Unusable(reason) => Some(reason.clone()),
             Self::Equal | Self::Missing | Self::Ungraded => None,
         }
@@ -285,7 +285,7 @@ impl<'g, 'r> ColumnGrader<'g, 'r> {
             Place::Judged(picture) => {
                 let Judged { difference, verdict, cause } = &self.judged[picture];
                 let difference = difference.clone();
-                Cell::Different { difference, verdict: *verdict, cause: cause.clone(), picture }
+                Cell::Different { difference, verdict: *verdict, cause: cause.clone().map(Box::new), picture }
             }
         });
         let has_numbers = matches!(self.reference.pixels, Pixels::Numbers(_));
