@@ -71,7 +71,7 @@ pub fn free_space(most: u64) -> u64 {
             beyond = middle;
         }
     }
-    least * WORTH_ASKING
+    if least == most / WORTH_ASKING { most } else { least * WORTH_ASKING }
 }
 
 /// Lets all threads share a heap if the address space is limited, and keeps large blocks out of it, so that they are
