@@ -171,7 +171,7 @@ impl<'a> Original<'a> {
         if let Some(best) = pair.or(single) {
             return self.equal(best, &candidates, size);
         }
-        if let Some(found) = speckles(self, picture, &before) {
+        if let Some(found) = speckles(self, picture, &before.unexplained) {
             return found;
         }
         if let Some(Candidate { mistakes, share, .. }) = part(&search, &candidates) {
