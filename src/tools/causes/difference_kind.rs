@@ -147,13 +147,20 @@ impl fmt::Display for DifferenceKind {
     }
 }
 
+/// An object that is seen in a pixel.
+#[derive(Clone, Copy)]
+struct Seen {
+    object: usize,
+    t: f64,
+}
+
 /// A region of wrong pixels.
 struct Region<'o> {
     original: &'o Original<'o>,
     picture: &'o [Rgb],
     own: Vec<Rgb>,
-    /// The object that is seen through the centre of each pixel of the picture.
-    seen: Vec<Option<usize>>,
+    /// The object that is seen through the centre of each pixel of the picture, and its distance.
+    seen: Vec<Option<Seen>>,
     /// The pixels of the region, and the ones that are traced.
     pixels: Vec<usize>,
     sample: Vec<usize>,
@@ -173,8 +180,11 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
     let own: Vec<Rgb> = original.colors.colors.iter().map(|&color| MadePixel::new(color).bytes).collect();
     let levels = |at: &usize| largest_channel_difference(picture[*at], own[*at]);
     let worst = pixels.iter().copied().max_by_key(levels)?;
-    let object_at = |at| Some(objects.of(original.primitive_at(at)?).id);
-    let seen = (0..picture.len()).into_par_iter().map(object_at).collect();
+    let seen = |at| {
+        let (primitive, t) = original.seen_at(at)?;
+        Some(Seen { object: objects.of(primitive).id, t })
+    };
+    let seen = (0..picture.len()).into_par_iter().map(seen).collect();
     let sample = pixels.iter().copied().step_by(pixels.len().div_ceil(SAMPLED)).collect();
     let levels = levels(&worst);
     let region = Region { original, picture, own, seen, pixels, sample, size };
@@ -190,26 +200,23 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
 impl Region<'_> {
     /// Returns what differs in the region.
     fn what(&self, wrong: &[usize]) -> What {
-        let around = self.sample.iter().flat_map(|&at| neighbours(at, self.size));
-        let seen = self.sample.iter().map(|&at| self.seen[at]);
-        let Some(id) = most_frequent(seen.clone().flatten())
-            .or_else(|| most_frequent(around.filter_map(|at| self.seen[at])))
-        else {
-            return What::Background;
+        let at_outlines = self.sample.iter().filter(|&&at| self.is_beside_another(at)).count();
+        let is_outline = at_outlines as f64 >= OUTLINE * self.sample.len() as f64;
+        let seen = match is_outline {
+            true => most_frequent(self.sample.iter().map(|&at| self.nearest_around(at))),
+            false => most_frequent(self.sample.iter().map(|&at| self.object_at(at))),
         };
+        let Some(Some(id)) = seen else { return What::Background };
         let object = self.named(id);
-        let in_region = self.pixels.iter().filter(|&&at| self.seen[at] == Some(id)).count();
-        let in_picture = self.seen.iter().filter(|&&seen| seen == Some(id)).count();
+        let is_it = |at: &usize| self.object_at(*at) == Some(id);
+        let in_region = self.pixels.iter().copied().filter(is_it).count();
+        let in_picture = (0..self.picture.len()).filter(is_it).count();
         let without = Mistake::without("object_missing", "", String::new(), Part::Object(id));
         if in_region as f64 >= MOST * in_picture as f64 && self.is_right_with(&[without]) {
             return What::Missing { object };
         }
-        let at_outlines = self.sample.iter().filter(|&&at| self.is_beside_another(at)).count();
-        if at_outlines as f64 >= OUTLINE * self.sample.len() as f64 {
+        if is_outline {
             return What::Outline { object };
-        }
-        if most_frequent(seen) == Some(None) {
-            return What::Background;
         }
         if unlike_neighbours(self.picture, &self.own, wrong, self.size[0]).among_wrong >= NOISE {
             return What::Scattered { object };
@@ -236,7 +243,17 @@ impl Region<'_> {
 
     /// Returns true if another object is seen beside a pixel, or if the object there ends.
     fn is_beside_another(&self, at: usize) -> bool {
-        neighbours(at, self.size).any(|neighbour| self.seen[neighbour] != self.seen[at])
+        neighbours(at, self.size).any(|neighbour| self.object_at(neighbour) != self.object_at(at))
+    }
+
+    /// Returns the nearest object that is seen in a pixel or beside it. An outline is the one of the nearer object.
+    fn nearest_around(&self, at: usize) -> Option<usize> {
+        let seen = neighbours(at, self.size).filter_map(|at| self.seen[at]);
+        Some(seen.min_by(|one, other| one.t.total_cmp(&other.t))?.object)
+    }
+
+    fn object_at(&self, at: usize) -> Option<usize> {
+        Some(self.seen[at]?.object)
     }
 
     /// Returns true if these mistakes make most of the region right.
@@ -262,8 +279,8 @@ impl Region<'_> {
     fn is_secondary(&self, wrong: &[usize]) -> bool {
         let (world, effects) = (self.original.renderer().world(), self.original.request.effects);
         let splits = |at: &usize| {
-            let primitive = self.original.primitive_at(*at);
-            primitive.is_some_and(|id| world.materials[world.material_of(id)].has_secondary_rays())
+            let primitive = self.original.seen_at(*at);
+            primitive.is_some_and(|(id, _)| world.materials[world.material_of(id)].has_secondary_rays())
         };
         let sample: Vec<usize> = wrong.iter().copied().step_by(wrong.len().div_ceil(SAMPLED)).collect();
         let others = sample.iter().filter(|at| !splits(at)).count();
@@ -289,7 +306,7 @@ impl Region<'_> {
     /// Returns true if the object is wrong only where it has a highlight.
     fn is_highlight(&self, id: usize, wrong: &[usize]) -> bool {
         let on_object: Vec<usize> =
-            (0..self.picture.len()).step_by(7).filter(|&at| self.seen[at] == Some(id)).collect();
+            (0..self.picture.len()).step_by(7).filter(|&at| self.object_at(at) == Some(id)).collect();
         let Some(no_highlights) = Mistake::all().find(|mistake| mistake.name == "no_highlights") else {
             return false;
         };
