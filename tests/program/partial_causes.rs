@@ -166,6 +166,31 @@ fn speckles_are_told_from_specks() {
     assert!(cause(&folder, flags).starts_with("none of "));
 }
 
+#[test]
+fn the_kind_of_an_unknown_difference_is_told() {
+    let folder = folder();
+    let flags = "-size 120 90";
+    let tga = folder.render(flags);
+    let line = SCENE.lines().position(|line| line.contains("Sphere { center -1.2 .6 0")).unwrap() + 1;
+    folder.write("larger.txt", SCENE.replace("0 radius .8", "0 radius .84"));
+    folder.run(&format!("-input larger.txt {flags} -output larger.tga")).ok();
+    let larger = folder.tga("larger.tga");
+    let is_far = |x, y| (0..3).any(|i| larger.at(x, y)[i].abs_diff(tga.at(x, y)[i]) > 40);
+    let outline = |x, y| if is_far(x, y) { larger.at(x, y) } else { tga.at(x, y) };
+    write(&folder, &transformed(&tga, outline));
+    let expected = format!("; the outline of the Sphere in line {line} is elsewhere: ");
+    let found = cause(&folder, flags);
+    assert!(found.contains(&expected), "{found}");
+    // Each pixel in a way of its own, and all pixels in one way.
+    let random = |x: usize, y: usize| (x * 7919 + y * 104_729) % 97 % 8;
+    write(&folder, &transformed(&tga, |x, y| tga.at(x, y).map(|byte| byte / 8 * random(x, y) as u8)));
+    let found = cause(&folder, flags);
+    assert!(found.contains(" differ in different ways, as with an epsilon that is too small "), "{found}");
+    write(&folder, &transformed(&tga, |x, y| tga.at(x, y).map(|byte| byte / 4 * 3)));
+    let found = cause(&folder, flags);
+    assert!(found.starts_with("none of ") && !found.contains("different ways"), "{found}");
+}
+
 /// A sphere of radius 1.5 in the light along (-1, -1, -1), traced in single precision with this epsilon.
 fn sphere_in_single_precision(size: usize, epsilon: f32) -> Picture {
     type V = [f32; 3];

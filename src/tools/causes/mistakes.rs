@@ -137,6 +137,9 @@ pub(super) const TABLE: &[Mistake] = &[
         |request, _| request.effects.bounces = request.effects.bounces.saturating_add(1)),
     request("no_bounces", "", "without bounces", |request, _| request.effects.bounces = 0),
     request("weight_ignored", "", "without -weight", |request, _| request.effects.min_weight = 0.0),
+    // The course's own pictures of four and five bounces in scene4_06 have it.
+    request("weight_squared", "", "with -weight compared with the squares of the colours' lengths",
+        |request, _| request.effects.min_weight = request.effects.min_weight.sqrt()),
     // Without shadows on other objects, reversed lights look the same. They are less common.
     rule("no_epsilon", "shadow", "where every surface shadows itself, as without an epsilon", Rule::NoEpsilonOfShadows),
     scene("no_ambient", "", "without ambient light", put_out_ambient),

@@ -171,7 +171,7 @@ impl<'a> Original<'a> {
         if let Some(best) = pair.or(single) {
             return self.equal(best, &candidates, size);
         }
-        if let Some(found) = speckles(self, picture, &before) {
+        if let Some(found) = speckles(self, picture, &before.unexplained) {
             return found;
         }
         if let Some(Candidate { mistakes, share, .. }) = part(&search, &candidates) {
@@ -250,7 +250,7 @@ impl<'a> Original<'a> {
         let Some(objects) = Objects::new(scene, renderer.meshes(), caster.world) else { return vec![] };
         // A reduced picture has other pixels.
         let pixels = if self.request.is_reduced { &[] } else { pixels };
-        let mut primitives: Vec<u32> = pixels.iter().filter_map(|&at| self.primitive_at(at)).collect();
+        let mut primitives: Vec<u32> = pixels.iter().filter_map(|&at| Some(self.seen_at(at)?.0)).collect();
         primitives.sort_unstable();
         primitives.dedup();
         let is_seen = |range: std::ops::Range<u32>| {
@@ -295,13 +295,13 @@ impl<'a> Original<'a> {
         parts
     }
 
-    /// Returns the primitive that is seen through the centre of the pixel with this index.
-    fn primitive_at(&self, at: usize) -> Option<u32> {
+    /// Returns the primitive that is seen through the centre of the pixel with this index, and its distance.
+    fn seen_at(&self, at: usize) -> Option<(u32, f64)> {
         let [width, height] = self.request.size;
         let pixel = DVec2::new((at % width) as f64, (height - 1 - at / width) as f64);
         let ray = self.renderer().camera(&self.request).ray(pixel, DVec2::ZERO);
         let visible = self.prepared.caster().nearest(&ray, RayOrigin::FREE, &mut Quiet)?;
-        Some(visible.primitive)
+        Some((visible.primitive, self.prepared.caster().world.hit(&ray, visible).t))
     }
 
     fn layer(&self) -> Layer {

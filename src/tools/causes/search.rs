@@ -13,14 +13,17 @@ use crate::tools::compare::Rgb;
 use glam::DVec2;
 use std::rc::Rc;
 
-/// The number of wrong pixels by which a mistake is judged first, if they need at most this number of rays, and the number of wrong and of right ones in a sample.
+/// The number of wrong pixels by which a mistake is judged first. They are fewer, but not below the smallest number, if
+/// they need more rays than this.
 const FIRST: usize = 48;
 const MIN_FIRST: usize = 12;
 const FIRST_RAYS: usize = 1 << 10;
-const MIN_SAMPLE: usize = 48;
-const SAMPLE_RAYS: usize = 1 << 14;
+/// The numbers of wrong and of right pixels in the sample. They are fewer, but not below the smallest number, if they
+/// need more rays than this.
 const WRONG: usize = 512;
 const RIGHT: usize = 256;
+const MIN_SAMPLE: usize = 48;
+const SAMPLE_RAYS: usize = 1 << 14;
 /// The smallest share of the first wrong pixels that a mistake makes right.
 const MIN_FIRST_SHARE: f64 = 0.15;
 /// The smallest share of the wrong pixels that a mistake makes right, and of the pixels that it changes. A change that
@@ -133,23 +136,31 @@ impl<'p> Search<'p> {
         &self.sample[..self.wrong]
     }
 
-    /// Adds the pixel with this index to the counts, if the mistake gives it this colour.
-    fn count(&self, counts: &mut Counts, at: usize, made: &MadePixel) {
-        let (pixel, base) = (self.picture[at], &self.base.pixels[at]);
-        let before = base.levels(pixel);
-        let (is_right_before, after) = (before <= self.level, made.levels(pixel));
-        let is_wrong = !is_right_before && self.is_wrong[at];
-        let is_changed = base.levels(made.bytes) > self.level;
-        let is_right = after <= self.level;
-        counts.wrong += usize::from(is_wrong);
-        counts.mended += usize::from(is_wrong && is_right);
-        if is_changed {
-            counts.changed += 1;
-            counts.right += usize::from(is_right);
-            counts.contradicted += usize::from(!is_right && is_right_before);
-            counts.equal += usize::from(after == 0);
-            counts.nearly += usize::from(is_wrong && !is_right && after <= NEARLY);
+    /// Counts pixels, by their indices, to which the mistake gives these colours.
+    fn counts(&self, made: impl Iterator<Item = (usize, MadePixel)>) -> Counts {
+        let mut counts = Counts::default();
+        for (at, made) in made {
+            let (pixel, base) = (self.picture[at], &self.base.pixels[at]);
+            let before = base.levels(pixel);
+            let (is_right_before, after) = (before <= self.level, made.levels(pixel));
+            let is_wrong = !is_right_before && self.is_wrong[at];
+            let is_right = after <= self.level;
+            counts.wrong += usize::from(is_wrong);
+            counts.mended += usize::from(is_wrong && is_right);
+            if base.levels(made.bytes) > self.level {
+                counts.changed += 1;
+                counts.right += usize::from(is_right);
+                counts.contradicted += usize::from(!is_right && is_right_before);
+                counts.equal += usize::from(after == 0);
+                counts.nearly += usize::from(is_wrong && !is_right && after <= NEARLY);
+            }
         }
+        counts
+    }
+
+    /// Counts all pixels of a picture.
+    fn counts_of(&self, made: &Made) -> Counts {
+        self.counts(made.pixels.iter().copied().enumerate())
     }
 
     /// Judges the variant's mistakes by the sample, alone and with each of these changes of the finished picture.
@@ -165,14 +176,8 @@ impl<'p> Search<'p> {
             // Few pixels are enough where each needs many rays.
             let first = (FIRST_RAYS / variant.rays_per_pixel()).clamp(MIN_FIRST, FIRST).min(self.wrong);
             let colors = colors_at(painter, variant, &self.sample[..first], DVec2::ZERO);
-            let is_possible = |all: &Vec<Mistake>| {
-                let finish = Finish::new(all);
-                let mut counts = Counts::default();
-                for (&at, &color) in self.sample.iter().zip(&colors) {
-                    self.count(&mut counts, at, &MadePixel::new(finish.color(color, at, size)));
-                }
-                counts.share() >= MIN_FIRST_SHARE
-            };
+            let is_possible =
+                |all: &Vec<Mistake>| self.sample_counts(all, &colors, size).share() >= MIN_FIRST_SHARE;
             let with = |change: &Mistake| [mistakes, std::slice::from_ref(change)].concat();
             let others = changes.iter().filter(|change| !mistakes.contains(change)).map(with);
             let possible: Vec<Vec<Mistake>> =
@@ -182,7 +187,7 @@ impl<'p> Search<'p> {
             }
             let colors = colors_at(painter, variant, &self.sample, DVec2::ZERO);
             let judge = |all: Vec<Mistake>| {
-                let counts = self.sample_counts(&all, &colors);
+                let counts = self.sample_counts(&all, &colors, size);
                 self.is_likely(&counts).then(|| (counts.left(), all))
             };
             possible.into_iter().filter_map(judge).collect()
@@ -193,22 +198,20 @@ impl<'p> Search<'p> {
     /// Judges changes of a finished picture by the sample, like [`likely`](Self::likely).
     pub fn likely_finished(&self, mistakes: &[Mistake], own: &FloatPicture) -> Option<(usize, Vec<Mistake>)> {
         let finish = Finish::new(mistakes);
-        let mut counts = Counts::default();
-        for &at in &self.sample {
+        let source = |&at: &usize| {
             let [x, y] = finish.source(at, self.size);
-            let color = finish.color(own.colors[y * self.size[0] + x], at, self.size);
-            self.count(&mut counts, at, &MadePixel::new(color));
-        }
+            own.colors[y * self.size[0] + x]
+        };
+        let colors: Vec<Color> = self.sample.iter().map(source).collect();
+        let counts = self.sample_counts(mistakes, &colors, self.size);
         self.is_likely(&counts).then(|| (counts.left(), mistakes.to_vec()))
     }
 
-    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color]) -> Counts {
+    /// Counts the first pixels of the sample, which have these colours before changes of the finished picture.
+    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color], size: [usize; 2]) -> Counts {
         let finish = Finish::new(mistakes);
-        let mut counts = Counts::default();
-        for (&at, &color) in self.sample.iter().zip(colors) {
-            self.count(&mut counts, at, &MadePixel::new(finish.color(color, at, self.size)));
-        }
-        counts
+        let pairs = self.sample.iter().zip(colors);
+        self.counts(pairs.map(|(&at, &color)| (at, MadePixel::new(finish.color(color, at, size)))))
     }
 
     /// Returns true if a mistake with these counts of the sample may be accepted.
@@ -219,10 +222,7 @@ impl<'p> Search<'p> {
 
     /// Judges mistakes by the whole picture. Returns `None` if they are refuted.
     pub fn judged(&self, mistakes: Vec<Mistake>, made: Made, variant: Option<&Variant>) -> Option<Candidate> {
-        let mut counts = Counts::default();
-        for (at, pixel) in made.pixels.iter().enumerate() {
-            self.count(&mut counts, at, pixel);
-        }
+        let counts = self.counts_of(&made);
         if !self.is_accepted(&counts) {
             return None;
         }
@@ -244,10 +244,7 @@ impl<'p> Search<'p> {
 
     /// Returns true if a candidate is not merely similar to the picture's mistakes.
     fn is_meant(&self, candidate: &Candidate) -> bool {
-        let mut counts = Counts::default();
-        for (at, pixel) in candidate.made.pixels.iter().enumerate() {
-            self.count(&mut counts, at, pixel);
-        }
+        let counts = self.counts_of(&candidate.made);
         counts.nearly as f64 <= MAX_NEARLY * counts.equal as f64
     }
 }
