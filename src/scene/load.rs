@@ -3,6 +3,7 @@
 mod named_files;
 
 use crate::base::escape::quoted;
+use crate::base::patience::{Endless, Patience};
 use crate::diagnostic::{Diagnostic, limited};
 use crate::image_io::ReadFile;
 use crate::scene::edition::{Choice, Edition};
@@ -11,7 +12,7 @@ use crate::scene::lexer::Lexer;
 use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, ObjFile};
 use crate::scene::model::Shows;
-use crate::scene::parser::{Reading, read_in};
+use crate::scene::parser::{self, Reading, Unfinished};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position, Scene};
 pub use named_files::{Found, mesh_places};
@@ -126,7 +127,19 @@ pub struct Readers<'a> {
 
 /// Reads a scene from text, and the files that it names.
 pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, Diagnostic> {
-    let (choice, reading) = read_words(&source.text, hints.edition).map_err(|error| source.locate(error))?;
+    load_text_within(source, hints, readers, &Endless)
+}
+
+/// Reads a scene like [`load_text`], as long as there is patience. The readers have patience of their own.
+pub(crate) fn load_text_within(
+    source: Source,
+    hints: &Hints,
+    readers: Readers,
+    patience: &dyn Patience,
+) -> Result<LoadedScene, Diagnostic> {
+    let words = read_words(&source.text, hints.edition, patience);
+    let read = words.and_then(|(choice, unfinished)| Ok((choice, unfinished.finish(patience)?)));
+    let (choice, reading) = read.map_err(|error| source.locate(error))?;
     let Reading { mut scene, warnings } = reading;
     if hints.shows_places {
         scene.shows = Shows::Places;
@@ -141,17 +154,21 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
 
 /// Reads a scene in the language of the named edition. Without a name, tries 2004 first, then the edition that its
 /// keywords identify.
-fn read_words(text: &str, named: Option<Edition>) -> Result<(Choice, Reading), Diagnostic> {
+fn read_words(
+    text: &str,
+    named: Option<Edition>,
+    patience: &dyn Patience,
+) -> Result<(Choice, Unfinished), Diagnostic> {
     let edition = named.unwrap_or_default();
-    let error = match read_in(edition, text) {
+    let error = match parser::read_words(edition, text, patience) {
         Ok(reading) => return Ok((Choice { edition, ..Choice::default() }, reading)),
         Err(error) => error,
     };
     let told = if named.is_none() { Edition::of_words(text) } else { None };
     let Some(mut choice) = told else { return Err(error) };
-    match read_in(choice.edition, text) {
+    match parser::read_words(choice.edition, text, patience) {
         Ok(reading) => {
-            choice.others.retain(|&other| read_in(other, text).is_ok());
+            choice.others.retain(|&other| parser::read_words(other, text, patience).is_ok());
             Ok((choice, reading))
         }
         Err(error) => {
@@ -188,8 +205,9 @@ pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
     let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
     let text = bytes.and_then(|bytes| decode(scene, bytes).ok());
     let folder = scene.parent().unwrap_or(Path::new(""));
-    let read = |text: String| read_words(&text, hints.edition);
-    let Some(Ok((choice, Reading { scene: named, .. }))) = text.map(read) else { return vec![] };
+    let read = |text: String| read_words(&text, hints.edition, &Endless);
+    let Some(Ok((choice, Unfinished { reading, .. }))) = text.map(read) else { return vec![] };
+    let named = reading.scene;
     let find =
         |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));
     let images = named.images.iter().map(|image| &image.name);

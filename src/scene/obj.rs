@@ -6,6 +6,7 @@ use super::foreign_format::foreign;
 use super::mesh::{Mesh, ObjFile};
 pub use super::plain_obj::memory_for;
 use super::{obj_reader, plain_obj};
+use crate::base::patience::{Endless, Patience};
 use crate::base::shortcut::Shortcut;
 use crate::diagnostic::Diagnostic;
 use std::borrow::Cow;
@@ -13,20 +14,21 @@ use std::borrow::Cow;
 /// Reads a mesh from the bytes of an OBJ file, with its texture coordinates if `is_textured`.
 ///
 /// Polygons become triangles. Everything except positions and faces is ignored, such as points, lines and curves. Fails
-/// with the first error found.
-pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
+/// with the first error found, or when the patience is over.
+pub fn read_obj(bytes: &[u8], is_textured: bool, patience: &dyn Patience) -> Result<ObjFile, Diagnostic> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
-        && let Some((mesh, vertices)) = plain_obj::parse(text)
+        && let Some((mesh, vertices)) = plain_obj::parse(text, patience)
     {
         return Ok(ObjFile { mesh, vertices, ..ObjFile::default() });
     }
-    foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), Err)
+    patience.check()?;
+    foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured, patience), Err)
 }
 
 /// Reads a mesh without texture coordinates.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
-    read_obj(bytes, false).map(|file| file.mesh)
+    read_obj(bytes, false, &Endless).map(|file| file.mesh)
 }
 
 /// Returns the text of a mesh file. Positions of errors refer to it.
@@ -274,7 +276,7 @@ mod tests {
         ] {
             for end in ["\n", "\r", "\r\n"] {
                 let text = text.replace('\n', end);
-                let file = read_obj(text.as_bytes(), true).unwrap();
+                let file = read_obj(text.as_bytes(), true, &Endless).unwrap();
                 assert_eq!((&file.mesh, file.doubts), (&plain, vec![]), "{text:.200}");
                 assert_eq!(utf8(&text), plain, "{text:.200}");
             }
@@ -290,7 +292,7 @@ mod tests {
             "{SQUARE}F 1 2 3\nf 1 2 3\nface 1 2 3\n surf 0 1 0 1 1 2 3 4\nf 1 3 2 4\nf 4 2 3 1\n{}",
             "f 1 2 3 2\n".repeat(3)
         );
-        let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false).unwrap();
+        let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false, &Endless).unwrap();
         assert_eq!(mesh.triangles.len(), 1 + 1 + 1);
         let said: Vec<_> = doubts.iter().map(Diagnostic::headline).collect();
         assert_eq!(
@@ -347,7 +349,7 @@ mod tests {
         let faces =
             "f 1/1 2/2/9 3/3/-9\nf 1/-1 2/-2/7 3/-3\nf 1 2 3\nf 1/4 2/1 3/1\nf 1/ 2/1 3/1\nf 1//1 2/1 3/1\n";
         let expected = [Some([a, b, c]), Some([c, b, a]), None, None, None, None];
-        let read = |text: &str| read_obj(text.as_bytes(), true).unwrap();
+        let read = |text: &str| read_obj(text.as_bytes(), true, &Endless).unwrap();
         for text in [
             format!("{SQUARE}{places}{faces}"),
             format!("\u{feff}{places}{SQUARE}{faces}"),
@@ -355,7 +357,7 @@ mod tests {
             format!("{SQUARE}{places}{faces}").replace('\n', "\r\n").replace("vt 1", "vt \\\r\n1 \\\r\n0 "),
         ] {
             assert_eq!(read(&text).texture_coordinates, expected, "{text}");
-            assert_eq!(read_obj(text.as_bytes(), false).unwrap().texture_coordinates, []);
+            assert_eq!(read_obj(text.as_bytes(), false, &Endless).unwrap().texture_coordinates, []);
         }
         // Coordinates may come after the faces if no index is negative.
         let later = format!("{SQUARE}f 1/1 2/2 3/3\nf 1/-1 2/2 3/3\n{places}");
@@ -376,7 +378,7 @@ mod tests {
             let text = format!("{SQUARE}vt {number} 0.5\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
             assert_eq!(read(&text).texture_coordinates, [found], "{number}");
         }
-        let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true).unwrap_err();
+        let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true, &Endless).unwrap_err();
         assert_eq!(error.message, "a texture coordinate needs numbers, found `x`");
         // A file without coordinates has an empty list, even if faces refer to some.
         assert_eq!(read(&format!("{SQUARE}f 1/1 2/2 3/3\n")).texture_coordinates, []);
@@ -390,9 +392,9 @@ mod tests {
         for extra in ["", "vn 0 0 1\n", "v 1 1 1 1\n"] {
             let text = format!("v 9 9 9\n{SQUARE}{extra}f 2 3 4\nv nan 0 0\n");
             let count = text.lines().filter(|line| line.starts_with("v ")).count();
-            let file = read_obj(text.replace("nan", "5").as_bytes(), false).unwrap();
+            let file = read_obj(text.replace("nan", "5").as_bytes(), false, &Endless).unwrap();
             assert_eq!((file.vertices, file.mesh.vertices.len()), (count, 3));
-            assert_eq!(read_obj(text.as_bytes(), false).unwrap().vertices, count);
+            assert_eq!(read_obj(text.as_bytes(), false, &Endless).unwrap().vertices, count);
         }
     }
 }

@@ -6,6 +6,7 @@ use super::optics::transmittance;
 use super::{Shadows, Tracer};
 use crate::caster::RayOrigin;
 use crate::math::ray::Ray;
+use crate::math::robust::end_at;
 use crate::picture::Color;
 use crate::scene::Light;
 use crate::scene::limits::LARGEST;
@@ -13,6 +14,7 @@ use crate::shading::light::Incident;
 use crate::shading::phong::Mixture;
 use crate::shading::texture::{material_at, material_of_surface};
 use crate::world::SurfacePoint;
+use glam::DVec3;
 
 impl<H: Hints> Tracer<'_, H> {
     /// Returns the fraction of the light with this index, per channel, that reaches a surface.
@@ -32,19 +34,27 @@ impl<H: Hints> Tracer<'_, H> {
                 observer.shadow_ray();
                 // The function gets copies: a light that is referred to lies in memory, written part by part and read as
                 // vectors, for which the processor stalls.
-                let (ray, origin) = (self.shadow_ray(surface, light, observer), self.origin(surface));
+                let ray = self.shadow_ray(surface, light.direction, light.distance, index);
+                observer.observe(|| Event::ShadowRay(ray));
+                let origin = self.origin(surface);
                 let starts_within = surface.normal.dot(light.direction) < 0.0;
                 self.filtered(ray, origin, starts_within, index, observer)
             }
         }
     }
 
-    /// Returns the ray from a surface to a light. The distance to a point light is measured from the surface.
+    /// Returns the ray from a surface in the direction of the light with this index. It ends at the light, whose
+    /// distance is measured from the start of the ray. If the scene has an epsilon, the ray has this length instead.
     #[inline(always)]
-    fn shadow_ray<O: Observer>(&self, surface: &SurfacePoint, light: &Incident, observer: &mut O) -> Ray {
-        let ray = Ray { t_max: light.distance, ..self.departing(surface, light.direction) };
-        observer.observe(|| Event::ShadowRay(ray));
-        ray
+    fn shadow_ray(&self, surface: &SurfacePoint, direction: DVec3, length: f64, index: usize) -> Ray {
+        let ray = self.departing(surface, direction);
+        match self.world().lights.get(index) {
+            Some(&Light::Point { position, .. }) if self.world().lighting.epsilon.is_none() => {
+                let (t_max, direction) = end_at(position, ray.origin, surface.normal, direction);
+                Ray { t_max, direction, ..ray }
+            }
+            _ => Ray { t_max: length, ..ray },
+        }
     }
 
     /// Returns true if anything blocks the light with this index from a surface.
@@ -70,7 +80,8 @@ impl<H: Hints> Tracer<'_, H> {
         if !O::COUNTS && blocker == Blocker::Nothing && self.caster.has_no_plane_but(origin) {
             return is_at_rest;
         }
-        let ray = self.shadow_ray(surface, light, observer);
+        let ray = self.shadow_ray(surface, light.direction, light.distance, index);
+        observer.observe(|| Event::ShadowRay(ray));
         let is_hit = match blocker {
             // The course's program searches the nearest hit, even if any hit would do.
             _ if O::COUNTS => self.caster.nearest(&ray, origin, observer).is_some(),
@@ -122,7 +133,7 @@ impl<H: Hints> Tracer<'_, H> {
                 }
                 (is_within, way) = (!is_exit, 0.0);
             }
-            ray = Ray { t_max: ray.t_max - hit.t, ..self.departing(&surface, ray.direction) };
+            ray = self.shadow_ray(&surface, ray.direction, ray.t_max - hit.t, index);
             origin = self.origin(&surface);
         }
         let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));

@@ -80,13 +80,15 @@ impl World {
     /// Returns the index of the nearest hit. `first` is the smallest t, as rounded.
     fn nearest(&self, ray: &Ray, hits: &[(f64, u32)], first: f64) -> usize {
         let behind: Vec<Dd> = hits.iter().map(|&hit| self.behind(ray, hit, first)).collect();
-        // Triangles meet at edges and corners, where a ray hits several of them at the same t.
+        // A ray hits several triangles at the same t where they meet, and round surfaces where they cross others. Planes
+        // are told apart however close they are.
         let way = (ray.origin.abs() + first.abs() * ray.direction.abs()).max_element();
         let same = SAME_T * way / ray.direction.abs().max_element();
         let is_nearer = |i: usize, j: usize| {
             let (one, other, apart) = (hits[i].1, hits[j].1, (behind[i] - behind[j]).value());
             let are_triangles = self.is_triangle(one) && self.is_triangle(other);
-            let is_same = apart.abs() <= if are_triangles { same } else { 0.0 };
+            let is_round = self.is_shape(one) || self.is_shape(other);
+            let is_same = apart.abs() <= if are_triangles || is_round { same } else { 0.0 };
             if is_same { self.comes_first(one, other) } else { apart < 0.0 }
         };
         (0..hits.len()).reduce(|i, j| if is_nearer(j, i) { j } else { i }).unwrap_or(0)
