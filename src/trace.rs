@@ -70,6 +70,9 @@ pub struct Effects {
     pub min_weight: f64,
 }
 
+/// The number of lights between two questions whether the work should end.
+const LIGHTS_AT_ONCE: usize = 16;
+
 /// Traces rays one at a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, H = NoHints> {
@@ -232,6 +235,9 @@ impl<'a, H: Hints> Tracer<'a, H> {
         let mut color = world.ambient * world.ambient_color(surface, material.phong.diffuse);
         observer.observe(|| Event::Ambient(color));
         for (index, light) in world.lights.iter().enumerate() {
+            if index % LIGHTS_AT_ONCE == LIGHTS_AT_ONCE - 1 && self.caster.is_over() {
+                break;
+            }
             let light = incident(light, surface.position);
             let view = View { cosine: normal.dot(light.direction), normal, to_viewer };
             let shows = material.shows(highlight, &light, view.cosine);

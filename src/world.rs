@@ -128,8 +128,13 @@ pub enum Primitive {
 impl World {
     /// Builds the world of a scene as [`World::of_meshes`] does, and keeps the meshes.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, Diagnostic> {
+        Self::copying(scene, meshes, &Endless)
+    }
+
+    /// Builds the world of a scene as [`World::new`] does, as long as there is patience.
+    pub fn copying(scene: &Scene, meshes: &[Mesh], patience: &dyn Patience) -> Result<Self, Diagnostic> {
         memory::ask(meshes.iter().map(Mesh::bytes).sum())?;
-        Self::of_meshes(scene, meshes.to_vec())
+        Self::within(scene, meshes.to_vec(), patience)
     }
 
     /// Builds the world of a scene. `meshes` are the meshes that the scene names, in its order. Returns an error if an

@@ -10,7 +10,7 @@ use crate::picture::Color;
 use crate::scene::limits::BRIGHTEST;
 use crate::scene::model::Split;
 use crate::shading::phong::Mixture;
-use crate::world::SurfacePoint;
+use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 
 /// The history of a ray since it left the camera.
@@ -37,9 +37,12 @@ pub(super) struct SecondaryRay {
     pub path: Path,
 }
 
-/// The number of rays between two calls of [`IsOver`]. Such rare calls take no measurable time, and still come soon
-/// enough if each ray is tested against a hundred thousand triangles.
+/// The number of rays between two calls of [`IsOver`]. Such rare calls take no measurable time.
 const RAYS_AT_ONCE: usize = 1 << 9;
+
+/// The number of tests of primitives between two calls of [`IsOver`], if each ray is tested against all of them. They
+/// take less than a second.
+const TESTS_AT_ONCE: usize = 1 << 24;
 
 /// The approximate number of secondary rays of one camera ray that may wait at once. They take about 30 MB per thread.
 /// Each bounce adds at most one ray to the stack, so only rays that split that many times reach this limit.
@@ -64,9 +67,10 @@ pub struct Memory<'a> {
 
 impl<'a> Memory<'a> {
     /// Returns a memory whose secondary rays are traced until `is_over` returns true. Each ray may cause a shadow ray
-    /// to each of `lights` lights.
-    pub fn until(is_over: IsOver<'a>, lights: usize) -> Self {
-        let at_once = (RAYS_AT_ONCE / (1 + lights)).max(1) as u32;
+    /// to each light of the world, and may be tested against all primitives.
+    pub fn until(is_over: IsOver<'a>, world: &World) -> Self {
+        let tested = RAYS_AT_ONCE.min(TESTS_AT_ONCE / world.ids().len().max(1));
+        let at_once = (tested / (1 + world.lights.len())).max(1) as u32;
         let (pending, mixture) = Default::default();
         Self { pending, mixture, is_over, at_once, left: at_once, is_cut: false }
     }
@@ -94,7 +98,8 @@ impl<'a> Memory<'a> {
 impl Default for Memory<'_> {
     /// Returns a memory whose secondary rays are all traced.
     fn default() -> Self {
-        Self::until(&|_| false, 0)
+        let (pending, mixture) = Default::default();
+        Self { pending, mixture, is_over: &|_| false, at_once: u32::MAX, left: u32::MAX, is_cut: false }
     }
 }
 

@@ -16,6 +16,9 @@ use crate::shading::texture::{material_at, material_of_surface};
 use crate::world::SurfacePoint;
 use glam::DVec3;
 
+/// The number of crossings of one ray between two questions whether the work should end.
+const CROSSINGS_AT_ONCE: usize = 16;
+
 impl<H: Hints> Tracer<'_, H> {
     /// Returns the fraction of the light with this index, per channel, that reaches a surface.
     #[inline(always)]
@@ -115,7 +118,10 @@ impl<H: Hints> Tracer<'_, H> {
         let through = |passed: Color, tint: Color, way: f64| {
             (passed * transmittance(tint, way)).min(Color::splat(LARGEST))
         };
-        for _ in 0..self.world().most_crossings() {
+        for crossing in 0..self.world().most_crossings() {
+            if crossing % CROSSINGS_AT_ONCE == CROSSINGS_AT_ONCE - 1 && self.caster.is_over() {
+                break;
+            }
             let Some(visible) = self.caster.nearest(&ray, origin, observer) else { break };
             let (hit, surface) = (self.world().hit(&ray, visible), self.surface(&ray, visible));
             let is_exit = surface.normal.dot(ray.direction) >= 0.0;
