@@ -227,6 +227,7 @@ impl<'w> Caster<'w> {
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
         let mut query = Query::<P, ANY>::new(self.world, &stored, probe);
+        query.patience = self.patience;
         self.search(simd, &ray, origin, &entry, &mut query);
         let (best, is_undecided) = (query.best, query.is_undecided);
         if !ANY && is_undecided { self.foremost(simd, &stored, origin, best) } else { best }
@@ -269,6 +270,7 @@ impl<'w> Caster<'w> {
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
         let (mut probe, mut hits) = (Quiet, vec![]);
         let mut query = Query::<_, false>::for_all(self.world, &ray_to_there, &mut probe, &mut hits);
+        query.patience = self.patience;
         self.search(simd, &ray_to_there, origin, &self.entry(simd, &ray_to_there), &mut query);
         let foremost = self.world.foremost(ray, hits, &mut Steps::new(self.patience));
         foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })

@@ -32,6 +32,7 @@ pub(crate) use optics::{mirrored_part, refracted_between};
 pub(crate) use secondary::MOST_WAITING;
 pub use secondary::{IsOver, Memory};
 use secondary::{Path, SecondaryRay};
+pub(crate) use shadow::ending_at_light;
 
 /// The objects that cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -234,8 +235,9 @@ impl<'a, H: Hints> Tracer<'a, H> {
         let to_viewer = -ray.direction;
         let mut color = world.ambient * world.ambient_color(surface, material.phong.diffuse);
         observer.observe(|| Event::Ambient(color));
+        let has_many_lights = world.lights.len() >= LIGHTS_AT_ONCE;
         for (index, light) in world.lights.iter().enumerate() {
-            if index % LIGHTS_AT_ONCE == LIGHTS_AT_ONCE - 1 && self.caster.is_over() {
+            if has_many_lights && index.is_multiple_of(LIGHTS_AT_ONCE) && self.caster.is_over() {
                 break;
             }
             let light = incident(light, surface.position);

@@ -60,13 +60,11 @@ impl<'a> Steps<'a> {
     /// Notes that this number of steps was taken. Returns an error if the work should end.
     #[inline]
     pub fn take(&mut self, steps: usize) -> Result<(), Ended> {
-        match self.left.checked_sub(steps) {
-            Some(left) => {
-                self.left = left;
-                Ok(())
-            }
-            None => self.ask(steps),
+        if steps >= self.left {
+            return self.ask(steps);
         }
+        self.left -= steps;
+        Ok(())
     }
 
     #[cold]
@@ -74,7 +72,7 @@ impl<'a> Steps<'a> {
         // Many steps at once are as many questions, so that tests can count steps by the questions.
         let beyond = steps - self.left;
         self.left = STEPS - beyond % STEPS;
-        (0..beyond.div_ceil(STEPS)).try_for_each(|_| self.patience.check())
+        (0..=beyond / STEPS).try_for_each(|_| self.patience.check())
     }
 }
 

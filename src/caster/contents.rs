@@ -9,7 +9,7 @@ use crate::base::memory;
 use crate::base::patience::{Ended, Patience};
 use crate::caster::block::{Block, Frame, LANES, NONE};
 use crate::caster::insertion::Reference;
-use crate::caster::lattice::{NotBuilt, Lattice};
+use crate::caster::lattice::{Lattice, NotBuilt};
 use crate::world::World;
 use rayon::prelude::*;
 

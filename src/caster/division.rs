@@ -79,11 +79,7 @@ impl Division {
     }
 
     /// Divides more than [`LANES`] items into the branches of a node.
-    fn node(
-        (world, patience): (&World, &dyn Patience),
-        run: ItemRun,
-        level: usize,
-    ) -> Result<Self, Ended> {
+    fn node((world, patience): (&World, &dyn Patience), run: ItemRun, level: usize) -> Result<Self, Ended> {
         let by_number = level >= HEURISTIC_LEVELS;
         let count = run.items.len();
         let mut runs = vec![run];

@@ -8,7 +8,7 @@
 use crate::base::patience::{Ended, Patience, Steps};
 use crate::caster::bounds::widened;
 use crate::caster::dda::face_error_bound;
-use crate::caster::lattice::{NotBuilt, Lattice};
+use crate::caster::lattice::{Lattice, NotBuilt};
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;

@@ -13,7 +13,7 @@ use crate::caster::dda::Dda;
 use crate::caster::division::MAX_LEVELS;
 use crate::caster::filter::FilterState;
 use crate::caster::insertion::{bounds_of, references};
-use crate::caster::lattice::{NotBuilt, Lattice};
+use crate::caster::lattice::{Lattice, NotBuilt};
 use crate::caster::query::Query;
 use crate::caster::tree::{Branch, LEAF, SMALL, Small, Tree};
 use crate::math::instructions::prefetch;

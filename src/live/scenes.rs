@@ -170,7 +170,8 @@ impl Scenes {
         left.set(rest.ok_or_else(|| refused("it is no file, or too large"))?);
         memory::ask(memory_for(found.len()))?;
         let bytes = fs::read(&file).map_err(failed)?;
-        let content = read_obj(&bytes, is_textured, stop).map_err(|error| in_mesh(error, *at, name, &bytes))?;
+        let content =
+            read_obj(&bytes, is_textured, stop).map_err(|error| in_mesh(error, *at, name, &bytes))?;
         Ok((ObjFile { doubts: vec![], ..content }, file))
     }
 }

@@ -64,11 +64,8 @@ const MOST_IN_LEAF: usize = 4;
 impl<const D: usize> BoxTree<D> {
     /// Builds the tree of some boxes in O(n log n).
     pub fn new(boxes: &[Extents<D>]) -> Self {
-        let mut tree = Self {
-            nodes: vec![],
-            list: (0..boxes.len() as u32).collect(),
-            leaves: vec![0; boxes.len()],
-        };
+        let mut tree =
+            Self { nodes: vec![], list: (0..boxes.len() as u32).collect(), leaves: vec![0; boxes.len()] };
         if !boxes.is_empty() {
             tree.add(boxes, [0, boxes.len()], 0);
         }
@@ -91,7 +88,8 @@ impl<const D: usize> BoxTree<D> {
         let extent = |&k: &usize| bounds.max[k] - bounds.min[k];
         let axis = (0..D).max_by(|i, j| extent(i).total_cmp(&extent(j))).unwrap_or(0);
         let middle = own.len() / 2;
-        let center = |&index: &u32| 0.5 * boxes[index as usize].min[axis] + 0.5 * boxes[index as usize].max[axis];
+        let center =
+            |&index: &u32| 0.5 * boxes[index as usize].min[axis] + 0.5 * boxes[index as usize].max[axis];
         own.select_nth_unstable_by(middle, |one, other| center(one).total_cmp(&center(other)));
         let parts = [[start, start + middle], [start + middle, end]];
         self.nodes[id as usize].below = Below::Children(parts.map(|part| self.add(boxes, part, id)));
@@ -115,11 +113,7 @@ impl<const D: usize> BoxTree<D> {
 
     /// Calls `take` for the boxes below all nodes for which `enters` returns true. Of two children, the one with the
     /// lower index comes first. Returns the number of nodes and boxes that were looked at.
-    pub fn visit(
-        &self,
-        mut enters: impl FnMut(usize, &Node<D>) -> bool,
-        mut take: impl FnMut(u32),
-    ) -> usize {
+    pub fn visit(&self, mut enters: impl FnMut(usize, &Node<D>) -> bool, mut take: impl FnMut(u32)) -> usize {
         let (mut steps, mut waiting) = (0, vec![]);
         waiting.extend((!self.nodes.is_empty()).then_some(0));
         while let Some(id) = waiting.pop() {

@@ -266,7 +266,8 @@ mod tests {
     fn an_empty_world_shows_no_face() {
         let scene = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
             Group { numObjects 1 Material { } Plane { normal 0 1 0 offset 0 } }";
-        let occupancy = Occupancy::new(&parse(scene).unwrap(), &[], Aabb::EMPTY, [2, 2, 2], &Endless).unwrap();
+        let occupancy =
+            Occupancy::new(&parse(scene).unwrap(), &[], Aabb::EMPTY, [2, 2, 2], &Endless).unwrap();
         assert_eq!(occupancy.first_face(&ray([0.5, 0.5, -1.0], [0.1, 0.2, 1.0])), None);
     }
 

@@ -212,7 +212,8 @@ impl ObjectTree {
         self.cells = self.cells.saturating_add(cells.count());
         if self.cells > MOST_OF_SCENE {
             let message = format!("up to here, the grids of the scene have {} cells", self.cells);
-            let hint = format!("together they may have {MOST_OF_SCENE}, as many as one grid of 256 x 256 x 256");
+            let hint =
+                format!("together they may have {MOST_OF_SCENE}, as many as one grid of 256 x 256 x 256");
             return Err(Diagnostic::error(message).at(at).with_hint(hint));
         }
         self.grids.push((self.objects.len(), cells));

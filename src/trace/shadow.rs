@@ -13,11 +13,24 @@ use crate::scene::limits::LARGEST;
 use crate::shading::light::Incident;
 use crate::shading::phong::Mixture;
 use crate::shading::texture::{material_at, material_of_surface};
-use crate::world::SurfacePoint;
+use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 
 /// The number of crossings of one ray between two questions whether the work should end.
 const CROSSINGS_AT_ONCE: usize = 16;
+
+/// Returns the ray from a surface, off which its origin was moved, up to a point light. Its length is measured from the
+/// origin. If the scene has an epsilon, the origin was not moved, and the ray stays as it is.
+#[inline(always)]
+pub(crate) fn ending_at_light(world: &World, index: usize, surface: &SurfacePoint, ray: Ray) -> Ray {
+    match world.lights.get(index) {
+        Some(&Light::Point { position, .. }) if world.lighting.epsilon.is_none() => {
+            let (t_max, direction) = end_at(position, ray.origin, surface.normal, ray.direction);
+            Ray { t_max, direction, ..ray }
+        }
+        _ => ray,
+    }
+}
 
 impl<H: Hints> Tracer<'_, H> {
     /// Returns the fraction of the light with this index, per channel, that reaches a surface.
@@ -46,18 +59,12 @@ impl<H: Hints> Tracer<'_, H> {
         }
     }
 
-    /// Returns the ray from a surface in the direction of the light with this index. It ends at the light, whose
-    /// distance is measured from the start of the ray. If the scene has an epsilon, the ray has this length instead.
+    /// Returns the ray from a surface in the direction of the light with this index. It has this length if the light is
+    /// directional, or if the scene has an epsilon.
     #[inline(always)]
     fn shadow_ray(&self, surface: &SurfacePoint, direction: DVec3, length: f64, index: usize) -> Ray {
-        let ray = self.departing(surface, direction);
-        match self.world().lights.get(index) {
-            Some(&Light::Point { position, .. }) if self.world().lighting.epsilon.is_none() => {
-                let (t_max, direction) = end_at(position, ray.origin, surface.normal, direction);
-                Ray { t_max, direction, ..ray }
-            }
-            _ => Ray { t_max: length, ..ray },
-        }
+        let ray = Ray { t_max: length, ..self.departing(surface, direction) };
+        ending_at_light(self.world(), index, surface, ray)
     }
 
     /// Returns true if anything blocks the light with this index from a surface.

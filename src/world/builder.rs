@@ -1,13 +1,13 @@
 //! Builds a world from a scene: each object is transformed to world space and appended to the primitives of
 //! its kind.
 
-use super::{PlaceInScene, World};
 use super::appearance::vertex_normals;
 use super::coplanar::WrittenPlanes;
 use super::placement::Placement;
 use super::plane::{PlacedPlane, Plane};
 use super::point_error::{BoundaryWidth, PlacementError};
 use super::runs::Runs;
+use super::{PlaceInScene, World};
 use crate::base::memory::{self, NoMemory};
 use crate::base::patience::{Patience, Steps};
 use crate::diagnostic::Diagnostic;

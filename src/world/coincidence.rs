@@ -69,12 +69,7 @@ impl World {
     }
 
     /// Returns the hits whose surfaces are united with the surface of hit `one`, directly or through others.
-    fn united(
-        &self,
-        hits: &[(f64, u32)],
-        one: usize,
-        steps: &mut Steps,
-    ) -> Result<Vec<(f64, u32)>, Ended> {
+    fn united(&self, hits: &[(f64, u32)], one: usize, steps: &mut Steps) -> Result<Vec<(f64, u32)>, Ended> {
         let mut others = hits.to_vec();
         let (mut united, mut next) = (vec![others.swap_remove(one)], 0);
         while let Some(&(_, one)) = united.get(next) {

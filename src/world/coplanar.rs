@@ -115,9 +115,8 @@ impl WrittenPlanes {
         for cell in key - OFFSET_REACH >> OFFSET_BITS..=key + OFFSET_REACH >> OFFSET_BITS {
             let found = self.offsets_in.get(&(normal, cell)).map_or(&[][..], Vec::as_slice);
             steps.take(1 + found.len())?;
-            let is_equal = |other: f64| {
-                (offset - other).abs() <= WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * other.abs()
-            };
+            let is_equal =
+                |other: f64| (offset - other).abs() <= WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * other.abs();
             let equal = found.iter().copied().find(|&(other, _)| is_equal(other));
             first = first.into_iter().chain(equal).min_by_key(|&(_, index)| index);
         }
@@ -184,7 +183,8 @@ fn reach(placed: &PlacedPlane, Plane { normal, offset }: Plane) -> Extents<4> {
         }
         false => (f64::INFINITY, f64::INFINITY),
     };
-    let (center, half) = ([normal.x, normal.y, normal.z, offset], [of_normal, of_normal, of_normal, of_offset]);
+    let (center, half) =
+        ([normal.x, normal.y, normal.z, offset], [of_normal, of_normal, of_normal, of_offset]);
     Extents {
         min: std::array::from_fn(|k| center[k] - half[k]),
         max: std::array::from_fn(|k| center[k] + half[k]),
@@ -210,4 +210,87 @@ fn is_parallel(one: DVec3, other: DVec3) -> bool {
 /// Returns the plane with its normal on the side to which `direction` points.
 fn facing(plane: Plane, direction: DVec3) -> Plane {
     if plane.normal.dot(direction) < 0.0 { plane.reversed() } else { plane }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::patience::Endless;
+    use crate::math::worst_case::Rng;
+    use crate::scene::parser::parse;
+    use crate::world::World;
+    use std::fmt::Write;
+
+    /// Moves a number by up to a few roundings.
+    fn moved(rng: &mut Rng, x: f64) -> f64 {
+        let steps = rng.below(9) as i64 - 4;
+        (0..steps.abs()).fold(x, |x, _| if steps < 0 { x.next_down() } else { x.next_up() })
+    }
+
+    #[test]
+    fn the_first_plane_in_the_same_place_is_found() {
+        let rng = &mut Rng(5);
+        for _ in 0..60 {
+            let directions: Vec<DVec3> = (0..4).map(|_| rng.vector().normalize()).collect();
+            let offsets = [0.0, 0.3, 1.0, -1.0, 1e9].map(|offset| offset * rng.signed());
+            let (mut all, mut known) = (WrittenPlanes::default(), Vec::<(Option<DAffine3>, Plane)>::new());
+            for _ in 0..150 {
+                let normal = directions[rng.below(4)];
+                let normal = DVec3::from(normal.to_array().map(|x| moved(rng, x)));
+                let offset = offsets[rng.below(5)];
+                let plane = Plane { normal, offset: moved(rng, offset) };
+                let plane = if rng.below(2) == 0 { plane } else { plane.reversed() };
+                let matrix = [None, Some(DAffine3::IDENTITY)][rng.below(2)];
+
+                // The rule, by a look at all earlier planes.
+                let mut expected = plane;
+                let under_same = || known.iter().enumerate().filter(|(_, (other, _))| *other == matrix);
+                let parallel = under_same().find(|(_, (_, other))| is_parallel(other.normal, plane.normal));
+                expected.normal =
+                    parallel.map_or(plane.normal, |(_, (_, p))| facing(*p, plane.normal).normal);
+                let same = under_same().find(|(_, (_, other))| {
+                    let other = facing(*other, expected.normal);
+                    let apart = (expected.offset - other.offset).abs();
+                    other.normal == expected.normal
+                        && apart <= WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * other.offset.abs()
+                });
+                expected = same.map_or(expected, |(_, (_, other))| facing(*other, expected.normal));
+
+                let same = same.map(|(index, _)| index);
+                let (found, index) = all.add(matrix, plane, &mut Steps::new(&Endless)).unwrap();
+                assert_eq!((found, index), (expected, same), "{plane:?} after {known:?}");
+                known.push((matrix, found));
+            }
+        }
+    }
+
+    /// Planes under transforms of their own, of which each may lie in the place of an earlier one.
+    #[test]
+    fn planes_in_one_place_under_different_transforms_get_the_same_numbers() {
+        let rng = &mut Rng(6);
+        let mut united = 0;
+        for _ in 0..40 {
+            let (mut objects, mut places) = (String::new(), vec![]);
+            for _ in 0..30 {
+                let (place, turn) = (rng.below(7), 30 * rng.below(12));
+                let offset = [0.0, 0.5, 0.5000001, -0.5, 3.0, 3.0 + 1e-9, 700.0][place];
+                write!(
+                    objects,
+                    "Transform {{ XRotate 33 ZRotate {turn} Translate {turn} 7 0 Plane {{ normal 0 0 1 offset {offset} }} }} "
+                )
+                .unwrap();
+                places.push(place);
+            }
+            let text = format!(
+                "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+                 Group {{ numObjects 30 Material {{ }} {objects} }}"
+            );
+            let World { planes, .. } = World::new(&parse(&text).unwrap(), &[]).unwrap();
+            for (i, j) in (0..30).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                assert_eq!(planes[i] == planes[j], places[i] == places[j], "{:?} {:?}", planes[i], planes[j]);
+                united += usize::from(planes[i] == planes[j]);
+            }
+        }
+        assert!(united > 1000);
+    }
 }

@@ -54,7 +54,10 @@ impl World {
     }
 
     /// Returns the surfaces on which each light lies. The lights near a surface are found in a tree.
-    pub(super) fn find_resting_places(&self, steps: &mut Steps) -> Result<Vec<Vec<RestingPlace>>, Diagnostic> {
+    pub(super) fn find_resting_places(
+        &self,
+        steps: &mut Steps,
+    ) -> Result<Vec<Vec<RestingPlace>>, Diagnostic> {
         let mut places = vec![vec![]; self.lights.len()];
         let points: Vec<(usize, DVec3)> = self.lights.iter().enumerate().filter_map(point_of).collect();
         let is_opaque = opaque(&self.materials);
@@ -114,7 +117,9 @@ fn opaque(materials: &[Material]) -> Vec<bool> {
         known.push(match material {
             Material::Phong(phong) | Material::Painted(phong, _) => phong.transparent == Color::ZERO,
             // It mixes earlier materials.
-            Material::Texture(texture) => texture.children.iter().all(|&child| known.get(child) == Some(&true)),
+            Material::Texture(texture) => {
+                texture.children.iter().all(|&child| known.get(child) == Some(&true))
+            }
         });
         known
     })
@@ -133,7 +138,8 @@ struct Search<'w> {
 
 impl<'w> Search<'w> {
     fn new(world: &'w World, points: impl Iterator<Item = DVec3>) -> Self {
-        let boxes: Vec<_> = points.map(|point| Extents { min: point.to_array(), max: point.to_array() }).collect();
+        let boxes: Vec<_> =
+            points.map(|point| Extents { min: point.to_array(), max: point.to_array() }).collect();
         let tree = BoxTree::new(&boxes);
         let mut left = vec![0; tree.nodes().len()];
         for index in 0..boxes.len() as u32 {
@@ -150,7 +156,8 @@ impl<'w> Search<'w> {
         let world = self.world;
         let is_empty = self.tree.nodes().is_empty();
         let bounds = Extents { min: world.bounds.min.to_array(), max: world.bounds.max.to_array() };
-        let is_outside = is_empty || !self.tree.nodes()[0].bounds.widened(self.reach_of_triangles[0]).meets(&bounds);
+        let is_outside =
+            is_empty || !self.tree.nodes()[0].bounds.widened(self.reach_of_triangles[0]).meets(&bounds);
         let first = if is_outside { world.triangles.len() as u32 } else { 0 };
         let end = if is_empty { 0 } else { world.ids().end };
         first..end
@@ -164,11 +171,14 @@ impl<'w> Search<'w> {
         match world.primitive(id) {
             Primitive::Triangle(i) => {
                 let triangle = NearTriangle::new(world.corners(i));
-                let is_near = |node: usize, bounds: &Extents<3>| triangle.may_touch(bounds, self.reach_of_triangles[node]);
+                let is_near = |node: usize, bounds: &Extents<3>| {
+                    triangle.may_touch(bounds, self.reach_of_triangles[node])
+                };
                 self.tree.visit(|id, node| self.left[id] > 0 && is_near(id, &node.bounds), take)
             }
             Primitive::Shape(i) => {
-                let (shape, moved) = (&world.shapes[i], world.flattening_error(id, DVec3::ZERO).max_element());
+                let (shape, moved) =
+                    (&world.shapes[i], world.flattening_error(id, DVec3::ZERO).max_element());
                 let (bounds, maps) = (shape.form().bounds(), shape.form().unit_sphere_maps());
                 let is_near = |node: &Node<3>| {
                     let reach = margin(farthest(node), shape.form().extent()) + moved;
@@ -340,4 +350,80 @@ fn height([a, b, c]: [DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a);
     let nearest = [a, b, c].into_iter().min_by(|p, q| p.length_squared().total_cmp(&q.length_squared()));
     nearest.map_or(f64::INFINITY, |corner| corner.dot(normal).abs() / normal.length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::patience::Endless;
+    use crate::math::worst_case::Rng;
+    use crate::scene::parser::parse;
+    use std::fmt::Write;
+
+    /// Objects of all kinds with three materials, and lights of which most lie on one of them or close to it.
+    fn scene(rng: &mut Rng) -> String {
+        let (mut objects, mut lights) = (String::new(), String::new());
+        let mut points = vec![];
+        let text = |v: DVec3| format!("{} {} {}", v.x, v.y, v.z);
+        for _ in 0..40 {
+            let (material, center) = (rng.below(4), 3.0 * rng.vector());
+            write!(objects, "MaterialIndex {material} ").unwrap();
+            let on = rng.vector().normalize();
+            let (object, place) = match rng.below(4) {
+                0 => (format!("Sphere {{ center {} radius 0.7 }}", text(center)), center + 0.7 * on),
+                1 => {
+                    let sphere = "Sphere { center 0 0 0 radius 1 }";
+                    let transform = format!("Translate {} Scale 0.5 2 1", text(center));
+                    let place = center + DVec3::new(0.5, 2.0, 1.0) * on;
+                    (format!("Transform {{ {transform} {sphere} }}"), place)
+                }
+                2 => (format!("Plane {{ normal {} offset {} }}", text(on), on.dot(center)), center),
+                _ => {
+                    let corners = [center, center + rng.vector(), center + rng.vector()];
+                    let [a, b, c] = corners.map(text);
+                    let place = (corners[0] + corners[1] + corners[2]) / 3.0;
+                    (format!("Triangle {{ vertex0 {a} vertex1 {b} vertex2 {c} }}"), place)
+                }
+            };
+            objects += &format!("{object} ");
+            points.push(place);
+        }
+        for _ in 0..60 {
+            let away = [0.0, 0.0, 1e-15, 1e-14, 1e-9, 1.0][rng.below(6)];
+            let place = points[rng.below(points.len() as u64)] + away * rng.vector();
+            write!(lights, "PointLight {{ position {} color 1 1 1 }} ", text(place)).unwrap();
+        }
+        format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Lights {{ numLights 61 DirectionalLight {{ direction 1 0 0 color 1 1 1 }} {lights} }}
+             Materials {{ numMaterials 4 Material {{ }} Material {{ transparentColor 1 1 1 }}
+             Checkerboard {{ materialIndex 0 materialIndex 1 }} Checkerboard {{ materialIndex 0 materialIndex 0 }} }}
+             Group {{ numObjects 40 {objects} }}"
+        )
+    }
+
+    #[test]
+    fn the_tree_of_lights_leaves_out_no_surface() {
+        let (mut found, mut ended) = (0, 0);
+        for seed in 1..150 {
+            let world = World::new(&parse(&scene(&mut Rng(seed))).unwrap(), &[]).unwrap();
+            let places = world.find_resting_places(&mut Steps::new(&Endless)).unwrap();
+            assert_eq!(places.len(), 61);
+            for (light, places) in world.lights.iter().zip(&places) {
+                let mut expected = vec![];
+                if let Light::Point { position, .. } = *light {
+                    for place in world.ids().filter_map(|id| world.place_at(position, id)) {
+                        expected.push(place);
+                        if [0, 3].contains(&world.material_of(place.primitive)) {
+                            ended += 1;
+                            break;
+                        }
+                    }
+                }
+                assert_eq!(*places, expected, "{light:?}");
+                found += places.len();
+            }
+        }
+        assert!(found > 2000 && ended > 1000, "{found} {ended}");
+    }
 }

@@ -30,7 +30,8 @@ fn blocks_hold_the_primitives_of_the_cells() {
     };
     let references: Vec<Reference> =
         (0..55).flat_map(|id| cells_of(id).into_iter().map(move |cell| [cell, id])).collect();
-    let (mut cells, entries) = Contents::of_cells(&world, &lattice, vec![references.clone()], &Endless).unwrap();
+    let (mut cells, entries) =
+        Contents::of_cells(&world, &lattice, vec![references.clone()], &Endless).unwrap();
     cells.fill(&world, &[(0, Frame::new(&lattice.bounds))], &Endless).unwrap();
     assert_eq!(cells.primitives_of(&cells.blocks).count(), references.len());
     let mut expected_blocks = 0;

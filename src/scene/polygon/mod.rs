@@ -50,7 +50,9 @@ pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let points = |ring: &[usize]| ring.iter().map(|&corner| corners[corner]).collect::<Vec<_>>();
     let ring = distinct(corners);
     let (mut own, is_backwards) = in_own_order(&ring, corners);
-    let Some(projection) = DroppedAxis::facing(&points(&own)) else { return Triangulation { triangles: whole_fan(), fault: None } };
+    let Some(projection) = DroppedAxis::facing(&points(&own)) else {
+        return Triangulation { triangles: whole_fan(), fault: None };
+    };
     let of_polygon = |places: Vec<[usize; 3]>, ring: Vec<usize>| {
         places.into_iter().map(|triangle| triangle.map(|place| ring[place])).collect()
     };

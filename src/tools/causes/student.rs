@@ -21,7 +21,9 @@ use crate::shading::perlin::turbulence;
 use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
 use crate::shading::texture::{first_weight, material_at, material_of_surface};
 use crate::stats::Quiet;
-use crate::trace::{Effects, Shadows, mirrored_part, reflected, refracted_between, transmittance};
+use crate::trace::{
+    Effects, Shadows, ending_at_light, mirrored_part, reflected, refracted_between, transmittance,
+};
 use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 use serde::Serialize;
@@ -329,11 +331,17 @@ impl<'a> Student<'a> {
     ) -> Color {
         let is_unshadowed = self.makes(Mistake::GlassWithoutShadows);
         let at_light = self.world().primitives_at_light(index);
-        ray.t_max = match self.mistake {
+        let length = match self.mistake {
             Some(Mistake::ShadowsFromBehindLight) => f64::INFINITY,
             Some(Mistake::ShadowRaysHalved) => 0.5 * light.distance,
             _ => light.distance,
         };
+        let ends_at_light = length == light.distance && !self.is_single;
+        let ended = |ray: Ray, surface: &SurfacePoint, t_max: f64| {
+            let ray = Ray { t_max, ..ray };
+            if ends_at_light { ending_at_light(self.world(), index, surface, ray) } else { ray }
+        };
+        ray = ended(ray, surface, length);
         if self.effects.shadows == Shadows::Opaque && !is_unshadowed {
             let is_blocked = !at_light.is_empty() || self.hits.nearest(&ray, leaves).is_some();
             return if is_blocked { Color::ZERO } else { Color::ONE };
@@ -364,7 +372,7 @@ impl<'a> Student<'a> {
             }
             let t_max = ray.t_max - t;
             (ray, leaves) = self.departing(Departure::Onwards, &crossed, ray.direction);
-            ray.t_max = t_max;
+            ray = ended(ray, &crossed, t_max);
         }
         let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));
         match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {

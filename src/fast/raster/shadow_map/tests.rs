@@ -161,7 +161,8 @@ fn there_are_maps_only_where_they_pay_and_numbers_are_usual() {
     for (objects, expected) in [(&[ball][..], 0), (&[floor], 0), (&[ball, floor], LIGHTS.len())] {
         assert_eq!(makes(&world(0, 1.0, DVec3::ZERO, objects, &LIGHTS), MANY_RAYS), expected, "{objects:?}");
     }
-    let map_of = |light: &str| ShadowMaps::new(&world(30, 1.0, DVec3::ZERO, &[], &[light]), MANY_RAYS, &Endless);
+    let map_of =
+        |light: &str| ShadowMaps::new(&world(30, 1.0, DVec3::ZERO, &[], &[light]), MANY_RAYS, &Endless);
     // Among the triangles, too close to them, and too far away.
     for light in ["0.1 0 0", "0 1.9 0", "1e13 0 0"] {
         let map = map_of(&format!("PointLight {{ position {light} color 1 1 1 }}"));
