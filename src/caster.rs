@@ -89,11 +89,6 @@ impl<'w> Caster<'w> {
         Caster { patience, ..self.clone() }
     }
 
-    /// Returns true if the patience of searches is over.
-    pub fn is_over(&self) -> bool {
-        self.patience.is_over()
-    }
-
     /// Lets [`Caster::for_rays`] replace a list by a grid or a tree.
     pub fn replaceable(self) -> Self {
         let for_many_rays = (!self.is_selective()).then(Arc::default);
@@ -274,6 +269,13 @@ impl<'w> Caster<'w> {
         self.search(simd, &ray_to_there, origin, &self.entry(simd, &ray_to_there), &mut query);
         let foremost = self.world.foremost(ray, hits, &mut Steps::new(self.patience));
         foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })
+    }
+}
+
+/// The patience of its searches.
+impl Patience for Caster<'_> {
+    fn is_over(&self) -> bool {
+        self.patience.is_over()
     }
 }
 

@@ -4,6 +4,7 @@
 //! of each source that nothing blocks, and the colours along the reflected and the refracted ray. These secondary rays
 //! wait on a stack. An [`Observer`] counts or records the steps. [`Hints`] spare rays and never change a colour.
 
+use crate::base::patience::Patience;
 use crate::caster::{Caster, RayOrigin};
 use crate::math::ray::{Ray, Visible};
 use crate::math::robust::offset_origin;

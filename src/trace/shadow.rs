@@ -4,6 +4,7 @@ use super::hints::{Blocker, Hints};
 use super::observer::{Event, Observer};
 use super::optics::transmittance;
 use super::{Shadows, Tracer};
+use crate::base::patience::Patience;
 use crate::caster::RayOrigin;
 use crate::math::ray::Ray;
 use crate::math::robust::end_at;

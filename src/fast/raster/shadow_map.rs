@@ -59,7 +59,7 @@ impl ShadowMaps {
         let most_pixels = MAX_PIXELS / world.lights.len().max(1);
         let map = |light: &Light| {
             let may_go_on = !patience.is_over();
-            if may_go_on { ShadowMap::new(world, light, most_pixels) } else { None }
+            if may_go_on { ShadowMap::new(world, light, most_pixels, patience) } else { None }
         };
         Self(world.lights.par_iter().map(map).collect())
     }
@@ -75,11 +75,11 @@ impl ShadowMaps {
 }
 
 impl ShadowMap {
-    fn new(world: &World, light: &Light, most_pixels: usize) -> Option<Self> {
+    fn new(world: &World, light: &Light, most_pixels: usize, patience: &dyn Patience) -> Option<Self> {
         let of_boxes = world.boxes().flat_map(|bounds| widened(bounds).corners());
         let bounds = Aabb::around(of_boxes.chain(world.vertices.iter().copied()));
         let view = LightView::new(light, &bounds, SIZE)?;
-        let nearest_ids = drawn(&view, &(0..SIZE), world, most_pixels)?;
+        let nearest_ids = drawn(&view, &(0..SIZE), world, most_pixels, patience)?;
         Some(Self { view, nearest_ids })
     }
 
