@@ -47,6 +47,7 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::tests::Counted;
     use crate::diagnostic::Position;
     use glam::{DVec2, DVec3};
     use std::path::Path;
@@ -319,6 +320,52 @@ mod tests {
         );
         let shown = error.in_text(Path::new("m"), &super::text(text)).to_string();
         assert!(shown.ends_with("\n    2 | v 0 \u{fffd} 0\n      |     ^"), "{shown}");
+    }
+
+    /// The corners of one face: periodic, a comb, random ones on a lattice, and random ones.
+    fn faces(count: usize) -> [String; 4] {
+        let mut seed = 1u64;
+        let mut random = |most: u64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) % most
+        };
+        let face = |count: usize| "f".to_owned() + &(1..=count).map(|k| format!(" {k}")).collect::<String>();
+        let mut points = |most: u64| {
+            let point = |_| format!("v {} {} 0\n", random(most), random(most));
+            (0..count).map(point).collect::<String>() + &face(count)
+        };
+        let (lattice, scattered) = (points(30), points(1 << 30));
+        let comb = (0..count - 2).map(|k| format!("v {k} {} 0\n", k % 2)).collect::<String>();
+        let comb = format!("{comb}v {} -1 0\nv 0 -1 0\n{}", count - 2, face(count));
+        let periodic = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {}3", "1 2 ".repeat((count - 1) / 2));
+        [periodic, comb, lattice, scattered]
+    }
+
+    #[test]
+    fn a_face_has_up_to_a_thousand_corners() {
+        for text in faces(999) {
+            assert!(read_obj(text.as_bytes(), false, &Endless).is_ok(), "{text:.60}");
+        }
+        for text in faces(1001) {
+            let error = refuse(&text);
+            assert_eq!(error.message, "a face has 1001 corners: 1000 are the most");
+            assert_eq!(
+                error.position().map(|at| (at.line as usize, at.column)),
+                Some((text.lines().count(), 1))
+            );
+        }
+    }
+
+    #[test]
+    fn reading_ends_at_any_question() {
+        let plain = format!("{SQUARE}{}", "f 1 2 3\n".repeat(40_000));
+        let quads = format!("{SQUARE}{}", "f 1 2 3 4\n".repeat(10_000));
+        for text in [plain, quads] {
+            let mut read = (0..)
+                .map(|most| read_obj(text.as_bytes(), false, &Counted::up_to(most)).map(|file| file.mesh));
+            let ended = read.by_ref().take_while(Result::is_err).count();
+            assert!(ended > 3, "{ended}");
+        }
     }
 
     #[test]

@@ -112,7 +112,8 @@ impl WrittenPlanes {
     fn equal(&self, normal: u32, offset: f64, steps: &mut Steps) -> Result<Option<(f64, u32)>, Ended> {
         let mut first: Option<(f64, u32)> = None;
         let key = ordered(offset);
-        for cell in key - OFFSET_REACH >> OFFSET_BITS..=key + OFFSET_REACH >> OFFSET_BITS {
+        let [start, end] = [key - OFFSET_REACH, key + OFFSET_REACH].map(|key| key >> OFFSET_BITS);
+        for cell in start..=end {
             let found = self.offsets_in.get(&(normal, cell)).map_or(&[][..], Vec::as_slice);
             steps.take(1 + found.len())?;
             let is_equal =

@@ -18,6 +18,7 @@ use crate::scene::material::Material;
 use crate::world::plane::Plane;
 use crate::world::shape::Shape;
 use glam::{DMat3, DVec3};
+use std::cmp::Ordering;
 
 /// The largest distance between a surface and a light that lies on it, in roundings of the largest of their
 /// coordinates. It is added to the flattening error of the surface. It allows for the rounded coordinates of a light
@@ -262,8 +263,7 @@ impl NearTriangle {
         let [center, half] = center_and_half(bounds);
         let from_corner = center - self.corner;
         let spare = SPARE * self.sides * (from_corner.length() + half.length());
-        // Also true for a NaN.
-        !(self.normal.dot(from_corner).abs() > self.normal.abs().dot(half + reach) + spare)
+        is_within(self.normal.dot(from_corner).abs(), self.normal.abs().dot(half + reach) + spare)
     }
 }
 
@@ -284,14 +284,20 @@ fn may_touch_shape(
     let length = (inverse * (middle - center)).length();
     let size = inverse.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
     let half = (inverse.abs() * half).length() + size * reach;
-    !((length - 1.0).abs() > half + SPARE * (1.0 + length + size * middle.abs().max(center.abs()).length()))
+    let spare = SPARE * (1.0 + length + size * middle.abs().max(center.abs()).length());
+    is_within((length - 1.0).abs(), half + spare)
 }
 
 /// Returns true if a box may have points closer to a plane than `reach`.
 fn may_touch_plane(bounds: &Extents<3>, plane: &Plane, reach: f64) -> bool {
     let [center, half] = center_and_half(bounds);
     let spare = SPARE * (plane.offset.abs() + plane.normal.abs().dot(center.abs()));
-    !(plane.ahead_of(center).abs() > plane.normal.abs().dot(half) + reach + spare)
+    is_within(plane.ahead_of(center).abs(), plane.normal.abs().dot(half) + reach + spare)
+}
+
+/// Returns true if a distance is at most the largest one, or if either is a NaN.
+fn is_within(distance: f64, largest: f64) -> bool {
+    distance.partial_cmp(&largest) != Some(Ordering::Greater)
 }
 
 fn center_and_half(bounds: &Extents<3>) -> [DVec3; 2] {

@@ -20,7 +20,7 @@ use raytracer::world::World;
 const POINTS: usize = 16;
 
 /// The height of the floor.
-const FLOOR: f64 = -1.5;
+const FLOOR: f64 = -2.5;
 
 /// The largest error of the end of a shadow ray, in roundings of its length.
 const ROUNDINGS: f64 = 64.0;

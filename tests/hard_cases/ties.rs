@@ -34,7 +34,7 @@ fn object(rng: &mut Rng, point: DVec3, towards: DVec3) -> String {
             let sphere = "Sphere { center 0 0 0 radius 2 }";
             format!("Transform {{ Translate {} Scale {} {sphere} }}", text(center), text(factors))
         }
-        2 => format!("Plane {{ normal 0 3 0 offset {} }}", 3.0 * point.y),
+        2 => format!("Plane {{ normal 0 3 0 offset {} }}", point.y),
         _ => {
             let corner = |x: f64, z: f64| text(point + DVec3::new(x, 0.0, z));
             let [a, b, c] = [corner(-5.0, -6.0), corner(1.0, 7.0), corner(7.0, -3.0)];
