@@ -69,6 +69,7 @@ _raytracer() {
             tolerance:1) return ;;
             grade:0) _raytracer_files "$current"; return ;;
             commands:0) _raytracer_files "$current" txt; return ;;
+            student:0) return ;;
             report:0) _raytracer_files "$current" html; return ;;
             error_report:0) _raytracer_files "$current"; return ;;
             target:0) return ;;
@@ -77,14 +78,14 @@ _raytracer() {
             cost_map:1) _raytracer_files "$current" tga png bmp ppm pfm exr; return ;;
             pixel:0) return ;;
             pixel:1) return ;;
-            json:0) _raytracer_files "$current" json; return ;;
             port:0) return ;;
             tessellation:0) return ;;
             tessellation:1) return ;;
+            json:0) _raytracer_files "$current" json; return ;;
             threads:0) return ;;
         esac
     fi
-    COMPREPLY=($(compgen -W '-input -output -depth -normals -render_samples -render_filter -region -merge -convert -size -edition -uv -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -report -error_report -target -stats -repeat -cost_map -pixel -json -gui -port -no_browser -tessellation -gouraud -specular_fix -threads -progress -quiet -strict -h -help -version' -- "$current"))
+    COMPREPLY=($(compgen -W '-input -output -depth -normals -render_samples -render_filter -region -merge -convert -size -edition -uv -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -student -report -error_report -target -stats -repeat -cost_map -pixel -gui -port -no_browser -tessellation -gouraud -specular_fix -json -threads -progress -quiet -strict -h -help -version' -- "$current"))
 }
 
 complete -F _raytracer raytracer

@@ -1,10 +1,10 @@
 //! The program's allocator: the system's, but an allocation that fails ends the program with one line, where Rust would
-//! abort it.
+//! abort it. If there is a reserve, it is given back first, and the allocation succeeds.
 //!
 //! Work that takes much memory asks for it beforehand ([`raytracer::base::memory`]); a refusal there is an ordinary
 //! error. Large blocks ask for large pages: without them a mesh of 2.56 million faces takes 1.4 times as long to read.
 
-use raytracer::base::memory::Bytes;
+use raytracer::base::memory::{Bytes, give_reserve_back};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Write, stderr};
 use std::process::exit;
@@ -22,17 +22,17 @@ struct Allocator;
 unsafe impl GlobalAlloc for Allocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller keeps the contract of this method.
-        given(unsafe { System.alloc(layout) }, layout.size())
+        given(layout.size(), || unsafe { System.alloc(layout) })
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: as in `alloc`.
-        given(unsafe { System.alloc_zeroed(layout) }, layout.size())
+        given(layout.size(), || unsafe { System.alloc_zeroed(layout) })
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // SAFETY: as in `alloc`.
-        given(unsafe { System.realloc(block, layout, size) }, size)
+        // SAFETY: as in `alloc`. The block is as it was if this fails.
+        given(size, || unsafe { System.realloc(block, layout, size) })
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
@@ -42,9 +42,13 @@ unsafe impl GlobalAlloc for Allocator {
 }
 
 #[inline(always)]
-fn given(block: *mut u8, bytes: usize) -> *mut u8 {
-    if block.is_null() {
-        end(bytes)
+fn given(bytes: usize, allocate: impl Fn() -> *mut u8) -> *mut u8 {
+    let mut block = allocate();
+    while block.is_null() {
+        if !give_reserve_back() {
+            end(bytes)
+        }
+        block = allocate();
     }
     #[cfg(target_os = "linux")]
     if bytes >= LARGE_PAGE {

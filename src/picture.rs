@@ -3,6 +3,7 @@
 use crate::base::memory::{Bytes, with_room};
 use glam::DVec3;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt;
 
 /// Linear red, green and blue. 1 is the brightest value that a picture shows, but larger ones are allowed.
@@ -107,10 +108,64 @@ impl FloatPicture {
         (bytes, nans)
     }
 
+    /// Rounds the numbers to those that a floating-point file holds.
+    #[must_use]
+    pub fn in_single_precision(mut self) -> Self {
+        self.colors.iter_mut().for_each(|color| *color = color.as_vec3().as_dvec3());
+        self
+    }
+
     /// Returns the picture of bytes that is written to a file.
     pub fn to_picture(&self) -> Picture {
         let [width, height] = self.size.map(|n| n as u32);
         Picture::from_rgb(width, height, self.to_bytes().0)
+    }
+}
+
+/// A picture in the form of its file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pixels {
+    /// Bytes, from 0 to 255.
+    Bytes(Picture),
+    /// Numbers, neither clamped nor truncated.
+    Numbers(FloatPicture),
+}
+
+impl Pixels {
+    /// Returns the width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Bytes(picture) => [picture.width, picture.height],
+            Self::Numbers(picture) => picture.size.map(|n| n as u32),
+        }
+    }
+
+    /// Consumes the picture and returns its bytes, to which numbers are truncated.
+    pub fn into_bytes(self) -> Picture {
+        match self {
+            Self::Bytes(picture) => picture,
+            Self::Numbers(picture) => picture.to_picture(),
+        }
+    }
+
+    /// Sets pixels from this column and row on, counted from the top left.
+    pub fn set(&mut self, [x, y]: [usize; 2], colors: &[Color]) {
+        let start = y * self.size()[0] as usize + x;
+        match self {
+            Self::Bytes(picture) => {
+                let bytes = &mut picture.pixels[start * CHANNELS..][..colors.len() * CHANNELS];
+                truncate_to_bytes::<RED_FIRST>(colors, bytes);
+            }
+            Self::Numbers(picture) => picture.colors[start..][..colors.len()].copy_from_slice(colors),
+        }
+    }
+
+    /// Returns the bytes, to which numbers are truncated.
+    pub fn bytes(&self) -> Cow<'_, Picture> {
+        match self {
+            Self::Bytes(picture) => Cow::Borrowed(picture),
+            Self::Numbers(picture) => Cow::Owned(picture.to_picture()),
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod appearance;
 mod builder;
 mod coincidence;
 mod coplanar;
+mod objects;
 mod placement;
 mod point_error;
 mod resting_lights;
@@ -41,6 +42,7 @@ use shape::Shape;
 use std::ops::Range;
 use std::sync::Arc;
 
+pub use objects::{Objects, PlacedObject};
 pub use placement::{Placement, placements};
 pub use resting_lights::RestingPlace;
 pub use surface::SurfacePoint;

@@ -52,5 +52,7 @@ pub fn man_page() -> String {
         section(&page, &mut text).expect("memory takes all text");
     }
     // The flags have one dash, whose formatting is between it and the name.
-    String::from_utf8(text).expect("UTF-8").replace("\\-\\-", "\\-") + END.trim_start()
+    let text = String::from_utf8(text).expect("UTF-8").replace("\\-\\-", "\\-");
+    // A line break beside an empty line has no effect, and some programs warn of it.
+    text.replace("\n.br\n\n.br\n", "\n\n") + END.trim_start()
 }

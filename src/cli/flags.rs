@@ -32,7 +32,7 @@ const HEADINGS: [(&str, &str); 10] = [
     ("error_report", "Speed against error"),
     ("stats", "Statistics"),
     ("gui", "Live page"),
-    ("threads", "Other"),
+    ("json", "Other"),
 ];
 /// The flags and groups that shape the colour picture.
 const SHAPING: [&str; 6] = ["size", "edition", "uv", "Shading", "Sampling", "Grid"];
@@ -108,7 +108,7 @@ pub(super) struct Flags {
     ///
     /// Example: raytracer -merge top.png bottom.png -output whole.png
     #[arg(long, num_args = 1.., value_names = ["parts"], group = "without_scene", requires = "output")]
-    #[arg(conflicts_with_all = ["reference", "tolerance", "threads"])]
+    #[arg(conflicts_with_all = ["reference", "tolerance", "threads", "json"])]
     #[arg(value_parser = path(|file| Format::of(file).is_some_and(Format::has_parts), NOT_PART))]
     pub merge: Option<Vec<PathBuf>>,
 
@@ -119,7 +119,7 @@ pub(super) struct Flags {
     ///
     /// Example: raytracer -convert mine.tga -output mine.png
     #[arg(long, value_name = "picture", value_parser = picture(), group = "without_scene", requires = "output")]
-    #[arg(conflicts_with_all = ["reference", "tolerance", "threads", "region", "progress"])]
+    #[arg(conflicts_with_all = ["reference", "tolerance", "threads", "region", "progress", "json"])]
     pub convert: Option<PathBuf>,
 
     /// Width and height of every picture in pixels, 1 to 65535.
@@ -134,7 +134,7 @@ pub(super) struct Flags {
     /// Reads scene and flags as in this edition of the course. Default: 2004 if it has all words of the scene,
     /// otherwise the edition that has them.
     ///
-    /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2023, and aalto is Aalto University's. They
+    /// 2012a4 and 2012a5 are assignments 4 and 5 of 2012, 2019 is 2016 to 2019, and aalto is Aalto University's. They
     /// differ in scene words, camera, highlights, normals, bounces, and the colours of depths and normals.
     #[arg(long, value_name = "name")]
     #[arg(value_parser = PossibleValuesParser::new(Edition::NAMES).try_map(|name| Edition::named(&name).ok_or("")))]
@@ -261,7 +261,8 @@ pub(super) struct Flags {
 
     /// Compares this picture with the reference. Without -reference, that is the rendered picture.
     ///
-    /// The formats may differ. With a scene, the program also searches for the likely cause of a difference.
+    /// The formats may differ. Two floating-point pictures are compared by their numbers, others by their bytes. With a
+    /// scene, the program also searches for the likely cause of a difference.
     ///
     /// Example: raytracer -compare mine.tga -reference theirs.png
     #[arg(long, value_name = "picture", value_parser = picture(), groups = ["usual", "compared"])]
@@ -279,11 +280,16 @@ pub(super) struct Flags {
 
     /// Ends with status 3 if more than n pixels differ by more than this many levels (1/255).
     ///
+    /// Two floating-point pictures may differ by more than this number, such as 0.001, in n pixels.
+    ///
     /// Example: raytracer -compare mine.tga -reference theirs.png -tolerance 1 20
     #[arg(long, num_args = 2, value_names = ["levels", "n"], requires = "compared")]
     pub tolerance: Option<Vec<OsString>>,
 
     /// Grades a class: compares the pictures in each subfolder with the references that -reference or -commands names.
+    ///
+    /// Without -tolerance, a picture passes if it equals its reference. If -commands tells its scene, it passes if at most
+    /// 2 of its pixels differ by more than rounding in single precision explains.
     ///
     /// Example: raytracer -grade class -commands commands.txt -report page.html
     #[arg(long, value_name = "folder", group = "without_scene", requires = "references")]
@@ -296,6 +302,12 @@ pub(super) struct Flags {
     #[arg(long, value_name = "commands", groups = ["compared", "references"], requires = "grade")]
     pub commands: Option<PathBuf>,
 
+    /// Grades only this subfolder of -grade.
+    ///
+    /// Example: raytracer -grade class -commands commands.txt -student anna
+    #[arg(long, value_name = "name", requires = "grade")]
+    pub student: Option<OsString>,
+
     /// Writes the result of -grade as a page, .html, and beside it as a table, .csv.
     #[arg(long, value_name = "page", requires = "grade")]
     #[arg(value_parser = path(|path| has_ending(path, "html"), "must end in .html"))]
@@ -306,6 +318,7 @@ pub(super) struct Flags {
     /// Example: raytracer -input scene.txt -size 60 60 -shadows -error_report folder
     #[arg(long, value_name = "folder", conflicts_with_all = RENDERING)]
     #[arg(conflicts_with_all = ["output", "region", "jitter", "filter", "visualize_grid", "reference", "tolerance"])]
+    #[arg(conflicts_with = "json")]
     pub error_report: Option<PathBuf>,
 
     /// Prints the fastest measured setting with a root mean square error of at most this, in levels (1/255). Ends with
@@ -338,11 +351,6 @@ pub(super) struct Flags {
     #[arg(conflicts_with = "visualize_grid", requires = "input")]
     pub pixel: Option<Vec<u16>>,
 
-    /// Writes everything that the run reports to a .json file; - writes it to standard output instead of the text.
-    #[arg(long, value_name = "document")]
-    #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "must be - or end in .json"))]
-    pub json: Option<PathBuf>,
-
     /// Renders, then shows the scene as a live page in the browser. Needs a terminal, or -port.
     #[arg(long, group = "usual")]
     pub gui: bool,
@@ -366,6 +374,11 @@ pub(super) struct Flags {
     /// Accepted from Aalto's edition, whose program ignores it; changes nothing.
     #[arg(long)]
     pub specular_fix: bool,
+
+    /// Writes everything that the run reports to a .json file; - writes it to standard output instead of the text.
+    #[arg(long, value_name = "document")]
+    #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "must be - or end in .json"))]
+    pub json: Option<PathBuf>,
 
     /// Renders with n threads, 1 to 4096. Default: one per core. The picture stays the same.
     ///

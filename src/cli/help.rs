@@ -67,7 +67,8 @@ fn summary(flag: &Arg) -> String {
 /// The whole help of the flag with this name, here or in other programs; otherwise the flags with this word.
 fn about(name: &str) -> Result<String, Diagnostic> {
     if let Some(flag) = known(name) {
-        let mut some = only(|other| other.get_id() == flag.get_id()).term_width(WIDTH + ROOM);
+        let some = only(|other| other.get_id() == flag.get_id()).term_width(WIDTH + ROOM);
+        let mut some = with_three_cells(some);
         return Ok(single_dashes(&some.render_long_help().to_string()));
     }
     let has_part = |text: String| text.to_lowercase().contains(&name.to_lowercase());
@@ -103,7 +104,12 @@ fn only(is_shown: impl Fn(&Arg) -> bool) -> clap::Command {
 }
 
 fn show(command: clap::Command) -> String {
-    single_dashes(&command.term_width(WIDTH + ROOM).render_help().to_string())
+    single_dashes(&with_three_cells(command).term_width(WIDTH + ROOM).render_help().to_string())
+}
+
+/// Shows three values of `-grid`. One value is a word, which its text names, and two are an error.
+fn with_three_cells(command: clap::Command) -> clap::Command {
+    command.mut_arg("grid", |flag| flag.num_args(3))
 }
 
 /// Writes one dash before each flag, and removes the characters for short flags.
@@ -130,6 +136,13 @@ mod tests {
             assert!(text.contains(&format!("\n  -{}", flag.get_id())), "{flag:?}");
         }
         assert!(fits(&text), "{text}");
+    }
+
+    #[test]
+    fn a_grid_has_three_numbers_of_cells() {
+        for text in [text(&["--help".into()]), about("grid"), about("cells")] {
+            assert!(text.as_ref().is_ok_and(|text| text.contains("-grid <nx> <ny> <nz>")), "{text:?}");
+        }
     }
 
     #[test]

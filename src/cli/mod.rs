@@ -42,12 +42,16 @@ pub enum Command {
 }
 
 /// A folder with a folder of pictures for every name, and the references to grade them by.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Grading {
     pub folder: PathBuf,
     pub references: References,
+    /// The only name to grade; `None` for all.
+    pub student: Option<OsString>,
     /// The page, whose name ends in `.html`, and the table beside it.
     pub report: Option<[PathBuf; 2]>,
+    /// The file for a JSON document of the results; `-` prints it in place of the text.
+    pub json: Option<PathBuf>,
     pub tolerance: Option<Tolerance>,
     pub threads: Option<usize>,
     pub progress: ShowProgress,
@@ -113,9 +117,10 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, Diagno
             (None, Some(commands)) => References::Commands(commands),
             (None, None) => return fail("-grade needs -reference or -commands"),
         };
-        let Flags { report, threads, .. } = flags;
+        let Flags { student, report, json, threads, .. } = flags;
         let report = report.map(|page| [page.clone(), page.with_extension("csv")]);
-        return Ok(Command::Grade(Grading { folder, references, report, tolerance, threads, progress }));
+        let grading = Grading { folder, references, student, report, json, tolerance, threads, progress };
+        return Ok(Command::Grade(grading));
     }
     let region = || flags.region.as_deref().map(region).transpose();
     let source = match (flags.merge.clone(), flags.convert.clone()) {
@@ -128,8 +133,8 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, Diagno
     }
     let (report, target) = (flags.error_report.clone(), flags.target);
     // clap does not require a flag that conflicts with one that is given.
-    if flags.commands.is_some() || flags.report.is_some() {
-        return fail("-commands and -report need '-grade <folder>'");
+    if flags.commands.is_some() || flags.report.is_some() || flags.student.is_some() {
+        return fail("-commands, -student and -report need '-grade <folder>'");
     }
     if target.is_some() && report.is_none() {
         return fail("-target needs '-error_report <folder>'");

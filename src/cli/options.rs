@@ -7,7 +7,7 @@ use super::values::{NOT_NEGATIVE, Sides, json_target, lossy_or_null, number, pic
 use crate::base::memory::Bytes;
 use crate::caster::choose::{Resolution, Structure};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::ReadFile;
+use crate::image_io::{Format, ReadFile};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Tracing, Window};
 use crate::sampling::adaptive::Adaptive;
@@ -100,7 +100,7 @@ pub struct LivePage {
 }
 
 /// A comparison of two pictures. A picture without a file is rendered; at least one has a file.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// The picture in question.
     #[serde(serialize_with = "lossy_or_null")]
@@ -123,7 +123,20 @@ impl Comparison {
         let reference = flags.reference.as_ref();
         let reference = reference.map(|path| value("reference", path.as_os_str(), picture())).transpose()?;
         let (picture, difference) = (flags.compare.clone(), flags.difference.clone());
-        Ok(Some(Self { picture, reference, difference, tolerance: tolerance(flags)? }))
+        let tolerance = tolerance(flags)?;
+        let comparison = Self { picture, reference, difference, tolerance };
+        match tolerance {
+            Some(Tolerance { levels, .. }) if levels > 255.0 && !comparison.has_only_numbers() => {
+                fail(format!("-tolerance: {levels} is above 255 levels"))
+            }
+            _ => Ok(Some(comparison)),
+        }
+    }
+
+    /// Returns true if all pictures with a file are of floating-point numbers.
+    fn has_only_numbers(&self) -> bool {
+        let is_float = |file: &PathBuf| Format::of_input(file).is_some_and(Format::is_float);
+        self.picture.iter().chain(&self.reference).all(is_float)
     }
 
     /// Returns true if one of the pictures is to be rendered.
@@ -247,6 +260,14 @@ impl Options {
                  compared then, or write only one of them",
             );
         }
+        if self.comparison.as_ref().is_some_and(Comparison::needs_scene)
+            && matches!(self.compared_layer(), Some(Layer::Cost(_)))
+        {
+            return fail(
+                "-compare and -reference do not compare a cost map, which shows work in false colours beside a scale: \
+                 give -output too, which is compared then, or leave out -cost_map",
+            );
+        }
         if self.written().filter(|file| *file == Path::new("-")).count() > 1 {
             return fail("only one of the pictures and -json can go to standard output");
         }
@@ -303,13 +324,24 @@ impl Options {
     /// Returns the rendered layer that is compared: the layer of the only picture that is written, or else the colours
     /// if they are written or nothing is.
     pub fn compared_layer(&self) -> Option<Layer> {
-        match self.outputs.as_slice() {
-            [only] => Some(only.layer),
-            several => {
-                let has_colors = several.iter().any(|output| output.layer == Layer::Color);
-                (has_colors || several.is_empty()).then_some(Layer::Color)
-            }
+        match self.compared_output() {
+            None => self.outputs.is_empty().then_some(Layer::Color),
+            Some(output) => Some(output.layer),
         }
+    }
+
+    fn compared_output(&self) -> Option<&Output> {
+        match self.outputs.as_slice() {
+            [only] => Some(only),
+            several => several.iter().find(|output| output.layer == Layer::Color),
+        }
+    }
+
+    /// Returns true if numbers are compared: all files have them, and a rendered picture is not written in bytes.
+    pub fn compares_numbers(&self) -> bool {
+        let is_float = || self.compared_output().is_none_or(|output| output.format.is_float());
+        let wanted = self.comparison.as_ref().filter(|wanted| wanted.has_only_numbers());
+        wanted.is_some_and(|wanted| !wanted.needs_scene() || is_float())
     }
 
     /// Width and height of the colour picture.
@@ -323,6 +355,7 @@ impl Options {
 
     /// Returns the request for the renderer.
     pub fn request(&self) -> Request {
+        let has_float_colors = |output: &Output| output.layer == Layer::Color && output.format.is_float();
         Request {
             size: if self.jitter { self.size.map(|n| n * REDUCTION) } else { self.size },
             window: self.region,
@@ -330,10 +363,10 @@ impl Options {
             effects: self.effects,
             sampler: self.sampler,
             adaptive: self.adaptive,
-            has_floats: self
-                .outputs
-                .iter()
-                .any(|output| output.layer == Layer::Color && output.format.is_float()),
+            has_floats: self.outputs.iter().any(has_float_colors)
+                || self.comparison.as_ref().is_some_and(Comparison::needs_scene)
+                    && self.compares_numbers()
+                    && self.compared_layer() == Some(Layer::Color),
             filter: self.filter,
             is_reduced: self.reduced,
             layers: self.outputs.iter().map(|output| output.layer).collect(),
@@ -400,7 +433,7 @@ fn sampler(flags: &Flags, triples: bool) -> Sampler {
 pub(super) fn tolerance(flags: &Flags) -> Result<Option<Tolerance>, Diagnostic> {
     let Some([levels, pixels]) = flags.tolerance.as_deref() else { return Ok(None) };
     Ok(Some(Tolerance {
-        levels: value("tolerance", levels, value_parser!(u8))?,
+        levels: value("tolerance", levels, number(NOT_NEGATIVE))?,
         pixels: value("tolerance", pixels, value_parser!(u32))?.into(),
     }))
 }

@@ -22,6 +22,8 @@ pub(super) const NOT_NEGATIVE: Numbers = (0.0..=f64::MAX, "not a finite number o
 pub(super) const FILTER_SIZE: Numbers = (1e-6..=1e6, "must be from 0.000001 to 1000000 pixels");
 
 pub(super) const NOT_PICTURE: &str = "must end in .tga, .png, .bmp, .ppm, .pfm or .exr";
+/// The endings of pictures of other formats.
+const FOREIGN: [&str; 9] = ["jpg", "jpeg", "gif", "webp", "tif", "tiff", "heic", "avif", "svg"];
 pub(super) const NOT_BYTES: &str = "must end in .tga, .png, .bmp or .ppm";
 pub(super) const NOT_PART: &str = "must end in .tga or .png, as parts do";
 
@@ -53,7 +55,13 @@ pub(super) fn number((range, problem): Numbers) -> impl TypedValueParser<Value =
 
 /// A picture to read.
 pub(super) fn picture() -> impl TypedValueParser<Value = PathBuf> {
-    path(|path| Format::of_input(path).is_some(), NOT_PICTURE)
+    let problem = format!("must end in {}", Format::READ);
+    let other = format!("{problem}; convert it to PNG first");
+    PathBufValueParser::new().try_map(move |path| match Format::of_input(&path) {
+        Some(_) => Ok(path),
+        None if FOREIGN.iter().any(|ending| has_ending(&path, ending)) => Err(other.clone()),
+        None => Err(problem.clone()),
+    })
 }
 
 /// A path that meets a condition.

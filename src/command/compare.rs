@@ -9,12 +9,12 @@ use crate::base::escape::quoted;
 use crate::base::memory;
 use crate::cli::{self, Options};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{Format, OutputFile, Remarks, read_remarked_picture};
-use crate::picture::Picture;
+use crate::image_io::{Format, OutputFile, Remarks, read_pixels};
+use crate::picture::Pixels;
+use crate::render::Request;
 use crate::render::renderer::Renderer;
-use crate::render::{Layer, Request};
 use crate::tools::causes::{Finding, Original, explain_finished};
-use crate::tools::compare::{Comparison, DifferencePicture, Tolerance, sizes_differ};
+use crate::tools::compare::{Brightness, Difference, DifferencePicture, Tolerance, sizes_differ};
 use std::fmt::{self, Display};
 use std::path::Path;
 
@@ -31,7 +31,9 @@ pub fn run(options: &Options, signals: &Signals, log: &Log) -> Result<Outcome, E
 
 /// The result of a comparison. `Display` prints its block.
 pub struct ComparisonResult {
-    pub comparison: Comparison,
+    pub difference: Difference,
+    /// The brightness of the picture of the difference, if it is drawn.
+    pub drawn: Option<Brightness>,
     /// Why the picture differs, if that was asked.
     pub cause: Option<Finding>,
     pub tolerance: Option<Tolerance>,
@@ -40,13 +42,16 @@ pub struct ComparisonResult {
 impl ComparisonResult {
     /// Returns true if the difference is within the tolerance, if there is one.
     pub fn passes(&self) -> Option<bool> {
-        self.tolerance.map(|tolerance| tolerance.accepts(&self.comparison))
+        self.tolerance.map(|tolerance| tolerance.accepts(&self.difference))
     }
 }
 
 impl Display for ComparisonResult {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.comparison.block(self.cause.as_ref().map(|cause| cause as _)))
+        let drawn = self.drawn.filter(|drawn| matches!(drawn, Brightness::Scaled(..)));
+        let drawn = drawn.map(|drawn| ("difference picture", drawn.to_string()));
+        let cause = self.cause.as_ref().map(|cause| ("cause", cause.to_string()));
+        f.write_str(&self.difference.block(drawn.into_iter().chain(cause)))
     }
 }
 
@@ -72,9 +77,9 @@ pub struct Pair<'o> {
     options: &'o Options,
     wanted: &'o cli::Comparison,
     /// The picture in question, unless it is the rendered one.
-    picture: Option<Picture>,
+    picture: Option<Pixels>,
     /// The picture to compare with, unless it is the rendered one.
-    reference: Option<Picture>,
+    reference: Option<Pixels>,
 }
 
 impl<'o> Pair<'o> {
@@ -82,12 +87,12 @@ impl<'o> Pair<'o> {
     /// differ; `None` if the live page is left to compare at the other size.
     pub fn open(options: &'o Options, log: &Log) -> Result<Option<Self>, Diagnostic> {
         let Some(wanted) = &options.comparison else { return Ok(None) };
-        let read =
-            |path: &Option<_>| path.as_deref().map(|path| read_picture(path, "compared", log)).transpose();
+        let read = |path: &Option<_>| path.as_deref().map(|path| read(path, options, log)).transpose();
         let (picture, reference) = (read(&wanted.picture)?, read(&wanted.reference)?);
         let pair = Self { options, wanted, picture, reference };
         let rendered = rendered_size(options);
-        let sizes = [&pair.picture, &pair.reference].map(|picture| picture.as_ref().map(size).or(rendered));
+        let sizes =
+            [&pair.picture, &pair.reference].map(|picture| picture.as_ref().map(Pixels::size).or(rendered));
         if let [Some(a), Some(b)] = sizes
             && a != b
         {
@@ -106,22 +111,24 @@ impl<'o> Pair<'o> {
     pub fn compare(
         &self,
         scene: Option<&Renderer>,
-        rendered: Option<&Picture>,
-        difference: Option<(OutputFile, Format)>,
+        rendered: Option<&Pixels>,
+        file: Option<(OutputFile, Format)>,
         outputs: &Outputs,
     ) -> Result<ComparisonResult, Diagnostic> {
         let (Some(a), Some(b)) = (self.picture.as_ref().or(rendered), self.reference.as_ref().or(rendered))
         else {
             return Err(Diagnostic::error("there is no picture to compare with"));
         };
-        let comparison = Comparison::new(a, b).map_err(|_| self.cannot_compare([a, b].map(size)))?;
-        let differs = self.picture.is_some() && comparison.pixels_that_differ() > 0;
+        let difference = Difference::new(a, b).map_err(|_| self.cannot_compare([a, b].map(Pixels::size)))?;
+        let differs = self.picture.is_some() && difference.pixels_that_differ() > 0;
         let cause = if differs { cause(self.options, scene, a, b) } else { None };
-        if let Some((file, format)) = difference {
+        let mut drawn = None;
+        if let Some((file, format)) = file {
             let shown = DifferencePicture::new(a, b)?;
             outputs.add(file.picture(format, &shown.picture)?)?;
+            drawn = Some(shown.brightness);
         }
-        Ok(ComparisonResult { comparison, cause, tolerance: self.wanted.tolerance })
+        Ok(ComparisonResult { difference, drawn, cause, tolerance: self.wanted.tolerance })
     }
 
     /// The error of pictures with these widths and heights.
@@ -140,44 +147,59 @@ impl<'o> Pair<'o> {
     }
 }
 
-fn size(picture: &Picture) -> [u32; 2] {
-    [picture.width(), picture.height()]
-}
-
 /// Finds why a picture from outside differs from the reference: by other renderings of the scene, or else by changes to
-/// the finished picture. The scene cannot be used if its picture has another size.
-fn cause(options: &Options, scene: Option<&Renderer>, a: &Picture, b: &Picture) -> Option<Finding> {
+/// the finished picture. The scene cannot be used if its picture has another size. Causes are judged by bytes, so numbers
+/// whose bytes are equal have none, and are never said to differ by rounding alone.
+fn cause(options: &Options, scene: Option<&Renderer>, a: &Pixels, b: &Pixels) -> Option<Finding> {
     /// The colours and bytes of two pictures and the bytes of several wrong ones, with something to spare.
     const BYTES_PER_PIXEL: u64 = 128;
-    memory::ask(size(a).map(u64::from).iter().product::<u64>() * BYTES_PER_PIXEL).ok()?;
-    let rendered = scene.zip(options.compared_layer()).filter(|_| rendered_size(options) == Some(size(a)));
+    memory::ask(a.size().map(u64::from).iter().product::<u64>() * BYTES_PER_PIXEL).ok()?;
+    let are_numbers = matches!((a, b), (Pixels::Numbers(_), Pixels::Numbers(_)));
+    let (size, a, b) = (a.size(), a.bytes(), b.bytes());
+    if a == b {
+        return None;
+    }
+    let rendered = scene.zip(options.compared_layer()).filter(|_| rendered_size(options) == Some(size));
     let original = rendered.and_then(|(renderer, layer)| {
         Original::new(renderer, &Request { layers: vec![layer], ..options.request() })
     });
-    if let Some(original) = original {
-        return Some(original.explain(a, b));
-    }
-    let found = explain_finished(b, None, std::slice::from_ref(a)).pop()?;
-    (!matches!(found, Finding::Unknown { .. })).then_some(found)
+    let found = match original {
+        Some(original) => Some(original.explain(&a)),
+        None => explain_finished(&b, None, std::slice::from_ref(&*a))
+            .pop()
+            .filter(|found| !matches!(found, Finding::Unknown { .. })),
+    };
+    found.filter(|found| !(are_numbers && matches!(found, Finding::Rounding { .. })))
 }
 
-/// Width and height of the rendered picture that is compared, in pixels; `None` if they depend on what it shows.
+/// Width and height of the rendered picture that is compared, in pixels.
 fn rendered_size(options: &Options) -> Option<[u32; 2]> {
-    let layer = options.compared_layer().filter(|layer| !matches!(layer, Layer::Cost(_)))?;
+    let layer = options.compared_layer()?;
     Some(options.request().layer_size(&layer).map(|n| n as u32))
 }
 
-/// Reads a picture. Notes say how many of its pixels are clamped, where `done` is "compared" or "converted", and
-/// whether a line end follows the last one.
-pub fn read_picture(path: &Path, done: &str, log: &Log) -> Result<Picture, Diagnostic> {
-    let (picture, Remarks { clamped, has_line_end }) = read_remarked_picture(path)?;
+/// Reads a picture for a comparison.
+fn read(path: &Path, options: &Options, log: &Log) -> Result<Pixels, Diagnostic> {
+    let (picture, remarks) = read_pixels(path)?;
+    let clamped = if options.compares_numbers() { 0 } else { remarks.clamped };
+    tell(&Remarks { clamped, ..remarks }, path, "compared", log);
+    Ok(picture)
+}
+
+/// Tells how many pixels of a picture are clamped, where `done` is "compared" or "converted", if its alpha is ignored, and
+/// if a line end follows the last pixel.
+pub fn tell(remarks: &Remarks, path: &Path, done: &str, log: &Log) {
+    let Remarks { clamped, transparent, has_line_end } = remarks;
     let shown = quoted(path);
-    if clamped > 0 {
+    if *clamped > 0 {
         let message = format!("{clamped} pixels of {shown} are outside 0 to 1 and are {done} clamped");
         log.tell(Diagnostic::note(message));
     }
-    if has_line_end {
+    if *transparent > 0 {
+        let message = format!("ignored the alpha of {shown}: {transparent} of its pixels are not opaque");
+        log.tell(Diagnostic::note(message));
+    }
+    if *has_line_end {
         log.tell(Diagnostic::note(format!("ignored a line end after the last pixel of {shown}")));
     }
-    Ok(picture)
 }

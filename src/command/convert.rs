@@ -1,13 +1,15 @@
 //! Writes a picture in another format, or joins the parts of one.
 
-use super::compare::read_picture;
+use super::compare::tell;
 use super::log::Log;
 use super::outputs::Outputs;
 use super::progress::{ProgressLine, rows_text};
 use super::signals::Signals;
 use super::{End, Outcome, refused};
 use crate::cli::{Converting, Source};
-use crate::image_io::{Content, Merge, OutputFile, ReadFile, Rows, check_distinct, convert};
+use crate::image_io::{
+    Content, Merge, OutputFile, ReadFile, Rows, check_distinct, convert, read_remarked_picture,
+};
 use crate::render::Progress;
 
 /// Reads the picture or the parts, and writes the picture.
@@ -23,7 +25,11 @@ pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome
         Source::Picture(picture) => match Rows::open(picture) {
             // Only one row at a time is in memory.
             Ok(rows) => convert(rows, file, output.format)?,
-            Err(_) => file.picture(output.format, &read_picture(picture, "converted", log)?)?,
+            Err(_) => {
+                let (read, remarks) = read_remarked_picture(picture)?;
+                tell(&remarks, picture, "converted", log);
+                file.picture(output.format, &read)?
+            }
         },
         Source::Parts(parts, region) => {
             let merge = Merge::open(parts, *region)?;

@@ -1,4 +1,4 @@
-//! Grades a folder of pictures, and writes the page and the table of the results.
+//! Grades a folder of pictures, and writes the page, the table and the document of the results.
 
 mod folder;
 mod references;
@@ -6,20 +6,19 @@ mod references;
 use super::log::Log;
 use super::outputs::{Outputs, prepare_report};
 use super::progress::ProgressLine;
+use super::report::FORMAT;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
 use crate::base::escape::escape;
 use crate::cli::{self, Grading};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::check_distinct;
-use crate::picture::Picture;
-use crate::tools::causes::{Finding, Mistake, distinct};
-use crate::tools::grade::{Cell, Column, Page, Table, csv, summary};
+use crate::image_io::{OutputFile, check_distinct};
+use crate::tools::grade::{Column, ColumnGrader, Page, Remark, Rule, Table, csv, document, summary};
 use folder::{Folder, entries};
-use references::{Reference, References};
-use std::cmp::Reverse;
+use references::References;
+use std::ffi::OsStr;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Compares everything with its reference.
 pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, End> {
@@ -29,124 +28,139 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     // List the pictures, and check that no file is lost.
     let listed = entries(&options.folder)?;
     let references = References::open(&options.references)?;
-    let names: Vec<_> = references.names().collect();
-    let folder = Folder::new(&options.folder, listed, &names)?;
-    let written = options.report.clone().into_iter().flatten().chain(["-".into()]);
+    let names: Vec<&OsStr> = references.names().collect();
+    let folder = Folder::new(&options.folder, listed, &names, options.student.as_deref())?;
+    check_files(options, &references, &folder)?;
+    // A file that cannot be written is no reason to wait for the comparison.
+    let report = options.report.as_ref().map(prepare_report).transpose()?;
+    let json = options.json.as_deref().map(OutputFile::prepare).transpose()?;
+
+    // Compare.
+    let rule = match (options.tolerance, &options.references) {
+        (Some(tolerance), _) => Rule::Tolerance(tolerance),
+        (None, cli::References::Commands(_)) => Rule::Rounding,
+        (None, cli::References::Folder(_)) => Rule::Equal,
+    };
+    let mut class = Class {
+        references: &references,
+        folder: &folder,
+        rule,
+        // Only the documents name causes.
+        finds_causes: report.is_some() || json.is_some(),
+        page: report.is_some().then(Page::default),
+        progress: ProgressLine::new(options.progress),
+    };
+    let columns = names.iter().enumerate().map(|(index, name)| class.column(index, name));
+    let columns = columns.collect::<Result<Vec<Column>, Diagnostic>>()?;
+    let page = class.page;
+    drop(class.progress);
+
+    // Report.
+    for column in &columns {
+        if let Some(problem) = &column.problem {
+            let name = escape(&column.picture);
+            log.tell(Diagnostic::warning(format!("no reference for {name}: {problem}")));
+        }
+    }
+    if columns.iter().all(|column| column.problem.is_some()) {
+        return Err(Diagnostic::error("there is no reference to grade by").into());
+    }
+    tell_other_names(&folder, &names, log);
+    let shown = folder.names.iter().map(|name| name.to_string_lossy().into_owned()).collect();
+    let table = Table { rule, names: shown, columns, not_graded: folder.not_graded };
+    let mut complete = vec![];
+    if let (Some([page_file, values_file]), Some(page)) = (report, page) {
+        complete.push(page_file.text(&page.finish(&table))?);
+        complete.push(values_file.text(&csv(&table))?);
+    }
+    if let Some(file) = json {
+        complete.push(file.text(&document(&table, FORMAT))?);
+    }
+    Outputs::new(complete, signals)?.name_all()?;
+    let text = if prints_json(options) { String::new() } else { summary(&table) };
+    let outcome = Outcome::new(text, written(options), options.progress);
+    Ok(Outcome { passes: options.tolerance.is_none() || table.passes(), ..outcome })
+}
+
+/// Refuses to write a file twice, or one that is read.
+fn check_files(options: &Grading, references: &References, folder: &Folder) -> Result<(), End> {
     let commands = match &options.references {
         cli::References::Commands(file) => Some(("list of commands", file.clone())),
         cli::References::Folder(_) => None,
     };
     let handed_in = folder.files().map(|file| ("picture", file));
-    check_distinct(written, commands.into_iter().chain(references.files()).chain(handed_in))
-        .map_err(refused)?;
-    // A file that cannot be written is no reason to wait for the comparison.
-    let files = options.report.as_ref().map(prepare_report).transpose()?;
+    let printed = (!prints_json(options)).then(|| PathBuf::from("-"));
+    let read = commands.into_iter().chain(references.files()).chain(handed_in);
+    check_distinct(written(options).chain(printed), read).map_err(refused)
+}
 
-    // Compare.
-    let mut page = files.is_some().then(Page::default);
-    let tolerance = options.tolerance.unwrap_or_default();
-    let progress = ProgressLine::new(options.progress);
-    let mut columns = Vec::with_capacity(names.len());
-    let mut learned = Learned::default();
-    for (index, name) in names.iter().enumerate() {
+fn written(options: &Grading) -> impl Iterator<Item = PathBuf> {
+    options.report.iter().flatten().chain(&options.json).cloned()
+}
+
+/// Returns true if the document is printed in place of the text.
+fn prints_json(options: &Grading) -> bool {
+    options.json.as_deref() == Some(Path::new("-"))
+}
+
+/// The pictures of all names.
+struct Class<'c> {
+    references: &'c References,
+    folder: &'c Folder,
+    rule: Rule,
+    finds_causes: bool,
+    page: Option<Page>,
+    progress: ProgressLine,
+}
+
+impl Class<'_> {
+    /// Grades one picture of all names.
+    fn column(&mut self, index: usize, name: &OsStr) -> Result<Column, Diagnostic> {
+        let (folder, progress) = (self.folder, &self.progress);
         let shown = name.to_string_lossy().into_owned();
-        let text = format!("grading {} of {}: {}", index + 1, names.len(), escape(&shown));
+        let count = self.references.names().count();
+        let text = format!("grading {} of {count}: {}", index + 1, escape(&shown));
         let watch = |_| {
             progress.show(|_| text.clone());
             ControlFlow::Continue(())
         };
-        let _ = watch(());
-        let compare = |reference: Result<Reference, String>| -> Result<Column, Diagnostic> {
-            let reference = match reference {
-                Ok(reference) => reference,
-                Err(problem) => {
-                    page.iter_mut().for_each(Page::add_ungraded);
-                    return Ok(Column::ungraded(shown, problem, folder.names.len()));
-                }
-            };
-            let picture = &reference.picture;
-            page.iter_mut().for_each(|page| page.add_column(picture));
-            // Only the page names causes.
-            let explain = |different: &[Picture], fails: &[bool]| {
-                let Some(page) = &mut page else { return Vec::new() };
-                page.add_different(picture, different);
-                let failed = different.iter().zip(fails).filter(|(_, fails)| **fails);
-                let failed: Vec<Picture> = failed.map(|(picture, _)| picture.clone()).collect();
-                let mut found = reference.explain(&failed, &learned.mistakes()).into_iter();
-                fails.iter().map(|fails| if *fails { found.next() } else { None }).collect()
-            };
-            let submissions = folder.submissions(index, [picture.width(), picture.height()]);
-            let mut column = Column::graded(shown, picture, submissions, tolerance, explain)?;
-            let found_as = |file: &PathBuf| (file != name).then(|| file.to_string_lossy().into_owned());
-            column.found_as = folder.taken[index].iter().map(found_as).collect();
-            Ok(column)
+        progress.show(|_| text.clone());
+        let opened = self.references.open_one(index);
+        let reference = match opened.as_ref().map_err(Diagnostic::clone).and_then(|it| it.reference(&watch)) {
+            Ok(reference) => reference,
+            Err(error) => {
+                self.page.iter_mut().for_each(Page::add_ungraded);
+                return Ok(Column::ungraded(shown, without_places(&error), folder.names.len()));
+            }
         };
-        let column = references.with(index, &|_| watch(()), compare)?;
-        learned.add(&column);
-        columns.push(column);
+        let page = self.page.as_mut();
+        let mut grader = ColumnGrader::new(&reference, self.rule, self.finds_causes, page)?;
+        let mut remarks = vec![];
+        for row in 0..folder.names.len() {
+            grader.add(folder.submission(row, index, reference.pixels.size())?)?;
+            let (found_as, others) = (folder.other_name(row, index, name), folder.meant_for(row, index));
+            remarks.push(Remark { found_as, others });
+        }
+        grader.finish(shown, remarks)
     }
-    drop(progress);
-
-    // Report.
-    let problems = columns.iter().filter_map(|column| Some((&column.picture, column.problem.as_ref()?)));
-    problems.for_each(|(name, problem)| {
-        log.tell(Diagnostic::warning(format!("no reference for {}: {problem}", escape(name))));
-    });
-    if columns.iter().all(|column| column.problem.is_some()) {
-        return Err(Diagnostic::error("there is no reference to grade by").into());
-    }
-    let shown = folder.names.iter().map(|name| name.to_string_lossy().into_owned()).collect();
-    let table = Table { tolerance, names: shown, columns, notes: folder.notes };
-    tell_other_names(&table, log);
-    if let (None, Some(hint)) = (options.tolerance, table.tolerance_hint()) {
-        log.tell(Diagnostic::note(hint));
-    }
-    if let (Some([page_file, values_file]), Some(page)) = (files, page) {
-        let complete = vec![page_file.text(&page.finish(&table))?, values_file.text(&csv(&table))?];
-        Outputs::new(complete, signals)?.name_all()?;
-    }
-    let written = options.report.clone().into_iter().flatten();
-    let outcome = Outcome::new(summary(&table), written, options.progress);
-    Ok(Outcome { passes: options.tolerance.is_none() || table.passes(), ..outcome })
 }
 
-/// The mistakes found in each row, with the number of pictures that show them.
-#[derive(Default)]
-struct Learned(Vec<(usize, Mistake, usize)>);
-
-impl Learned {
-    fn add(&mut self, column: &Column) {
-        for (row, cell) in column.cells.iter().enumerate() {
-            let Cell::Different { cause: Some(Finding::Equal { cause, also, .. }), .. } = cell else {
-                continue;
-            };
-            for &mistake in [cause].into_iter().chain(also) {
-                match self.0.iter_mut().find(|(other, learned, _)| (*other, *learned) == (row, mistake)) {
-                    Some((.., count)) => *count += 1,
-                    None => self.0.push((row, mistake, 1)),
-                }
-            }
-        }
-    }
-
-    /// Returns the mistakes that several pictures of a name show, the most frequent first.
-    fn mistakes(&self) -> Vec<Mistake> {
-        let mut several: Vec<_> = self.0.iter().filter(|(.., count)| *count > 1).collect();
-        several.sort_by_key(|(.., count)| Reverse(*count));
-        distinct(several.into_iter().map(|&(_, mistake, _)| mistake))
-    }
+/// Returns an error in one line.
+fn without_places(error: &Diagnostic) -> String {
+    if error.places.is_empty() { error.in_one_line() } else { error.headline() }
 }
 
 /// Tells in a line for each name which of its pictures were found under other names.
-fn tell_other_names(table: &Table, log: &Log) {
-    for (row, name) in table.names.iter().enumerate() {
-        let found = |column: &Column| Some((column.found_as[row].clone()?, column.picture.clone()));
-        let others: Vec<(String, String)> = table.columns.iter().filter_map(found).collect();
-        if let Some((file, picture)) = others.first() {
-            let (name, file, picture) = (escape(name), escape(file), escape(picture));
-            let more =
-                if others.len() > 1 { format!(", and {} more", others.len() - 1) } else { String::new() };
-            log.tell(Diagnostic::note(format!("{name}: graded {file} as {picture}{more}")));
-        }
+fn tell_other_names(folder: &Folder, wanted: &[&OsStr], log: &Log) {
+    for (row, name) in folder.names.iter().enumerate() {
+        let other = |index: usize| Some((folder.other_name(row, index, wanted[index])?, wanted[index]));
+        let others: Vec<(String, &OsStr)> = (0..wanted.len()).filter_map(other).collect();
+        let Some((file, picture)) = others.first() else { continue };
+        let more = match others.len() {
+            1 => String::new(),
+            count => format!(", and {} more", count - 1),
+        };
+        let [name, picture] = [name, *picture].map(|name| escape(&name.to_string_lossy()));
+        log.tell(Diagnostic::note(format!("{name}: graded {} as {picture}{more}", escape(file))));
     }
 }

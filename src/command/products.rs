@@ -4,7 +4,7 @@ use super::parts::{part, window};
 use crate::base::memory::with_room;
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, PictureWriter};
-use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
+use crate::picture::{CHANNELS, Color, FloatPicture, Picture, Pixels, RED_FIRST, truncate_to_bytes};
 use crate::render::renderer::Prepared;
 use crate::render::{Cost, Layer, Request, Window};
 use crate::tools::explain::CostMap;
@@ -30,6 +30,8 @@ enum Product {
     File(Box<PictureWriter>),
     /// Width and height in pixels, and the bytes of a picture.
     Kept([usize; 2], Vec<u8>),
+    /// The numbers of a picture.
+    KeptNumbers(FloatPicture),
     /// The file that gets the map of the costs.
     Costs(OutputFile, Format, Cost),
 }
@@ -39,21 +41,24 @@ enum Product {
 pub struct Finished {
     pub files: Vec<CompleteFile>,
     pub costs: Option<CostMap>,
-    /// The last layer without a file, or else the picture of the costs.
-    pub picture: Option<Picture>,
+    /// The last layer without a file.
+    pub picture: Option<Pixels>,
 }
 
 impl<'r> Products<'r> {
-    /// Begins the files of the first layers of a request. The picture of a layer without a file is kept.
+    /// Begins the files of the first layers of a request. The picture of a layer without a file is kept, in numbers if
+    /// `keeps_numbers`.
     pub fn begin(
         files: Vec<(OutputFile, Format)>,
         prepared: &'r Prepared<'r>,
         request: &'r Request,
+        keeps_numbers: bool,
     ) -> Result<Self, Diagnostic> {
         let mut files = files.into_iter();
         let begin = |&layer: &Layer| {
             let size @ [width, height] = request.layer_size(&layer);
             Ok(match (files.next(), layer) {
+                (None, _) if keeps_numbers => Product::KeptNumbers(FloatPicture::with_room(size)?),
                 (None, _) => Product::Kept(size, with_room(width * height * CHANNELS)?),
                 (Some((file, format)), Layer::Cost(cost)) => Product::Costs(file, format, cost),
                 (Some((file, format)), layer) => {
@@ -84,6 +89,7 @@ impl<'r> Products<'r> {
                 bytes.resize(before + row.len() * CHANNELS, 0);
                 truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
             }
+            Product::KeptNumbers(picture) => picture.colors.extend_from_slice(row),
             // Costs have no rows.
             Product::Costs(..) => {}
         }
@@ -131,14 +137,17 @@ impl<'r> Products<'r> {
             match product {
                 Product::File(writer) => finished.files.push(writer.complete()?),
                 Product::Kept([width, height], bytes) => {
-                    finished.picture = Some(Picture::from_rgb(width as u32, height as u32, bytes));
+                    let picture = Picture::from_rgb(width as u32, height as u32, bytes);
+                    finished.picture = Some(Pixels::Bytes(picture));
+                }
+                Product::KeptNumbers(picture) => {
+                    finished.picture = Some(Pixels::Numbers(picture.in_single_precision()));
                 }
                 Product::Costs(file, format, cost) => {
                     let counts = std::mem::take(&mut counts);
                     let map = CostMap::new(cost, counts, self.prepared, self.request);
-                    let picture = map.draw()?;
-                    finished.files.push(file.picture(format, &picture)?);
-                    (finished.costs, finished.picture) = (Some(map), Some(picture));
+                    finished.files.push(file.picture(format, &map.draw()?)?);
+                    finished.costs = Some(map);
                 }
             }
         }

@@ -64,7 +64,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let open = |output: &Output| Ok((OutputFile::prepare(&output.file)?, output.format));
     let pictures = options.outputs.iter().map(open).collect::<Result<_, Diagnostic>>()?;
     let files = Files::open(options)?;
-    let mut products = Products::begin(pictures, &prepared, &request)?;
+    let mut products = Products::begin(pictures, &prepared, &request, options.compares_numbers())?;
 
     // Render rows.
     let Rendered { counts, costs } = match render_rows(options, &prepared, &request, &mut products, signals)?
@@ -102,12 +102,11 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     report.finish(options, files.document, &outputs, log)
 }
 
-/// Returns the request for the layers that are written or compared. A cost map is compared when it is complete, without
-/// a layer of its own.
+/// Returns the request for the layers that are written or compared.
 fn request(options: &Options) -> Request {
     let mut request = options.request();
     if options.comparison.as_ref().is_some_and(|wanted| wanted.needs_scene()) {
-        request.layers.extend(options.compared_layer().filter(|layer| !matches!(layer, Layer::Cost(_))));
+        request.layers.extend(options.compared_layer());
     }
     request
 }

@@ -11,7 +11,7 @@ use crate::render::renderer::Renderer;
 use crate::scene::material::{Material, Pattern, Texture};
 use crate::scene::{Light, Object};
 use crate::stats::{self, Repeats};
-use crate::tools::compare::Tolerance;
+use crate::tools::compare::{Brightness, Difference, Tolerance};
 use crate::tools::explain::{CostMap, PixelTree};
 use crate::world::shape::Shape;
 use serde::Serialize;
@@ -71,7 +71,7 @@ impl Report<'_> {
 
 /// The version of the form. It changes when a member is removed, renamed, or gets another meaning, and stays when one
 /// is added.
-const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 1;
 
 /// Returns the document in one line. Numbers have all their digits; NaN and infinities are null.
 fn document(report: &Report, options: &Options, warnings: &[String]) -> String {
@@ -164,25 +164,52 @@ fn pixel(tree: &PixelTree) -> Value {
 }
 
 fn comparison(result: &ComparisonResult) -> Value {
-    let ComparisonResult { comparison, cause, tolerance } = result;
-    let above = |levels| comparison.pixels_differing_by_more_than(levels);
+    let ComparisonResult { difference, drawn, cause, tolerance } = result;
+    let above = |levels| difference.pixels_differing_by_more_than(levels);
     let check = |tolerance: &Tolerance| {
         joined(tolerance, json!({ "pixels_above": above(tolerance.levels), "passes": result.passes() }))
     };
-    json!({
-        "size": comparison.size,
-        "pixels": comparison.pixels(),
-        "pixels_that_differ": comparison.pixels_that_differ(),
-        "by_more_than_one_level": above(1),
-        "largest": comparison.largest,
-        "root_mean_square_error": comparison.root_mean_square_error,
-        // In dB; null, for infinity, if the pictures are equal.
-        "psnr": comparison.psnr(),
-        "mean_flip": comparison.mean_flip,
-        "differing_beside_an_edge": comparison.differing_near_edges,
+    let of_both = json!({
+        "pixels": difference.pixels(),
+        "pixels_that_differ": difference.pixels_that_differ(),
+        "difference_picture": drawn.as_ref().map(brightness),
         "tolerance": tolerance.as_ref().map(check),
         "cause": cause.as_ref().map(|cause| joined(cause, json!({ "text": cause.to_string() }))),
-    })
+    });
+    let of_kind = match difference {
+        Difference::Levels(comparison) => json!({
+            "kind": "levels",
+            "size": comparison.size,
+            "by_more_than_one_level": above(1.0),
+            "largest": comparison.largest,
+            "root_mean_square_error": comparison.root_mean_square_error,
+            // In dB; null, for infinity, if the pictures are equal.
+            "psnr": comparison.psnr(),
+            "mean_flip": comparison.mean_flip,
+            "differing_beside_an_edge": comparison.differing_near_edges,
+        }),
+        Difference::Numbers(comparison) => json!({
+            "kind": "numbers",
+            "size": comparison.size,
+            "largest": comparison.largest,
+            "largest_relative": comparison.largest_relative,
+            "root_mean_square_error": comparison.root_mean_square_error,
+            "not_finite": {
+                "a": comparison.not_finite[0],
+                "b": comparison.not_finite[1],
+                "in_one": comparison.pixels_not_finite_in_one(),
+                "first": comparison.first_not_finite.map(|first| first.at),
+            },
+        }),
+    };
+    joined(&of_kind, of_both)
+}
+
+fn brightness(drawn: &Brightness) -> Value {
+    match drawn {
+        Brightness::Amplified(factor) => json!({ "amplification": factor }),
+        Brightness::Scaled(scale, largest) => joined(scale, json!({ "white_difference": largest })),
+    }
 }
 
 /// Returns an object with the members of both.

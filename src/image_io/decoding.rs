@@ -3,7 +3,7 @@
 
 use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
+use crate::picture::{CHANNELS, Color, FloatPicture, Picture, Pixels};
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
@@ -13,8 +13,17 @@ use std::path::Path;
 pub struct Remarks {
     /// The number of pixels that a byte does not show, because they are below 0, above 1 or not numbers.
     pub clamped: u64,
+    /// The number of pixels whose alpha, which is ignored, is not opaque.
+    pub transparent: u64,
     /// A line end follows the last pixel.
     pub has_line_end: bool,
+}
+
+/// The form in which the numbers of a file are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    Bytes,
+    Numbers,
 }
 
 /// Opens a regular file. A pipe could block the program.
@@ -37,6 +46,28 @@ pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Pict
     Ok(Picture::new(width, height)?)
 }
 
+/// Returns a picture of zeros, to be filled from the numbers of the file. `limit` is the largest number of its bytes.
+pub(super) fn zeros(
+    size @ [width, height]: [u32; 2],
+    limit: u64,
+    wanted: Wanted,
+) -> Result<Pixels, Diagnostic> {
+    if wanted == Wanted::Bytes {
+        return black(size, limit).map(Pixels::Bytes);
+    }
+    let pixels = u64::from(width) * u64::from(height);
+    check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
+    let mut picture = FloatPicture::with_room(size.map(|n| n as usize))?;
+    picture.colors.resize(pixels as usize, Color::ZERO);
+    Ok(Pixels::Numbers(picture))
+}
+
+/// Counts the colours that a byte does not show.
+pub(super) fn beyond_bytes(colors: &[Color]) -> u64 {
+    let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
+    colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
+}
+
 pub(super) fn check_bytes([width, height]: [u32; 2], bytes: u64, limit: u64) -> Result<(), Diagnostic> {
     if bytes <= limit {
         return Ok(());
@@ -57,11 +88,4 @@ pub(super) fn too_short([width, height]: [u32; 2]) -> Diagnostic {
 /// Returns the level nearest to a sample between 0 and `white`.
 pub(super) fn level(sample: u32, white: u32) -> u8 {
     ((sample * 255 + white / 2) / white) as u8
-}
-
-/// Sets a row of bytes to these colours. Returns the number of colours beyond bytes.
-pub(super) fn fill_row(colors: &[Color], row: &mut [u8]) -> u64 {
-    truncate_to_bytes::<RED_FIRST>(colors, row);
-    let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
-    colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
 }

@@ -2,11 +2,11 @@
 //!
 //! The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
-use super::decoding::{Remarks, black, fill_row, no_pixels, too_short};
+use super::decoding::{Remarks, Wanted, beyond_bytes, no_pixels, too_short, zeros};
 use super::header::{EXR_FLOAT, EXR_START};
 use crate::base::escape::{escape, quoted};
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, Picture};
+use crate::picture::{Color, Pixels};
 use std::borrow::Cow;
 
 /// A byte of a deflate stream encodes at most this many.
@@ -45,8 +45,8 @@ struct Area {
     height: i64,
 }
 
-/// Reads the display window. It is black where the data window has no numbers, and what lies outside it is cut off.
-pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagnostic> {
+/// Reads the display window. It is zero where the data window has no numbers, and what lies outside it is cut off.
+pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let bad = |problem: &str| Err(Diagnostic::error(problem));
     let mut rest = file;
     let header = header(&mut rest)?;
@@ -70,7 +70,7 @@ pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagno
     if pixels > length.saturating_mul(MAX_INFLATION) || blocks > length / 8 {
         return Err(short());
     }
-    let mut picture = black(size_of(display), limit)?;
+    let mut picture = zeros(size_of(display), limit, wanted)?;
     let row_bytes =
         data.width as u64 * header.channels.iter().map(|channel| channel.bytes() as u64).sum::<u64>();
     if row_bytes > LONGEST_ROW {
@@ -109,10 +109,14 @@ pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagno
         };
         for (bytes, y) in unpacked.chunks_exact(row_bytes as usize).zip(data.top + first - display.top..) {
             if left < right && (0..display.height).contains(&y) {
-                let colors = header.row(bytes, data.width as usize, red_green_blue);
-                let row = picture.row_mut((display.height - 1 - y) as usize);
-                let row = &mut row.as_chunks_mut::<CHANNELS>().0[columns(display)];
-                remarks.clamped += fill_row(&colors[columns(data)], row.as_flattened_mut());
+                let width = data.width as usize;
+                let colors = header.row(bytes, width, red_green_blue);
+                let shown = &colors[columns(data)];
+                picture.set([columns(display).start, y as usize], shown);
+                remarks.clamped += beyond_bytes(shown);
+                let is_transparent = |alpha: &f64| *alpha < 1.0;
+                let alpha = header.alpha(bytes, width).skip(columns(data).start).take(columns(data).len());
+                remarks.transparent += alpha.filter(is_transparent).count() as u64;
             }
         }
     }
@@ -214,13 +218,22 @@ impl Header<'_> {
 
     /// Returns the colours of a row, which has the numbers of the first channel, then the next channel's.
     fn row(&self, row: &[u8], width: usize, red_green_blue: [usize; 3]) -> Vec<Color> {
-        let [red, green, blue] = red_green_blue.map(|index| {
-            let start: usize = self.channels[..index].iter().map(|channel| channel.bytes() * width).sum();
-            let channel = &self.channels[index];
-            row[start..].chunks_exact(channel.bytes()).map(|bytes| channel.number(bytes))
-        });
-        let colors = red.zip(green).zip(blue).take(width);
+        let [red, green, blue] = red_green_blue.map(|index| self.numbers(row, width, index));
+        let colors = red.zip(green).zip(blue);
         colors.map(|((red, green), blue)| Color::new(red, green, blue)).collect()
+    }
+
+    /// Returns the alpha of a row, or nothing if there is none.
+    fn alpha<'r>(&'r self, row: &'r [u8], width: usize) -> impl Iterator<Item = f64> {
+        let alpha = self.channels.iter().position(|channel| channel.name == b"A" && channel.is_full);
+        alpha.into_iter().flat_map(move |index| self.numbers(row, width, index))
+    }
+
+    /// Returns the numbers of a channel in a row.
+    fn numbers<'r>(&'r self, row: &'r [u8], width: usize, index: usize) -> impl Iterator<Item = f64> {
+        let start: usize = self.channels[..index].iter().map(|channel| channel.bytes() * width).sum();
+        let channel = &self.channels[index];
+        row[start..].chunks_exact(channel.bytes()).take(width).map(|bytes| channel.number(bytes))
     }
 }
 

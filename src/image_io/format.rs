@@ -1,6 +1,5 @@
 //! The formats of picture files. The end of a name decides what is written, the first bytes decide what is read.
 
-use super::unknown_ending;
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
 use serde::Serialize;
@@ -54,6 +53,9 @@ const ENDINGS: [(&[u8; 4], Format); 10] = [
 const WRITTEN: usize = 6;
 
 impl Format {
+    /// The endings of names of files that are read, as a text.
+    pub const READ: &str = ".tga, .png, .bmp, .ppm, .pgm, .pbm, .pnm, .pam, .pfm or .exr";
+
     /// Returns the format of a file to write, by the last four bytes of its name, in upper or lower case.
     pub fn of(path: &Path) -> Option<Self> {
         Self::among(&ENDINGS[..WRITTEN], path)
@@ -136,7 +138,7 @@ pub(super) fn identify(path: &Path, bytes: &[u8]) -> Result<Format, Diagnostic> 
         (None, Some((_, name, advice)), _) => Diagnostic::error(format!("it is {name}")).with_hint(*advice),
         (None, None, Some(Format::Tga)) => return Ok(Format::Tga),
         (None, None, Some(named)) => unknown(start, named),
-        (None, None, None) => unknown_ending(),
+        (None, None, None) => Diagnostic::error(format!("its name must end in {}", Format::READ)),
     })
 }
 

@@ -5,6 +5,7 @@
 mod decoding;
 mod distinct_files;
 mod exr;
+mod faults;
 mod format;
 mod header;
 mod merge;
@@ -21,7 +22,9 @@ pub use format::{Content, Format};
 pub use merge::Merge;
 pub use output::{CompleteFile, NAMING, OutputFile, put_in_place};
 pub use part::Part;
-pub use reader::{load_picture, read_picture, read_picture_from, read_remarked_picture};
+pub use reader::{
+    load_picture, load_pixels, read_picture, read_picture_from, read_pixels, read_remarked_picture,
+};
 pub use rows::{PartFile, Rows};
 pub use writer::{Exceptional, PictureWriter, convert, part_beside};
 
@@ -47,7 +50,7 @@ fn cannot(action: &str, path: &Path, reason: impl Into<Diagnostic>) -> Diagnosti
     Diagnostic { message: format!("cannot {action} {}: {}", quoted(path), reason.message), ..reason }
 }
 
-/// Returns the error of a file whose name ends in none of the endings of pictures.
+/// Returns the error of a file to write whose name ends in none of the endings of pictures.
 fn unknown_ending() -> Diagnostic {
     Diagnostic::error("its name must end in .tga, .png, .bmp, .ppm, .pfm or .exr")
 }

@@ -5,11 +5,11 @@
 //! of the file. If the rest is longer, its pixels may be shifted, and the file is refused unless line feeds written as
 //! CR LF explain every byte.
 
-use super::decoding::{Remarks, black, fill_row, level, no_pixels, too_short};
+use super::decoding::{Remarks, Wanted, beyond_bytes, black, level, no_pixels, too_short, zeros};
 use super::format::{BYTE_ORDER_MARK, CUT_HEADER, OTHER_TEXT};
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{Color, Picture};
+use crate::picture::{Color, Picture, Pixels};
 use std::borrow::Cow;
 
 /// Upper bound on the bytes of a word that are shown.
@@ -50,7 +50,7 @@ impl Header {
 }
 
 /// Reads a picture from the start of a file.
-pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagnostic> {
+pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let start = file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file);
     let mut text = Text { start, rest: start, size: None };
     let kind = text.word()?;
@@ -72,8 +72,13 @@ pub(super) fn read(file: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagno
     } else if row.saturating_mul(height) > text.rest.len() as u64 {
         return Err(too_short(header.size));
     }
+    if header.bits == 32 {
+        return text.numbers(&header, zeros(header.size, limit, wanted)?);
+    }
     let picture = black(header.size, limit)?;
-    if is_plain { text.plain(&header, picture) } else { text.raw(&header, picture) }
+    let (picture, remarks) =
+        if is_plain { text.plain(&header, picture)? } else { text.raw(&header, picture)? };
+    Ok((Pixels::Bytes(picture), remarks))
 }
 
 /// A file, of which the header or all is text.
@@ -137,23 +142,11 @@ impl<'a> Text<'a> {
         let Header { channels, bits, white, size: [_, height], .. } = *header;
         let (row_bytes, height) = (header.row_bytes() as usize, height as usize);
         let (samples, has_line_end) = self.samples(row_bytes * height)?;
-        let mut clamped = 0;
+        let mut transparent = 0;
         for (bytes, y) in samples.chunks_exact(row_bytes).zip(0..height) {
-            // The rows of single precision are stored from the bottom.
-            let row = picture.row_mut(if bits == 32 { y } else { height - 1 - y });
+            let row = picture.row_mut(height - 1 - y);
             if (channels, bits, white) == (3, 8, 255) {
                 row.copy_from_slice(bytes);
-                continue;
-            }
-            if bits == 32 {
-                let number = |&bytes: &[u8; 4]| match header.is_little_endian {
-                    true => f64::from(f32::from_le_bytes(bytes)),
-                    false => f64::from(f32::from_be_bytes(bytes)),
-                };
-                let pixels = bytes.as_chunks().0.chunks_exact(channels);
-                let colors =
-                    pixels.map(|pixel| [0, channels / 2, channels - 1].map(|index| number(&pixel[index])));
-                clamped += fill_row(&colors.map(Color::from).collect::<Vec<_>>(), row);
                 continue;
             }
             let sample = |at: usize| match bits {
@@ -167,8 +160,33 @@ impl<'a> Text<'a> {
                 let problem = format!("row {} has a sample above {white}, the maximum", y + 1);
                 return Err(Diagnostic::error(problem));
             }
+            if matches!(channels, 2 | 4) {
+                let alphas = (0..header.size[0] as usize).map(|x| sample((x + 1) * channels - 1));
+                transparent += alphas.filter(|&alpha| alpha < white).count() as u64;
+            }
         }
-        Ok((picture, Remarks { clamped, has_line_end }))
+        Ok((picture, Remarks { transparent, has_line_end, ..Remarks::default() }))
+    }
+
+    /// Reads numbers in single precision. Their rows are stored from the bottom.
+    fn numbers(self, header: &Header, mut picture: Pixels) -> Result<(Pixels, Remarks), Diagnostic> {
+        let Header { channels, size: [_, height], is_little_endian, .. } = *header;
+        let (row_bytes, height) = (header.row_bytes() as usize, height as usize);
+        let (samples, has_line_end) = self.samples(row_bytes * height)?;
+        let mut remarks = Remarks { has_line_end, ..Remarks::default() };
+        let number = |&bytes: &[u8; 4]| match is_little_endian {
+            true => f64::from(f32::from_le_bytes(bytes)),
+            false => f64::from(f32::from_be_bytes(bytes)),
+        };
+        for (bytes, y) in samples.chunks_exact(row_bytes).zip((0..height).rev()) {
+            let pixels = bytes.as_chunks().0.chunks_exact(channels);
+            let color =
+                |pixel: &[[u8; 4]]| [0, channels / 2, channels - 1].map(|index| number(&pixel[index]));
+            let colors: Vec<Color> = pixels.map(|pixel| color(pixel).into()).collect();
+            picture.set([0, y], &colors);
+            remarks.clamped += beyond_bytes(&colors);
+        }
+        Ok((picture, remarks))
     }
 
     /// Returns the samples, which take `needed` bytes, and whether a line end follows them.

@@ -10,16 +10,21 @@ use crate::base::memory;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Picture};
 use std::ffi::OsStr;
-use std::fs::{self, OpenOptions, Permissions};
+use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use tempfile::{NamedTempFile, SpooledData, SpooledTempFile};
+use tempfile::{NamedTempFile, SpooledData, SpooledTempFile, TempPath};
 
 /// The longest content that is kept in memory, in bytes.
 const IN_MEMORY: usize = 8 << 20;
 /// Upper bound on the memory that is taken while files have temporary names, in bytes.
 const WORKING_MEMORY: u64 = 1 << 20;
+
+/// The start of temporary names.
+const PREFIX: &str = ".raytracer-";
+/// The problem of an output whose name a folder has.
+const FOLDER: &str = "it is a folder";
 
 /// Held while files have temporary names, which would be left if the program ended then.
 pub static NAMING: Mutex<()> = Mutex::new(());
@@ -108,29 +113,65 @@ impl OutputFile {
 
 impl Target {
     fn of(path: &Path) -> Result<Self, Diagnostic> {
-        let permissions = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return Err(Diagnostic::error("it is a folder")),
+        let earlier = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => return Err(Diagnostic::error(FOLDER)),
             Ok(found) => {
                 // A write-protected file is an error, although it could be replaced by renaming.
                 let file = OpenOptions::new().write(true).open(path)?;
                 if !found.is_file() {
                     return Ok(Self::Stream(Box::new(file)));
                 }
-                Some(found.permissions())
+                Some((file, found))
             }
             Err(error) if error.kind() == ErrorKind::NotFound => None,
             Err(error) => return Err(error.into()),
         };
         let file = follow_links(path)?;
         let folder = folder_of(&file);
-        match tempfile::tempfile_in(folder) {
-            Ok(_) => Ok(Self::Replace { file, permissions }),
+        let trial = match tempfile::tempfile_in(folder) {
+            Ok(trial) => trial,
             Err(error) if error.kind() == ErrorKind::NotFound && !folder.is_dir() => {
-                Err(Diagnostic::error(format!("there is no folder {}", quoted(folder))))
+                return Err(Diagnostic::error(format!("there is no folder {}", quoted(folder))));
             }
-            Err(error) => Err(error.into()),
+            Err(error) => return Err(error.into()),
+        };
+        if let Some((earlier, found)) = &earlier {
+            check_replaceable(earlier, found, folder, &trial)?;
         }
+        Ok(Self::Replace { file, permissions: earlier.map(|(_, found)| found.permissions()) })
     }
+}
+
+/// Checks that a file can be replaced by renaming another one in its folder. `trial` is a file of this process there.
+#[cfg(unix)]
+fn check_replaceable(file: &File, found: &Metadata, folder: &Path, trial: &File) -> Result<(), Diagnostic> {
+    use std::os::unix::fs::MetadataExt;
+    const STICKY: u32 = 0o1000;
+    let others = File::open(folder).ok().and_then(|folder| mount_of(&folder));
+    if others.is_some() && mount_of(file).is_some_and(|own| Some(own) != others) {
+        let problem = Diagnostic::error("it is mounted alone, so no other file can take its place");
+        return Err(problem.with_hint("mount its folder, or write elsewhere and copy"));
+    }
+    let (folder, own) = (fs::metadata(folder)?, trial.metadata()?.uid());
+    if folder.mode() & STICKY != 0 && ![0, found.uid(), folder.uid()].contains(&own) {
+        return Err(Diagnostic::error(
+            "it belongs to another user, in a folder where only that user can replace it",
+        ));
+    }
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn check_replaceable(_: &File, _: &Metadata, _: &Path, _: &File) -> Result<(), Diagnostic> {
+    Ok(())
+}
+
+/// Returns the number of the mount that an open file belongs to, where the system tells.
+#[cfg(unix)]
+fn mount_of(file: &File) -> Option<String> {
+    use std::os::fd::AsRawFd;
+    let described = fs::read_to_string(format!("/proc/self/fdinfo/{}", file.as_raw_fd())).ok()?;
+    described.lines().find_map(|line| line.strip_prefix("mnt_id:")).map(|number| number.trim().to_owned())
 }
 
 impl CompleteFile {
@@ -158,7 +199,7 @@ impl CompleteFile {
     fn name_beside(self) -> io::Result<Option<(NamedTempFile, PathBuf)>> {
         let Target::Replace { file: target, permissions } = self.output.target else { return Ok(None) };
         let new_file = |path: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(path);
-        let named = tempfile::Builder::new().prefix(".raytracer-").make_in(folder_of(&target), new_file)?;
+        let named = tempfile::Builder::new().prefix(PREFIX).make_in(folder_of(&target), new_file)?;
         copy(self.content, named.as_file())?;
         permissions.map_or(Ok(()), |permissions| named.as_file().set_permissions(permissions))?;
         Ok(Some((named, target)))
@@ -166,7 +207,7 @@ impl CompleteFile {
 }
 
 /// Puts files in their places, the pipes, devices and standard output first. If one fails, no regular file is replaced
-/// or made.
+/// or made: those that were in place already are taken away again, and earlier files are put back.
 ///
 /// They are not flushed to the disk first, because that takes many times as long as rendering a small picture.
 pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), Diagnostic> {
@@ -183,10 +224,66 @@ pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), Diagnostic> {
         let beside = file.name_beside().map_err(|error| cannot("write", &path, error))?;
         named.extend(beside.map(|(file, target)| (path, file, target)));
     }
-    named.into_iter().try_for_each(|(path, file, target)| match file.persist(target) {
-        Ok(_) => Ok(()),
-        Err(error) => Err(cannot("write", &path, error.error)),
-    })
+    let mut replaced: Vec<Replaced> = Vec::with_capacity(named.len());
+    let last = named.len().saturating_sub(1);
+    for (index, (path, file, target)) in named.into_iter().enumerate() {
+        let named = Replaced::keep(&target, index < last).and_then(|kept| {
+            replaced.push(kept);
+            file.persist(&target).map_err(|error| error.error)
+        });
+        match named {
+            Ok(_) => replaced[index].is_replaced = true,
+            Err(error) => {
+                let error = cannot("write", &path, error);
+                let failures = replaced.into_iter().rev().filter_map(Replaced::put_back);
+                return Err(failures.fold(error, Diagnostic::with_hint));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The place of a file, before and after the file is put there.
+struct Replaced {
+    target: PathBuf,
+    /// The second name of the file that was there before, if there was one.
+    earlier: Option<TempPath>,
+    is_replaced: bool,
+}
+
+impl Replaced {
+    /// Gives the file at `target` a second name, if there is one and it may have to be put back.
+    fn keep(target: &Path, may_return: bool) -> io::Result<Self> {
+        let is_there = match fs::symlink_metadata(target) {
+            Ok(found) if found.is_dir() => return Err(io::Error::other(FOLDER)),
+            Ok(_) => may_return,
+            Err(error) if error.kind() == ErrorKind::NotFound => false,
+            Err(error) => return Err(error),
+        };
+        let second_name = |path: &Path| match fs::hard_link(target, path) {
+            // On a disk without second names the file has no other until the next one takes its place.
+            Err(error) if error.kind() != ErrorKind::AlreadyExists => fs::rename(target, path),
+            linked => linked,
+        };
+        let mut names = tempfile::Builder::new();
+        names.prefix(PREFIX);
+        let earlier = is_there.then(|| names.make_in(folder_of(target), second_name)).transpose()?;
+        let earlier = earlier.map(NamedTempFile::into_temp_path);
+        Ok(Self { target: target.to_owned(), earlier, is_replaced: false })
+    }
+
+    /// Puts the earlier file back, or takes the new one away. Returns advice if that fails.
+    fn put_back(self) -> Option<String> {
+        let target = quoted(&self.target);
+        let Some(earlier) = self.earlier else {
+            let removed = if self.is_replaced { fs::remove_file(&self.target) } else { Ok(()) };
+            return removed.err().map(|error| format!("{target} could not be taken away again: {error}"));
+        };
+        // If both are names of one file, this does nothing, and the second name is removed when it is dropped.
+        let error = fs::rename(&earlier, &self.target).err()?;
+        let kept = earlier.keep().map(quoted).unwrap_or_default();
+        Some(format!("{target} could not be put back, and is kept as {kept}: {error}"))
+    }
 }
 
 fn copy(content: SpooledTempFile, mut target: impl Write) -> io::Result<()> {

@@ -3,18 +3,17 @@
 //! The message of an error is the reason alone, to which [`read_picture`] adds the file.
 
 use super::cannot;
-use super::decoding::{Remarks, black, check_bytes, level, no_pixels, open_regular, or_too_early, too_short};
+use super::decoding::{Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, too_short};
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
-use super::{exr, netpbm};
-use crate::base::escape::escape;
+use super::{exr, faults, netpbm};
 use crate::base::memory::{Bytes, with_room};
 use crate::diagnostic::Diagnostic;
-use crate::picture::Picture;
+use crate::picture::{Picture, Pixels};
 use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{ColorType, ImageDecoder, Limits};
-use std::io::{Cursor, Read};
+use std::io::{Cursor, ErrorKind, Read};
 use std::path::Path;
 
 /// Upper bound on the length of a file, in bytes.
@@ -49,14 +48,30 @@ pub fn read_remarked_picture(path: &Path) -> Result<(Picture, Remarks), Diagnost
     load_picture(path).map_err(|reason| cannot("read", path, reason))
 }
 
+/// Reads a picture like [`read_picture`], with remarks. The numbers of PFM and OpenEXR files stay numbers.
+pub fn read_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
+    load_pixels(path).map_err(|reason| cannot("read", path, reason))
+}
+
 /// Reads a picture like [`read_picture`] from the bytes of a file with this name. One that takes more than `limit`
 /// bytes when it is decoded is an error.
 pub fn read_picture_from(name: &Path, bytes: &[u8], limit: u64) -> Result<Picture, Diagnostic> {
-    decode(name, bytes, limit).map(|(picture, _)| picture).map_err(|reason| cannot("read", name, reason))
+    let decoded = decode(name, bytes, limit, Wanted::Bytes).map_err(|reason| cannot("read", name, reason))?;
+    Ok(decoded.0.into_bytes())
 }
 
-/// Reads a picture like [`read_picture`], with remarks. The message of an error does not name the file.
+/// Reads a picture like [`read_remarked_picture`]. The message of an error does not name the file.
 pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
+    let (picture, remarks) = load(path, Wanted::Bytes)?;
+    Ok((picture.into_bytes(), remarks))
+}
+
+/// Reads a picture like [`read_pixels`]. The message of an error does not name the file.
+pub fn load_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
+    load(path, Wanted::Numbers)
+}
+
+fn load(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
     if length > LONGEST_FILE {
@@ -64,27 +79,37 @@ pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
     }
     let mut bytes = with_room(length as usize)?;
     file.take(length).read_to_end(&mut bytes)?;
-    decode(path, &bytes, MAX_BYTES)
+    decode(path, &bytes, MAX_BYTES, wanted)
 }
 
-fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Picture, Remarks), Diagnostic> {
+fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let format = identify(name, bytes)?;
     if has_no_pixels(format, bytes) {
         return Err(no_pixels());
     }
     let max_pixels = MAX_PIXELS_PER_BYTE * bytes.len() as u64;
-    let picture = match format {
-        Format::Tga => decoded(TgaDecoder::new(tga(bytes)?), max_pixels, limit)?,
+    let (picture, transparent) = match format {
+        Format::Tga => {
+            let (header, file) = tga(bytes)?;
+            decoded(TgaDecoder::new(file), max_pixels, limit, || faults::in_tga(header))?
+        }
         Format::Png => {
+            check_png_size(bytes, max_pixels, limit)?;
             let mut limits = Limits::no_limits();
             limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
-            decoded(PngDecoder::with_limits(Cursor::new(bytes), limits), max_pixels, limit)?
+            let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits);
+            decoded(decoder, max_pixels, limit, || faults::in_png(bytes))?
         }
-        Format::Bmp => decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit)?,
-        Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit),
-        Format::Exr => return exr::read(bytes, limit),
+        Format::Bmp => {
+            decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit, || faults::in_bmp(bytes))?
+        }
+        Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit, wanted),
+        Format::Exr => return exr::read(bytes, limit, wanted),
     };
-    Ok((picture, Remarks::default()))
+    // A TGA file without bits of alpha may have anything in the fourth byte of a pixel.
+    let has_alpha = format != Format::Tga || bytes[TGA_HEADER - 1] & 0xf != 0;
+    let remarks = Remarks { transparent: if has_alpha { transparent } else { 0 }, ..Remarks::default() };
+    Ok((Pixels::Bytes(picture), remarks))
 }
 
 /// Returns true if a header of a format that the image crate reads has a width or height of 0, which the crate would
@@ -92,11 +117,11 @@ fn decode(name: &Path, bytes: &[u8], limit: u64) -> Result<(Picture, Remarks), D
 fn has_no_pixels(format: Format, bytes: &[u8]) -> bool {
     let sides = match format {
         Format::Tga => [12..14, 14..16],
-        Format::Png => [16..20, 20..24],
+        Format::Png if bytes.get(12..16) == Some(b"IHDR") => [16..20, 20..24],
         // The oldest headers have 12 bytes.
         Format::Bmp if bytes.get(14) == Some(&12) => [18..20, 20..22],
         Format::Bmp => [18..22, 22..26],
-        Format::Ppm | Format::Pfm | Format::Exr => return false,
+        Format::Png | Format::Ppm | Format::Pfm | Format::Exr => return false,
     };
     sides.into_iter().any(|side| bytes.get(side).is_some_and(|side| side.iter().all(|&byte| byte == 0)))
 }
@@ -104,24 +129,41 @@ fn has_no_pixels(format: Format, bytes: &[u8]) -> bool {
 /// Returns a TGA file for the image crate, which decodes all unknown types as grey, and expects the number of alpha
 /// bits that belongs to the size of a pixel. Many programs store another one, such as 8 for pixels of 24 bits, which is
 /// harmless, because alpha is ignored.
-fn tga(bytes: &[u8]) -> Result<impl Read, Diagnostic> {
-    let (&header, rest) =
+fn tga(bytes: &[u8]) -> Result<(&[u8; TGA_HEADER], impl Read), Diagnostic> {
+    let (stored, rest) =
         bytes.split_first_chunk::<TGA_HEADER>().ok_or_else(|| Diagnostic::error(CUT_HEADER))?;
-    let (mut header, kind, bits) = (header, header[2], header[16]);
+    let (mut header, kind, bits) = (*stored, stored[2], stored[16]);
     if !matches!(kind, 1..=3 | 9..=11) {
-        return Err(Diagnostic::error(format!("TGA of type {kind} is not supported")));
+        let problem = format!("TGA of type {kind} is not supported");
+        return Err(Diagnostic::error(problem).with_hint("save it as PNG, or as TGA of type 2"));
     }
     header[17] = header[17] & 0xf0 | if matches!((kind, bits), (3 | 11, 16)) { 8 } else { 0 };
-    Ok(Cursor::new(header).chain(rest))
+    Ok((stored, Cursor::new(header).chain(rest)))
 }
 
-/// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows.
+/// Refuses a PNG file whose header states a size that the file or the limit does not allow. The decoder would refuse a
+/// long row in its own words.
+fn check_png_size(bytes: &[u8], max_pixels: u64, limit: u64) -> Result<(), Diagnostic> {
+    let Some((&[.., a, b, c, d], rest)) = bytes.split_first_chunk::<20>() else { return Ok(()) };
+    let Some(&height) = rest.first_chunk() else { return Ok(()) };
+    let size = [[a, b, c, d], height].map(u32::from_be_bytes);
+    let is_header = bytes.get(12..16) == Some(b"IHDR");
+    match u64::from(size[0]) * u64::from(size[1]) {
+        pixels if is_header && pixels > max_pixels => Err(too_short(size)),
+        pixels if is_header => check_bytes(size, pixels, limit),
+        _ => Ok(()),
+    }
+}
+
+/// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows. Returns also how many of
+/// them are not opaque. `fault` finds out what is wrong with a file that the decoder refuses.
 fn decoded<D: ImageDecoder>(
     decoder: image::ImageResult<D>,
     max_pixels: u64,
     limit: u64,
-) -> Result<Picture, Diagnostic> {
-    let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER)))?;
+    fault: impl Fn() -> Diagnostic,
+) -> Result<(Picture, u64), Diagnostic> {
+    let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER), &fault))?;
     let (width, height) = decoder.dimensions();
     let (size, color_type, length) = ([width, height], decoder.color_type(), decoder.total_bytes());
     match u64::from(width) * u64::from(height) {
@@ -131,20 +173,36 @@ fn decoded<D: ImageDecoder>(
     }
     let mut samples = with_room(length as usize)?;
     samples.resize(length as usize, 0);
-    decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size)))?;
+    decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size), &fault))?;
     if color_type == ColorType::Rgb8 {
-        return Ok(Picture::from_rgb(width, height, samples));
+        return Ok((Picture::from_rgb(width, height, samples), 0));
     }
     let mut picture = black(size, limit)?;
     to_rgb(color_type, &samples, picture.pixels_mut());
-    Ok(picture)
+    Ok((picture, transparent(color_type, &samples)))
 }
 
-/// Returns the error of a decoder, with other words for a file that ends too early.
-fn undecoded(error: image::ImageError, too_early: Diagnostic) -> Diagnostic {
+/// Counts the pixels that are not opaque. Alpha is the last channel.
+fn transparent(color_type: ColorType, samples: &[u8]) -> u64 {
+    if !color_type.has_alpha() {
+        return 0;
+    }
+    let pixel_bytes = usize::from(color_type.bytes_per_pixel());
+    let alpha = pixel_bytes - pixel_bytes / usize::from(color_type.channel_count());
+    let pixels = samples.chunks_exact(pixel_bytes);
+    pixels.filter(|pixel| pixel[alpha..].iter().any(|&byte| byte != u8::MAX)).count() as u64
+}
+
+/// Returns the error for a file that a decoder refuses, in other words than the decoder's.
+fn undecoded(error: image::ImageError, too_early: Diagnostic, fault: &impl Fn() -> Diagnostic) -> Diagnostic {
     match error {
-        image::ImageError::IoError(error) => or_too_early(error, too_early),
-        error => Diagnostic::error(escape(&error.to_string())),
+        image::ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => too_early,
+        image::ImageError::Limits(_) => {
+            let most = Bytes(MAX_PNG_EXTRA_BYTES);
+            let problem = format!("a row of its pixels or its metadata take more than {most}");
+            Diagnostic::error(problem).with_hint("save it again without metadata, or in another format")
+        }
+        _ => fault(),
     }
 }
 

@@ -11,6 +11,8 @@ pub const MAX_PICTURE_FILE: usize = 1 << 25;
 
 /// Connections at the same time.
 pub const MAX_CONNECTIONS: usize = 32;
+/// The time that a connection waits for a thread.
+pub const START_TIME: Duration = Duration::from_secs(5);
 /// The time for the head of a request to arrive, for its body, and for an answer to be received.
 pub const HEAD_TIME: Duration = Duration::from_secs(5);
 pub const BODY_TIME: Duration = Duration::from_secs(20);
@@ -23,6 +25,10 @@ pub const ALIVE_TIME: Duration = Duration::from_secs(30);
 /// not wait.
 pub const MAX_BYTES: u64 = 400_000_000;
 pub const FEW_BYTES: u64 = 8_000_000;
+/// The stack of a thread, of a connection or of a request.
+pub const STACK: u64 = 1 << 21;
+/// The bytes that a request takes besides, where the address space is limited.
+pub const BYTES_PER_REQUEST: u64 = 1 << 22;
 /// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is
 /// built for each primitive in a cell, of reading a picture, and of reading a scene's text for each byte and its meshes,
 /// with something to spare.

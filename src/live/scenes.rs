@@ -138,7 +138,7 @@ impl Scenes {
             mesh: renderer.meshes()[index].clone(),
             vertices: known.vertices,
             texture_coordinates: known.texture_coordinates.to_vec(),
-            doubts: vec![],
+            ..ObjFile::default()
         };
         Some((content, files[index].1.clone()))
     }

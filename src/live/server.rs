@@ -5,6 +5,7 @@ use super::http::{Answer, Connection, Head};
 use super::limits::*;
 use super::lock;
 use super::session::Session;
+use crate::base::memory;
 use crate::cli::Options;
 use crate::diagnostic::Diagnostic;
 use askama::Template;
@@ -57,6 +58,10 @@ impl Server {
         let accept = move || {
             let server = Arc::new(self);
             for stream in server.listener.incoming() {
+                // Connections wait until the requests that are being ended have given their memory back.
+                while memory::keep_reserve().and_then(|()| memory::ask(2 * STACK)).is_err() {
+                    thread::sleep(Duration::from_millis(20));
+                }
                 // There may be no file descriptors or threads left; some will be free again.
                 if stream.and_then(|stream| server.serve(stream, end.clone())).is_err() {
                     thread::sleep(Duration::from_millis(20));
@@ -75,14 +80,25 @@ impl Server {
         if !self.add(own.clone()) {
             return Ok(());
         }
-        let (server, served) = (self.clone(), own.clone());
-        let serve = move || {
-            // A browser that has vanished reads no answer.
-            let _ = server.answer_all(&served, &end);
-            server.close(&served);
-        };
-        let started = thread::Builder::new().name("connection".into()).spawn(serve);
-        started.map(drop).inspect_err(|_| self.close(&own))
+        let deadline = Instant::now() + START_TIME;
+        loop {
+            let (server, served, end) = (self.clone(), own.clone(), end.clone());
+            let serve = move || {
+                // A browser that has vanished reads no answer.
+                let _ = server.answer_all(&served, &end);
+                server.close(&served);
+            };
+            let thread = thread::Builder::new().name("connection".into()).stack_size(STACK as usize);
+            match thread.spawn(serve) {
+                Ok(_) => return Ok(()),
+                // There is no room for a thread until another ends.
+                Err(_) if Instant::now() < deadline => thread::sleep(Duration::from_millis(20)),
+                Err(error) => {
+                    self.close(&own);
+                    return Err(error);
+                }
+            }
+        }
     }
 
     fn close(&self, own: &Arc<Open>) {

@@ -79,6 +79,8 @@ type Found = Result<Answer, Answer>;
 impl Session {
     /// Opens the scene of a command line.
     pub fn open(line: &Options, input: &Path) -> Result<Self, Diagnostic> {
+        memory::use_few_heaps();
+        memory::keep_reserve()?;
         let compared =
             line.comparison.iter().find_map(|wanted| wanted.picture.as_ref().or(wanted.reference.as_ref()));
         // The comparison of the command line has told about a picture that cannot be read.
@@ -281,14 +283,14 @@ impl Session {
         let (reference, own) = self.pair(view, stop)?;
         let picture = &reference.picture;
         let compared = Comparison::new_unless(picture, &own.picture, &|| stop.is_over())?;
-        let shown = DifferencePicture::new(picture, &own.picture)?;
+        let (shown, amplification) = DifferencePicture::of_bytes(picture, &own.picture)?;
         let meta = json!({
             "size": picture_size(picture), "block": compared.to_string(), "largest": compared.largest,
-            "amplification": shown.amplification,
+            "amplification": amplification,
         });
-        let difference = rgba(&shown.picture);
+        let difference = rgba(&shown);
         // The last of the panels that stand side by side.
-        let [all, panel] = [shown.picture.width(), picture.width()].map(|width| 4 * width as usize);
+        let [all, panel] = [shown.width(), picture.width()].map(|width| 4 * width as usize);
         let difference: Vec<&[u8]> = difference.chunks_exact(all).map(|row| &row[all - panel..]).collect();
         Ok(Answer::described(&meta, &[&rgba(picture), &rgba(&own.picture), &difference.concat()]))
     }
@@ -303,7 +305,7 @@ impl Session {
         let watch = |progress: Progress| stop.watch(progress);
         let original = || Original::watched(&scene.renderer, &request, &watch);
         let original = can_try.then(original).flatten();
-        let cause = original.map(|original| original.explain(picture, own).to_string());
+        let cause = original.map(|original| original.explain(picture).to_string());
         Ok(Answer::described(&json!({ "cause": cause }), &[]))
     }
 

@@ -5,8 +5,9 @@
 //! bounded here.
 
 use super::http::Answer;
-use super::limits::{FEW_BYTES, MAX_BYTES};
+use super::limits::{BYTES_PER_REQUEST, FEW_BYTES, MAX_BYTES, MAX_CONNECTIONS, STACK};
 use super::lock;
+use crate::base::memory;
 use crate::render::Stop;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
@@ -20,6 +21,8 @@ const LOOK: Duration = Duration::from_millis(20);
 pub struct Workers {
     /// The number of threads for each request.
     threads: usize,
+    /// The bytes that requests may take together.
+    budget: u64,
     state: Mutex<State>,
 }
 
@@ -33,7 +36,9 @@ struct State {
 
 impl Workers {
     pub fn new(threads: usize) -> Self {
-        Self { threads, state: Mutex::default() }
+        let connections = MAX_CONNECTIONS as u64 * STACK;
+        let budget = memory::free_space(MAX_BYTES + connections).saturating_sub(connections);
+        Self { threads, budget, state: Mutex::default() }
     }
 
     /// Waits for memory of this number of bytes, runs `work`, and returns its result. `has_left` is called often, and
@@ -45,8 +50,12 @@ impl Workers {
         has_left: &mut dyn FnMut() -> bool,
         work: impl FnOnce() -> T + Send,
     ) -> Result<T, Answer> {
+        // In a limited address space the threads of a request count too.
+        let is_limited = self.budget < MAX_BYTES;
+        let own = if is_limited { self.threads as u64 * STACK + BYTES_PER_REQUEST } else { 0 };
+        let bytes = bytes.saturating_add(own);
         let threads = self.start(bytes, stop, has_left)?;
-        let mut found = None;
+        let (mut found, mut has_memory) = (None, true);
         threads.in_place_scope(|scope| {
             let (done, is_done) = channel::<()>();
             let found = &mut found;
@@ -55,16 +64,22 @@ impl Workers {
                 drop(done);
             });
             while is_done.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
-                if has_left() {
+                has_memory &= memory::has_reserve();
+                if has_left() || !has_memory {
                     stop.cancel();
                 }
             }
         });
         let mut state = lock(&self.state);
         state.taken -= bytes;
-        state.idle.push(threads);
+        if has_memory {
+            state.idle.push(threads);
+        } else {
+            // Threads take memory too.
+            state.idle.clear();
+        }
         // The result of stopped work is incomplete. Complete work is kept, though its time may be over by now.
-        found.filter(|_| !stop.has_stopped()).ok_or_else(too_long)
+        found.filter(|_| !stop.has_stopped()).ok_or_else(if has_memory { too_long } else { no_memory })
     }
 
     /// Waits until there is enough memory, and returns threads.
@@ -75,7 +90,8 @@ impl Workers {
         has_left: &mut dyn FnMut() -> bool,
     ) -> Result<ThreadPool, Answer> {
         let mut state = lock(&self.state);
-        while bytes > FEW_BYTES && state.taken > 0 && state.taken.saturating_add(bytes) > MAX_BYTES {
+        let is_small = bytes <= FEW_BYTES && self.budget == MAX_BYTES;
+        while !is_small && state.taken > 0 && state.taken.saturating_add(bytes) > self.budget {
             drop(state);
             thread::sleep(LOOK);
             if has_left() || stop.is_over() {
@@ -83,7 +99,9 @@ impl Workers {
             }
             state = lock(&self.state);
         }
-        let build = || ThreadPoolBuilder::new().num_threads(self.threads).build();
+        // With the lock, so that several requests do not start their threads where there is room for one.
+        memory::keep_reserve().map_err(|_| no_memory())?;
+        let build = || ThreadPoolBuilder::new().num_threads(self.threads).stack_size(STACK as usize).build();
         let threads = state.idle.pop().map_or_else(build, Ok);
         let threads = threads.map_err(|error| Answer::text(503, &format!("no threads: {error}")))?;
         state.taken += bytes;
@@ -94,6 +112,11 @@ impl Workers {
 /// The refusal of work that was stopped. A client that has left seldom reads it.
 fn too_long() -> Answer {
     Answer::text(422, "this takes longer than a page may: choose a smaller picture, or fewer samples")
+}
+
+/// The refusal of work for which there is no memory, or which was ended for want of it.
+fn no_memory() -> Answer {
+    Answer::text(503, "not enough memory: try again, or choose a smaller picture")
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The editions of the course: their names, their keywords, and the meaning of their scenes.
 
-use super::lexer::Lexer;
+use super::lexer::{Lexer, Word};
 use super::model::{
     Depths, FaceWeights, Highlight, Lighting, MeasureColors, MeshNormals, NormalColors, Screen, Split,
 };
@@ -18,7 +18,7 @@ pub enum Edition {
     Y2012A4,
     /// The 2012 edition, assignment 5.
     Y2012A5,
-    /// The editions from 2016 to 2023, assignment 4.
+    /// The editions from 2016 to 2019, assignment 4. From 2020 on the course has another scene language.
     Y2019,
     /// The edition of Aalto University. It uses the scene language of 2004.
     Aalto,
@@ -215,6 +215,29 @@ impl Edition {
     }
 }
 
+/// Returns the error for a text in the scene language of the course from 2020 on. It has the blocks `Camera`, `Scene`
+/// and `Node`, which no other edition has.
+pub fn newer_language(text: &str) -> Option<Diagnostic> {
+    let mut lexer = Lexer::new(text);
+    let words = std::iter::from_fn(|| Some(lexer.next_word()).filter(|word| !word.is_end()));
+    let words: Vec<Word> = words.collect();
+    let has = |word: &str| words.iter().any(|other| other.text == word);
+    let is_block = |pair: &&[Word]| match (pair[0].text, pair[1].text) {
+        ("Scene" | "Node", "{") => true,
+        // Alone it is more likely a misspelt `PerspectiveCamera`.
+        ("Camera", "{") => has("fov") || has("Scene") || has("Node"),
+        (word, "{") => word.starts_with("Component<"),
+        _ => false,
+    };
+    let first = words.windows(2).find(is_block)?[0];
+    let message = format!(
+        "{} belongs to the scene language that the course has had since 2020, which is not read",
+        first.quoted()
+    );
+    let hint = "the languages of 2003 to 2019 are read: `Scene` and `Node` are `Group` and `Transform` there";
+    Some(Diagnostic::error(message).at(first.at).with_hint(hint))
+}
+
 impl fmt::Display for Edition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
@@ -270,6 +293,23 @@ mod tests {
             "noise",
         ] {
             assert_eq!(Edition::of_words(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_language_of_2020_is_known_by_its_blocks() {
+        let at = |text: &str| newer_language(text).and_then(|error| error.position()).map(|at| at.column);
+        for (text, column) in [
+            ("Background { } Camera { fov 30 } Scene { }", Some(16)),
+            ("Camera { center 0 0 9 } Scene { }", Some(1)),
+            ("Materials { Material { } } Scene { Node { } }", Some(28)),
+            ("Node { Component<Light> { } }", Some(1)),
+            ("Component<Object> { type sphere }", Some(1)),
+            ("Camera { center 0 0 9 angle 30 } Group { }", None),
+            ("obj_file Scene.obj # Scene {", None),
+            ("", None),
+        ] {
+            assert_eq!(at(text), column, "{text}");
         }
     }
 

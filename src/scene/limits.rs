@@ -195,7 +195,8 @@ mod tests {
             let mut world_to_texture = RoundedAffine::IDENTITY;
             world_to_texture.map.translation.z = x;
             let (pattern, children) = (Pattern::Checkerboard, [0; 2]);
-            scene.materials[1] = Material::Texture(Texture { pattern, world_to_texture, children });
+            scene.materials[1] =
+                Material::Texture(Texture { pattern, world_to_texture, factors: Box::default(), children });
         };
         check_number(change, &[f64::INFINITY, f64::NAN], &[f64::MAX]);
     }

@@ -6,19 +6,20 @@ use crate::base::escape::quoted;
 use crate::base::patience::{Endless, Patience};
 use crate::diagnostic::{Diagnostic, limited};
 use crate::image_io::ReadFile;
-use crate::scene::edition::{Choice, Edition};
+use crate::scene::edition::{Choice, Edition, newer_language};
 use crate::scene::foreign_format::is_wide_text;
 use crate::scene::lexer::Lexer;
 use crate::scene::material::{Material, Paint};
-use crate::scene::mesh::{Mesh, ObjFile};
+use crate::scene::mesh::{Mesh, NamedFile, ObjFile};
 use crate::scene::model::Shows;
+use crate::scene::obj;
 use crate::scene::parser::{self, Reading, Unfinished};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position, Scene};
 pub use named_files::{Found, mesh_places};
+use named_files::{files_of_mesh, files_of_scene, nearest_file, read_mesh, read_texels};
 #[cfg(feature = "gui")]
 pub(crate) use named_files::{image_unreadable, in_mesh, mesh_unreadable};
-use named_files::{nearest_file, read_mesh, read_texels};
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -32,6 +33,8 @@ pub struct LoadedScene {
     pub meshes: Vec<Mesh>,
     /// The paths of the mesh files.
     pub mesh_files: Vec<PathBuf>,
+    /// The files that the scene or a mesh names and that have no effect, such as bump maps and material libraries.
+    pub unread: Vec<ReadFile>,
     pub source: Source,
     /// Warnings about the text and the meshes: at most 20 of each kind, then the number of the others.
     pub warnings: Vec<Diagnostic>,
@@ -40,16 +43,17 @@ pub struct LoadedScene {
 }
 
 impl LoadedScene {
-    /// Returns the files of the scene's meshes and pictures.
+    /// Returns the files that the scene and its meshes name, whether they are read or not. The meshes come first.
     pub fn files(&self) -> Vec<ReadFile> {
         let meshes = self.mesh_files.iter().map(|mesh| ("mesh", mesh.clone()));
-        let pictures = self.scene.images.iter().filter_map(|image| Some(("picture", image.file.clone()?)));
-        meshes.chain(pictures).collect()
+        let pictures = self.scene.images.iter().filter_map(|image| Some(("texture", image.file.clone()?)));
+        meshes.chain(pictures).chain(self.unread.iter().cloned()).collect()
     }
 
     /// Reads the meshes and the pictures that the scene names.
     fn read_files(&mut self, readers: Readers) -> Result<(), Diagnostic> {
         let (scene, edition) = (&mut self.scene, self.choice.edition);
+        let folder = directory_of(&self.source.path);
         let is_image = |material: &Material| matches!(material, Material::Painted(_, Paint::Image { .. }));
         let is_textured = scene.materials.iter().any(is_image);
         for image in &mut scene.images {
@@ -61,6 +65,7 @@ impl LoadedScene {
             let (found, file) = (readers.mesh)(named, edition, is_textured)?;
             named.vertices = found.vertices;
             named.texture_coordinates = Arc::new(found.texture_coordinates);
+            self.unread.extend(files_of_mesh(&file, &found.files, folder, edition));
             self.meshes.push(found.mesh);
             self.mesh_files.push(file);
             doubts.extend(found.doubts);
@@ -110,7 +115,7 @@ pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> 
     let path = if is_standard_input { Path::new("standard input") } else { path };
     let bytes = bytes.map_err(|error| unreadable(path, &error))?;
     let source = Source { path: path.to_owned(), text: decode(path, bytes)? };
-    let directory = path.parent().unwrap_or(Path::new(""));
+    let directory = directory_of(path);
     let mesh = |file: &MeshFile, edition, is_textured| read_mesh(file, (directory, edition), is_textured);
     let image = |image: &ImageFile, edition| read_texels(image, (directory, edition));
     load_text(source, hints, Readers { mesh: &mesh, image: &image })
@@ -140,21 +145,31 @@ pub(crate) fn load_text_within(
     let words = read_words(&source.text, hints.edition, patience);
     let read = words.and_then(|(choice, unfinished)| Ok((choice, unfinished.finish(patience)?)));
     let (choice, reading) = read.map_err(|error| source.locate(error))?;
-    let Reading { mut scene, warnings } = reading;
+    let Reading { mut scene, unread, warnings } = reading;
     if hints.shows_places {
         scene.shows = Shows::Places;
     }
+    let unread = files_of_scene(&unread, directory_of(&source.path), choice.edition);
     let (meshes, mesh_files) = (vec![], vec![]);
-    let mut loaded = LoadedScene { scene, meshes, mesh_files, source, warnings, choice };
+    let mut loaded = LoadedScene { scene, meshes, mesh_files, unread, source, warnings, choice };
     match loaded.read_files(readers) {
         Ok(()) => Ok(loaded),
         Err(error) => Err(loaded.source.locate(error)),
     }
 }
 
+/// Reads a scene in the language of an edition.
+fn read_words(
+    text: &str,
+    named: Option<Edition>,
+    patience: &dyn Patience,
+) -> Result<(Choice, Unfinished), Diagnostic> {
+    read_in_some(text, named, patience).map_err(|error| newer_language(text).unwrap_or(error))
+}
+
 /// Reads a scene in the language of the named edition. Without a name, tries 2004 first, then the edition that its
 /// keywords identify.
-fn read_words(
+fn read_in_some(
     text: &str,
     named: Option<Edition>,
     patience: &dyn Patience,
@@ -198,20 +213,35 @@ fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Returns the files read for a scene's meshes and pictures, each at the first path where it exists. Returns nothing if
-/// the scene is not a regular file or cannot be read.
-pub fn mesh_files(scene: &Path, hints: &Hints) -> Vec<PathBuf> {
+/// Returns the files that a scene and its meshes name, each at the first path where it exists. Returns nothing if the
+/// scene is not a regular file or cannot be read.
+pub fn named_files(scene: &Path, hints: &Hints) -> Vec<ReadFile> {
     let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
     let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
     let text = bytes.and_then(|bytes| decode(scene, bytes).ok());
-    let folder = scene.parent().unwrap_or(Path::new(""));
     let read = |text: String| read_words(&text, hints.edition, &Endless);
-    let Some(Ok((choice, Unfinished { reading, .. }))) = text.map(read) else { return vec![] };
-    let named = reading.scene;
-    let find =
-        |name: &String| mesh_places(name, folder, choice.edition).into_iter().find(|place| is_file(place));
-    let images = named.images.iter().map(|image| &image.name);
-    named.meshes.iter().map(|mesh| &mesh.name).chain(images).filter_map(find).collect()
+    let Some(Ok((Choice { edition, .. }, Unfinished { reading, .. }))) = text.map(read) else {
+        return vec![];
+    };
+    let Reading { scene: named, unread, .. } = reading;
+    let folder = directory_of(scene);
+    let meshes = named.meshes.into_iter().map(|mesh| ("mesh", mesh.name));
+    let images = named.images.into_iter().map(|image| ("texture", image.name));
+    let all: Vec<NamedFile> = meshes.chain(images).chain(unread).collect();
+    let mut found = files_of_scene(&all, folder, edition);
+    for (kind, mesh) in found.clone() {
+        if kind == "mesh"
+            && is_file(&mesh)
+            && let Ok(bytes) = fs::read(&mesh)
+        {
+            found.extend(files_of_mesh(&mesh, &obj::named_files(kind, &bytes), folder, edition));
+        }
+    }
+    found
+}
+
+fn directory_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 /// Decodes a scene without its byte order mark. Comments may have any encoding that contains ASCII: bytes in them that
@@ -288,7 +318,7 @@ mod tests {
         fs::create_dir(folder.path().join("a")).unwrap();
         fs::write(folder.path().join("a/m.obj"), mesh).unwrap();
         assert_eq!(load(&scene).unwrap().meshes[0].triangles.len(), 1);
-        assert_eq!(mesh_files(&scene, &Hints::default()), load(&scene).unwrap().mesh_files);
+        assert_eq!(named_files(&scene, &Hints::default()), load(&scene).unwrap().files());
         if cfg!(unix) {
             let two = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1";
             fs::write(folder.path().join("a\\m.obj"), two).unwrap();

@@ -1,5 +1,6 @@
 //! Materials as written in the scene: Phong materials, and solid textures that mix two earlier materials.
 
+use super::transform::Factor;
 use crate::math::rounded::RoundedAffine;
 use crate::picture::Color;
 use serde::Serialize;
@@ -62,8 +63,9 @@ impl Default for Phong {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     pub pattern: Pattern,
-    /// The map from world space to the texture's space.
+    /// The map from world space to the texture's space: the product of `factors`.
     pub world_to_texture: RoundedAffine,
+    pub factors: Box<[Factor]>,
     /// The two materials; each index is below the texture's own.
     pub children: [MaterialId; 2],
 }

@@ -20,6 +20,9 @@ impl Mesh {
     }
 }
 
+/// The kind of a file, as in "texture", and its name as it is written in a scene or a mesh.
+pub type NamedFile = (&'static str, String);
+
 /// The texture coordinates at a triangle's corners, to the right and up.
 pub type Corners = [DVec2; 3];
 
@@ -32,6 +35,8 @@ pub struct ObjFile {
     /// The texture coordinates of each triangle, if requested; `None` for a triangle without them. The list is empty if
     /// the file has none.
     pub texture_coordinates: Vec<Option<Corners>>,
+    /// The files that it names, none of which is read.
+    pub files: Vec<NamedFile>,
     /// Warnings about the file in its order, one of each kind.
     pub doubts: Vec<Diagnostic>,
 }

@@ -38,6 +38,7 @@ use model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
 use serde::Serialize;
 use std::sync::Arc;
 use texels::{CubeFaces, ImageFile};
+use transform::Factor;
 
 /// A scene: the contents of its file.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,10 +80,11 @@ pub type ObjectId = usize;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Object {
     Group(Vec<ObjectId>),
-    /// Maps `child` to the parent's space by `matrix`, which may be singular. `at` is the position of `Transform` in
-    /// the text.
+    /// Maps `child` to the parent's space by `matrix`, the product of `factors`, which may be singular. `at` is the
+    /// position of `Transform` in the text.
     Transform {
         matrix: RoundedAffine,
+        factors: Box<[Factor]>,
         child: ObjectId,
         at: Position,
     },

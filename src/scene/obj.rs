@@ -3,9 +3,10 @@
 //! Files with only positions and triangles take a faster path in `plain_obj`. `obj_reader` reads all others.
 
 use super::foreign_format::foreign;
-use super::mesh::{Mesh, ObjFile};
+use super::mesh::{Mesh, NamedFile, ObjFile};
+pub use super::obj_lines::LIBRARY;
 pub use super::plain_obj::memory_for;
-use super::{obj_reader, plain_obj};
+use super::{obj_lines, obj_reader, plain_obj};
 use crate::base::patience::{Endless, Patience};
 use crate::base::shortcut::Shortcut;
 use crate::diagnostic::Diagnostic;
@@ -29,6 +30,12 @@ pub fn read_obj(bytes: &[u8], is_textured: bool, patience: &dyn Patience) -> Res
 /// Reads a mesh without texture coordinates.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
     read_obj(bytes, false, &Endless).map(|file| file.mesh)
+}
+
+/// Returns the files that a mesh or a material library names.
+pub fn named_files(kind: &str, bytes: &[u8]) -> Vec<NamedFile> {
+    let text = without_mark(bytes);
+    if kind == LIBRARY { obj_lines::maps_in(text) } else { obj_lines::files_in(text) }
 }
 
 /// Returns the text of a mesh file. Positions of errors refer to it.
@@ -134,6 +141,8 @@ mod tests {
             (SQUARE, ""),
             ("v 0 0 0\nv 1 0 0\nl 1 2\n", ", only points, lines or curves"),
             ("surf 0 1 0 1 1 2 3 4", ": a curved surface is ignored"),
+            ("call all.obj", ": `call` is ignored, and so is the file that it names"),
+            ("csh ls", ": `csh` is ignored: no command of a file is run"),
             ("nothing", ": `nothing` is not a keyword of OBJ; its line is ignored"),
         ] {
             assert_eq!(refuse(text).message, format!("the mesh has no faces{why}"), "{text}");
@@ -266,7 +275,7 @@ mod tests {
                 .to_owned(),
             "v 0 0 0 1 0 0\nv 1. +0 -0\nv +1 1e0 0\nv 0. 10.0E-1 0 0 1 0\nf 1 2 3\nf 1 3 4\n".to_owned(),
             format!("{SQUARE}fo 1 2 3\nfo 1 3 4\n"),
-            format!("{SQUARE}f 1/ 2/ 3/\nf 1// 3//9 4/9/9\n"),
+            format!("{SQUARE}f 1/ 2/ 3/\nf 1// 3//9 4//9\n"),
             format!("{SQUARE}f -4 +2 -2\nf 1\t3\x0b-1\n"),
             format!("{SQUARE}usemtl C:\\wood\\\nf 1 2 3\ng a \\\nb\nmtllib x \\ \nf 1 3 4\n"),
             format!("{SQUARE}vt 0 \\\n0\nf 1 2 \\ \n 3\nf \\\n1 3\\\n4 # \\\n"),
@@ -393,9 +402,8 @@ mod tests {
     fn triangles_have_the_texture_coordinates_that_their_corners_name() {
         let [a, b, c] = [DVec2::new(0.25, 0.5), DVec2::X, DVec2::Y];
         let places = "vt 0.25 0.5 # one\nvt 1\nvt 0 1 7\n";
-        let faces =
-            "f 1/1 2/2/9 3/3/-9\nf 1/-1 2/-2/7 3/-3\nf 1 2 3\nf 1/4 2/1 3/1\nf 1/ 2/1 3/1\nf 1//1 2/1 3/1\n";
-        let expected = [Some([a, b, c]), Some([c, b, a]), None, None, None, None];
+        let faces = "f 1/1 2/2/9 3/3/-9\nf 1/-1 2/-2/7 3/-3\nf 1 2 3\nf 1/ 2/1 3/1\nf 1//1 2/1 3/1\n";
+        let expected = [Some([a, b, c]), Some([c, b, a]), None, None, None];
         let read = |text: &str| read_obj(text.as_bytes(), true, &Endless).unwrap();
         for text in [
             format!("{SQUARE}{places}{faces}"),
@@ -407,8 +415,8 @@ mod tests {
             assert_eq!(read_obj(text.as_bytes(), false, &Endless).unwrap().texture_coordinates, []);
         }
         // Coordinates may come after the faces if no index is negative.
-        let later = format!("{SQUARE}f 1/1 2/2 3/3\nf 1/-1 2/2 3/3\n{places}");
-        assert_eq!(read(&later).texture_coordinates, [Some([a, b, c]), None]);
+        let later = format!("{SQUARE}f 1/1 2/2 3/3\n{places}");
+        assert_eq!(read(&later).texture_coordinates, [Some([a, b, c])]);
         // The triangles of a quad and of a cut polygon keep the coordinates of their corners.
         let quad = format!("{SQUARE}{places}f 1/1 2/2 3/3 4/1\nf 1/3 2/2 3/1\n");
         assert_eq!(read(&quad).texture_coordinates, [Some([a, b, c]), Some([a, c, a]), Some([c, b, a])]);
@@ -418,20 +426,103 @@ mod tests {
         for (corners, places) in mesh.triangles.iter().zip(texture_coordinates) {
             assert_eq!(corners.map(|corner| mesh.vertices[corner as usize].truncate()), places.unwrap());
         }
-        // Coordinates that are not finite become `None`. A word that is not a number is an error.
-        for (number, found) in
-            [("nan", None), ("-nan(ind)", None), ("1e999", None), ("0.25", Some([a, b, c]))]
-        {
-            let text = format!("{SQUARE}vt {number} 0.5\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
-            assert_eq!(read(&text).texture_coordinates, [found], "{number}");
+        // A file without coordinates has an empty list.
+        assert_eq!(read(&format!("{SQUARE}f 1 2 3\n")).texture_coordinates, []);
+    }
+
+    #[test]
+    fn a_texture_coordinate_that_a_face_names_must_exist_and_be_finite() {
+        const PLACES: &str = "vt 0 0\nvt 1 0\nvt 0 1\n";
+        let missing = "a face names a texture coordinate that does not exist; the mesh has";
+        let not_finite = "a texture coordinate is not finite";
+        let hint = "a negative index counts back from the face: -1 is the texture coordinate before it";
+        for (marked, message, hint) in [
+            ("f 1/1 2/2 @3/4\n", format!("{missing} 3"), None),
+            ("f 1/1 @2/0 3/3\n", format!("{missing} 3"), Some("indices start with 1")),
+            ("f @1/-4 2/2 3/3\n", format!("{missing} 3"), Some(hint)),
+            ("f 1/1 2/2 @3/4000000000/1\n", format!("{missing} 3"), None),
+            ("f 1/1 2/2 @3/9223372036854775807\n", format!("{missing} 3"), None),
+            ("vt @nan 0\nf 1/1 2/2 3/4\n", not_finite.into(), None),
+            ("vt 0 @-nan(ind)\nvt inf 0\nf 1/1 2/5 3/4\n", not_finite.into(), None),
+            ("vt @1e999\nf 1/1 2/2 3/-1\n", not_finite.into(), None),
+            ("vt 0 @x\nf 1 2 3\n", "a texture coordinate needs numbers, found `x`".into(), None),
+        ] {
+            let (before, _) = marked.split_once('@').unwrap();
+            let text = format!("{SQUARE}{PLACES}{}", marked.replace('@', ""));
+            let error = read_obj(text.as_bytes(), true, &Endless).unwrap_err();
+            let at = Position { line: 8, column: before.chars().count() as u32 + 1 };
+            assert_eq!((error.position(), error.message), (Some(at), message), "{marked}");
+            assert_eq!(error.hint.as_deref(), hint, "{marked}");
+            assert!(read_obj(text.as_bytes(), false, &Endless).is_ok(), "{marked}");
         }
-        let error = read_obj(format!("{SQUARE}vt 0 x\nf 1 2 3\n").as_bytes(), true, &Endless).unwrap_err();
-        assert_eq!(error.message, "a texture coordinate needs numbers, found `x`");
-        // A file without coordinates has an empty list, even if faces refer to some.
-        assert_eq!(read(&format!("{SQUARE}f 1/1 2/2 3/3\n")).texture_coordinates, []);
-        // An index far out of range allocates nothing.
-        let far = read(&format!("{SQUARE}vt 0 0\nf 1/4000000000 2/9223372036854775807 3/-4000000000\n"));
-        assert_eq!(far.texture_coordinates, [None]);
+        let missing = read_obj(format!("{SQUARE}f 1/1 2/2 3/3\n").as_bytes(), true, &Endless).unwrap_err();
+        assert!(missing.message.ends_with("the mesh has 0"), "{}", missing.message);
+        // One that no face uses may be anything.
+        for unused in ["vt nan 0", "vt 0 inf", "vt 7 0"] {
+            let text = format!("{SQUARE}{unused}\n{PLACES}f 1 2 3\nf 1/2 2/3 3/4\n");
+            assert_eq!(read_obj(text.as_bytes(), true, &Endless).unwrap().doubts, [], "{unused}");
+        }
+    }
+
+    #[test]
+    fn texture_coordinates_beyond_the_picture_are_doubtful() {
+        let said = |places: &str| {
+            let text = format!("{SQUARE}{places}f 1/1 2/2 3/3 4/4\n");
+            let doubts = read_obj(text.as_bytes(), true, &Endless).unwrap().doubts;
+            doubts.iter().map(Diagnostic::headline).collect::<Vec<_>>()
+        };
+        // Exporters round.
+        assert_eq!(said("vt 0 0\nvt 1 0\nvt 1.0000002 1\nvt -1e-7 1\n"), [""; 0]);
+        let outside = "warning: a texture coordinate is outside 0 to 1: there the picture's edge continues";
+        assert_eq!(said("vt 0 0\nvt 1 -.25\nvt 1 1\nvt 0 1\n"), [format!("line 6, column 1: {outside}")]);
+        assert_eq!(
+            said("vt 0 0\nvt 2 0\nvt 2 2\nvt 0 2\n"),
+            [format!("line 6, column 1: {outside} (and 2 more)")]
+        );
+    }
+
+    #[test]
+    fn white_space_beyond_ascii_is_an_error_in_its_line() {
+        let blanks =
+            ["\u{a0}", "\u{2003}", "\u{202f}", "\u{3000}", "\u{200b}", "\u{feff}", "\u{85}", "\u{2028}"];
+        for blank in blanks.map(str::as_bytes).into_iter().chain([&b"\xa0"[..]]) {
+            for marked in [
+                "v@0 0 0",
+                "@v 0 0 0",
+                "v 0@0 0",
+                "v 0 0@0",
+                "v 0@0@0",
+                "v 0@0 0 0",
+                "v 0 0 0@0",
+                "v 0 0 0@1 1 1 1",
+                "f@1 2 3",
+                "@f 1 2 3",
+                "f 1@2 3",
+                "f 1 2 3@4",
+                "f 1 2@3 4",
+                "fo@1 2 3",
+                "vt@0 0",
+                "@vt 0 0",
+                "vt 0@0",
+                "vt 0@0 0",
+            ] {
+                let line: Vec<u8> = marked
+                    .bytes()
+                    .flat_map(|byte| if byte == b'@' { blank.to_vec() } else { vec![byte] })
+                    .collect();
+                let text = [SQUARE.as_bytes(), &line, b"\nf 1 2 3\nf 1 2 5\n"].concat();
+                let error = read_obj(&text, true, &Endless).unwrap_err();
+                assert_eq!(error.position().unwrap().line, 5, "{marked} {blank:?}");
+                let hint = error.hint.unwrap_or_default();
+                assert!(
+                    hint.starts_with("it contains a blank that is not ASCII"),
+                    "{marked} {blank:?}: {hint}"
+                );
+            }
+        }
+        // A comment, a name and a word that is no keyword may have them.
+        let text = format!("{SQUARE}# a\u{a0}b\ng a\u{a0}b\nf 1 2 3 # f\u{a0}4\n");
+        assert_eq!(read_obj(text.as_bytes(), true, &Endless).unwrap().doubts, []);
     }
 
     #[test]

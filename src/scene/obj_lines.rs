@@ -4,6 +4,7 @@
 //! also before trailing blanks, continues the statement on the next line. The exception is a next line that starts with
 //! a keyword: the backslash in `usemtl wood\` belongs to the name.
 
+use super::mesh::NamedFile;
 use crate::diagnostic::Position;
 
 /// The keywords of OBJ ("Advanced Visualizer Manual", appendix B, Wavefront 1995). `fo` is an old name of `f`.
@@ -16,6 +17,44 @@ pub const COMMON: [&str; 10] = ["v", "f", "vt", "vn", "g", "o", "s", "usemtl", "
 
 pub fn is_keyword(word: &[u8]) -> bool {
     KEYWORDS.split(' ').any(|keyword| keyword.as_bytes() == word)
+}
+
+/// The kind of the files that `mtllib` names.
+pub const LIBRARY: &str = "material library";
+
+/// Returns the files that a statement names, if any. A material library may have blanks in its name.
+pub fn files_of(words: &[&[u8]]) -> Vec<NamedFile> {
+    let (kind, names) = match words[0] {
+        b"mtllib" => (LIBRARY, &words[1..]),
+        b"maplib" => ("texture library", &words[1..]),
+        b"call" | b"shadow_obj" | b"trace_obj" => ("mesh", &words[1..words.len().min(2)]),
+        _ => return vec![],
+    };
+    let whole = (names.len() > 1).then(|| names.join(&b' '));
+    let names = names.iter().map(|name| name.to_vec()).chain(whole);
+    names.map(|name| (kind, String::from_utf8_lossy(&name).into_owned())).collect()
+}
+
+/// Returns the files that an OBJ text names.
+pub fn files_in(mut text: &[u8]) -> Vec<NamedFile> {
+    let (mut words, mut files) = (vec![], vec![]);
+    while next_statement(&mut text, &mut words) {
+        files.extend(files_of(&words));
+    }
+    files
+}
+
+/// Returns the pictures that a material library names: the last word of a statement, or all behind the keyword.
+pub fn maps_in(mut library: &[u8]) -> Vec<NamedFile> {
+    const KEYWORDS: [&[u8]; 5] = [b"bump", b"disp", b"decal", b"refl", b"norm"];
+    let (mut words, mut maps) = (vec![], vec![]);
+    while next_statement(&mut library, &mut words) {
+        if words[0].starts_with(b"map_") || KEYWORDS.contains(&words[0]) {
+            let names = [words[words.len() - 1].to_vec(), words[1..].join(&b' ')];
+            maps.extend(names.map(|name| ("texture", String::from_utf8_lossy(&name).into_owned())));
+        }
+    }
+    maps
 }
 
 /// Reads the first statement of `rest` into `words` and advances `rest` behind it. Returns false if there is none.

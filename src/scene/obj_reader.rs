@@ -2,18 +2,19 @@
 //!
 //! `tobj` gets normalised statements: only vertices, texture coordinates and faces, one per line, with indices that
 //! count from 1. This module handles the input that `tobj` would reject, drop or misread silently: continued lines,
-//! comments, colours, indices out of range, numbers that are not finite, and unknown keywords.
+//! comments, colours, indices out of range, numbers that are not finite, white space beyond ASCII, and unknown keywords.
 
 use super::foreign_format::foreign_without_faces;
 use super::lexer::nearest;
-use super::mesh::ObjFile;
-use super::obj_lines::{COMMON, is_keyword, next_statement, position};
+use super::mesh::{NamedFile, ObjFile};
+use super::obj_lines::{COMMON, files_of, is_keyword, next_statement, position};
 use super::plain_obj::{digits, keep_used};
 use super::polygon::{MOST_CORNERS, OutlineFault, triangulate};
 use crate::base::escape::quoted;
 use crate::base::patience::{Patience, Steps};
 use crate::diagnostic::{Diagnostic, Severity};
 use glam::{DVec2, DVec3};
+use std::collections::BTreeSet;
 use std::io::{self, BufRead, Read, Write as _};
 use tobj::{LoadError, LoadOptions, load_obj_buf};
 
@@ -48,11 +49,22 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
             1.0 => ("a vertex has the weight 0: it is at infinity", Some("leave it out, or make it 1")),
             _ => ("a vertex has a coordinate that is not finite", None),
         };
-        // On the first reading this is not an offset.
-        return Err(fault(text, &text[(offset as usize).min(text.len())..], message, hint));
+        return Err(fault(text, at_offset(text, offset), message, hint));
+    }
+    // `tobj` would ignore the indices. The second reading finds the first of them.
+    if normal.coordinates.is_empty() && normal.places.iter().any(Option::is_some) {
+        return Err(Diagnostic::error("the mesh has no texture coordinates"));
+    }
+    let place = |corner: usize| {
+        normal.places[corner].map(|_| found.texcoords.as_chunks().0[found.texcoord_indices[corner] as usize])
+    };
+    let unfit = (0..normal.places.len()).filter_map(place).filter(|[u, v]| !(u.is_finite() && v.is_finite()));
+    if let Some([_, offset]) = unfit.min_by(|a, b| a[1].total_cmp(&b[1])) {
+        let message = "a texture coordinate is not finite";
+        return Err(fault(text, at_offset(text, offset), message, None));
     }
     let (mut triangles, mut start) = (vec![], 0);
-    let [mut crossing, mut empty] = [Doubt::default(), Doubt::default()];
+    let [mut crossing, mut empty, mut outside] = [Doubt::default(), Doubt::default(), Doubt::default()];
     for (statement, count) in normal.faces {
         normal.steps.take(if count > 4 { STEPS_PER_CORNER * count } else { 1 })?;
         let first = start;
@@ -75,23 +87,42 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
             None => {}
         }
     }
-    let mut file = ObjFile { vertices: normal.known[0] as usize, ..ObjFile::default() };
+    let mut file = ObjFile { vertices: normal.vertices as usize, files: normal.files, ..ObjFile::default() };
     // `keep_used` expects indices that count from 1.
     file.mesh.triangles = triangles.iter().map(|corners| corners.map(|k| found.indices[k] + 1)).collect();
     keep_used(&mut positions, &mut file.mesh.triangles);
     file.mesh.vertices = positions;
-    if normal.known[1] > 0 {
-        let place = |corner: usize| {
-            let place = found.texcoords.as_chunks().0[found.texcoord_indices[corner] as usize];
-            Some(DVec2::from_array(place)).filter(|place| normal.is_placed[corner] && place.is_finite())
+    if !normal.coordinates.is_empty() {
+        let corner = |corner: usize| place(corner).map(DVec2::from_array);
+        let corners = triangles.iter().map(|&[a, b, c]| Some([corner(a)?, corner(b)?, corner(c)?]));
+        file.texture_coordinates = corners.collect();
+        let is_outside = |&index: &usize| {
+            corner(index).is_some_and(|place| (place - 0.5).abs().max_element() > 0.5 + VISIBLY_OUTSIDE)
         };
-        let places = triangles.iter().map(|&[a, b, c]| Some([place(a)?, place(b)?, place(c)?]));
-        file.texture_coordinates = places.collect();
+        let outer = (0..normal.places.len()).filter(is_outside).filter_map(|index| normal.places[index]);
+        let all: BTreeSet<usize> = outer.collect();
+        for coordinate in all {
+            outside.add(|| {
+                let message = "a texture coordinate is outside 0 to 1: there the picture's edge continues";
+                let hint = "keep the coordinates from 0 to 1: a picture is not repeated";
+                fault(text, normal.coordinates[coordinate], message, Some(hint))
+            });
+        }
     }
-    let doubts = [normal.unknown, normal.surfaces, crossing, empty];
+    let doubts = [normal.unknown, normal.surfaces, normal.commands, crossing, empty, outside];
     file.doubts = doubts.into_iter().filter_map(Doubt::told).collect();
     file.doubts.sort_by_key(|doubt| doubt.position().map(|at| (at.line, at.column)));
     Ok(file)
+}
+
+/// The largest distance of a texture coordinate from 0 to 1 that is taken for a rounding error of the program that
+/// wrote it. It moves the picture by less than a texel of most pictures.
+const VISIBLY_OUTSIDE: f64 = 1e-3;
+
+/// Returns the text from an offset on that was stored in place of a number. On the first reading such a number is no
+/// offset.
+fn at_offset(text: &[u8], offset: f64) -> &[u8] {
+    &text[(offset as usize).min(text.len())..]
 }
 
 /// The first doubtful statement of a kind, and the number of others.
@@ -145,25 +176,41 @@ struct Normal<'a> {
     /// The total numbers of vertices and texture coordinates. Present only on the second reading, which checks
     /// everything.
     totals: Option<[i64; 2]>,
-    /// The numbers read so far. Texture coordinates are counted only if `is_textured`.
-    known: [i64; 2],
+    /// The number of vertices read so far.
+    vertices: i64,
+    /// The statements of the texture coordinates read so far, if `is_textured`.
+    coordinates: Vec<&'a [u8]>,
     lines: Vec<u8>,
     /// The statement of each face, and the number of its corners.
     faces: Vec<(&'a [u8], usize)>,
-    /// True for each corner with a texture coordinate.
-    is_placed: Vec<bool>,
+    /// The index of each corner's texture coordinate, if `is_textured`.
+    places: Vec<Option<usize>>,
+    files: Vec<NamedFile>,
     unknown: Doubt,
     surfaces: Doubt,
+    commands: Doubt,
     patience: &'a dyn Patience,
     steps: Steps<'a>,
 }
 
 impl<'a> Normal<'a> {
     fn new(patience: &'a dyn Patience) -> Self {
-        let (text, is_textured, totals, known, lines) = Default::default();
-        let (faces, is_placed, unknown, surfaces) = Default::default();
-        let steps = Steps::new(patience);
-        Self { text, is_textured, totals, known, lines, faces, is_placed, unknown, surfaces, patience, steps }
+        Self {
+            text: &[],
+            is_textured: false,
+            totals: None,
+            vertices: 0,
+            coordinates: vec![],
+            lines: vec![],
+            faces: vec![],
+            places: vec![],
+            files: vec![],
+            unknown: Doubt::default(),
+            surfaces: Doubt::default(),
+            commands: Doubt::default(),
+            patience,
+            steps: Steps::new(patience),
+        }
     }
 
     fn read(&mut self) -> Result<(), Diagnostic> {
@@ -172,6 +219,7 @@ impl<'a> Normal<'a> {
         self.lines.reserve(text.len());
         while next_statement(&mut rest, &mut words) {
             self.steps.take(words.len())?;
+            self.files.extend(files_of(&words));
             match words[0] {
                 b"v" => self.vertex(&words)?,
                 b"vt" if self.is_textured => self.coordinate(&words)?,
@@ -180,8 +228,20 @@ impl<'a> Normal<'a> {
                     let hint = "export the mesh as polygons";
                     fault(text, words[0], "a curved surface is ignored", Some(hint))
                 }),
+                b"call" => self.commands.add(|| {
+                    let hint = "insert the lines of that file here";
+                    fault(text, words[0], "`call` is ignored, and so is the file that it names", Some(hint))
+                }),
+                b"csh" => self
+                    .commands
+                    .add(|| fault(text, words[0], "`csh` is ignored: no command of a file is run", None)),
                 b"p" | b"l" | b"curv" | b"curv2" => has_lines = true,
                 word if is_keyword(word) => {}
+                word if self.is_hidden_keyword(word) => {
+                    let found = quoted(&*String::from_utf8_lossy(word));
+                    let message = format!("a line begins with a keyword and a blank, found {found}");
+                    return Err(fault(text, word, message, Some(ODD_BLANK)));
+                }
                 word => self.unknown.add(|| {
                     let name = String::from_utf8_lossy(word);
                     let hint = nearest(&name, &COMMON).map(|near| format!("did you mean `{near}`?"));
@@ -196,7 +256,7 @@ impl<'a> Normal<'a> {
         if let Some(error) = foreign_without_faces(text) {
             return Err(error);
         }
-        let doubt = self.surfaces.0.take().or(self.unknown.0.take());
+        let doubt = self.surfaces.0.take().or(self.commands.0.take()).or(self.unknown.0.take());
         let why = match &doubt {
             Some(doubt) => format!(": {}", doubt.message),
             None if text.is_empty() => ": the file is empty".to_owned(),
@@ -229,30 +289,51 @@ impl<'a> Normal<'a> {
             let message = format!("a vertex has {count} numbers: {rule}");
             return Err(fault(self.text, words[count.min(8)], message, None));
         }
-        self.known[0] += 1;
+        self.vertices += 1;
         let divided = numbers.map(|number| number / numbers[3]);
         match numbers.iter().chain(&divided).position(|number| !number.is_finite()) {
             None => self.line(&words[..=wanted]),
             Some(place) => {
                 let is_weightless = place > 3 && numbers[3] == 0.0;
                 let word = words[1 + if is_weightless { 3 } else { place % 4 }];
-                let offset = word.as_ptr() as usize - self.text.as_ptr() as usize;
-                _ = writeln!(self.lines, "v inf {offset} {}", u8::from(is_weightless));
+                _ = writeln!(self.lines, "v inf {} {}", self.offset(word), u8::from(is_weightless));
             }
         }
         Ok(())
     }
 
-    /// Adds a texture coordinate. Missing numbers are 0.
+    /// Adds a texture coordinate. Missing numbers are 0. One that is not finite is an error only if a face uses it. It is
+    /// stored as an infinite number and the offset of the faulty word.
     fn coordinate(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         let mut line: [&[u8]; 3] = [b"vt", b"0", b"0"];
-        for (place, word) in line[1..].iter_mut().zip(&words[1..]) {
+        let mut unfit = None;
+        for (place, &word) in line[1..].iter_mut().zip(&words[1..]) {
             let number = self.number(word, "a texture coordinate needs numbers")?;
-            *place = if number.is_finite() { word } else { b"nan" };
+            *place = word;
+            unfit = unfit.or((!number.is_finite()).then_some(word));
         }
-        self.known[1] += 1;
-        self.line(&line);
+        self.coordinates.push(words[0]);
+        match unfit {
+            None => self.line(&line),
+            Some(word) => _ = writeln!(self.lines, "vt inf {}", self.offset(word)),
+        }
         Ok(())
+    }
+
+    /// Returns true for a keyword that is read, with an odd blank before or behind it.
+    fn is_hidden_keyword(&self, word: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(word);
+        let mut parts = text.split(is_odd_blank).filter(|part| !part.is_empty());
+        match parts.next() {
+            Some("v" | "f" | "fo") => text.contains(is_odd_blank),
+            Some("vt") => self.is_textured && text.contains(is_odd_blank),
+            _ => false,
+        }
+    }
+
+    /// Returns the offset of a word in the text.
+    fn offset(&self, word: &[u8]) -> usize {
+        word.as_ptr() as usize - self.text.as_ptr() as usize
     }
 
     fn line(&mut self, words: &[&[u8]]) {
@@ -266,7 +347,8 @@ impl<'a> Normal<'a> {
     /// Parses a number, on the second reading only. Other programs' spellings of infinity and NaN give numbers that are
     /// not finite.
     fn number(&self, word: &[u8], rule: &str) -> Result<f64, Diagnostic> {
-        if self.totals.is_none() {
+        // `tobj` would cut a word at white space beyond ASCII.
+        if self.totals.is_none() && word.is_ascii() {
             return Ok(1.0);
         }
         let text = String::from_utf8_lossy(word);
@@ -286,34 +368,25 @@ impl<'a> Normal<'a> {
 
     fn face(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         let [vertices, coordinates] = self.totals.unwrap_or([u32::MAX.into(), i64::MAX]);
-        // A negative index counts back from the face.
-        let absolute = |index: i64, known| if index < 0 { index.saturating_add(1 + known) } else { index };
         let mut decimal = itoa::Buffer::new();
         self.lines.push(b'f');
         for &word in &words[1..] {
-            let Some([vertex, coordinate, _]) = corner(word) else {
+            let Some([Some(vertex), coordinate, _]) = corner(word) else {
                 return Err(self.not(word, "a face needs vertex indices such as `1 2 3`", true));
             };
-            let index = absolute(vertex, self.known[0]);
-            if !(1..=vertices).contains(&index) {
-                let hint = match vertex {
-                    0 => Some("indices start with 1"),
-                    ..0 => Some("a negative index counts back from the face: -1 is the vertex before it"),
-                    _ => None,
-                };
-                let message = format!("a face names a vertex that does not exist; the mesh has {vertices}");
-                return Err(fault(self.text, word, message, hint));
-            }
+            let index = self.absolute(vertex, [self.vertices, vertices], "vertex", word)?;
             self.lines.push(b' ');
             self.lines.extend_from_slice(decimal.format(index).as_bytes());
-            if self.is_textured {
-                let index = absolute(coordinate, self.known[1]);
-                let is_placed = (1..=coordinates).contains(&index);
-                self.is_placed.push(is_placed);
-                if is_placed {
-                    self.lines.push(b'/');
-                    self.lines.extend_from_slice(decimal.format(index).as_bytes());
-                }
+            if !self.is_textured {
+                continue;
+            }
+            let known = [self.coordinates.len() as i64, coordinates];
+            let from_start = |index| self.absolute(index, known, "texture coordinate", word);
+            let index = coordinate.map(from_start).transpose()?;
+            self.places.push(index.map(|index| index as usize - 1));
+            if let Some(index) = index {
+                self.lines.push(b'/');
+                self.lines.extend_from_slice(decimal.format(index).as_bytes());
             }
         }
         if words.len() < 4 {
@@ -329,6 +402,28 @@ impl<'a> Normal<'a> {
         self.faces.push((words[0], count));
         Ok(())
     }
+
+    /// Returns an index that counts from 1, of a vertex or texture coordinate in the corner `word`. A negative one counts
+    /// back from the face. There are `before` of its kind so far, and `all` in the file.
+    fn absolute(
+        &self,
+        index: i64,
+        [before, all]: [i64; 2],
+        name: &str,
+        word: &[u8],
+    ) -> Result<i64, Diagnostic> {
+        let absolute = if index < 0 { index.saturating_add(1 + before) } else { index };
+        if (1..=all).contains(&absolute) {
+            return Ok(absolute);
+        }
+        let hint = match index {
+            0 => Some("indices start with 1".to_owned()),
+            ..0 => Some(format!("a negative index counts back from the face: -1 is the {name} before it")),
+            _ => None,
+        };
+        let message = format!("a face names a {name} that does not exist; the mesh has {all}");
+        Err(fault(self.text, word, message, hint.as_deref()))
+    }
 }
 
 /// Returns the error for a part of a text.
@@ -336,10 +431,10 @@ fn fault(text: &[u8], part: &[u8], message: impl Into<String>, hint: Option<&str
     Diagnostic { hint: hint.map(str::to_owned), ..Diagnostic::error(message) }.at(position(text, part))
 }
 
-/// Parses the indices of a corner; missing ones are 0. The forms are `v`, `v/vt`, `v//vn` and `v/vt/vn`, where a slash
-/// may be followed by nothing. `None` for any other word.
-fn corner(word: &[u8]) -> Option<[i64; 3]> {
-    let mut indices = [0; 3];
+/// Parses the indices of a corner. The forms are `v`, `v/vt`, `v//vn` and `v/vt/vn`, where a slash may be followed by
+/// nothing. `None` for any other word.
+fn corner(word: &[u8]) -> Option<[Option<i64>; 3]> {
+    let mut indices = [None; 3];
     let mut parts = word.split(|&byte| byte == b'/');
     for (index, part) in indices.iter_mut().zip(&mut parts) {
         let unsigned = part.strip_prefix(b"-").or(part.strip_prefix(b"+")).unwrap_or(part);
@@ -349,9 +444,21 @@ fn corner(word: &[u8]) -> Option<[i64; 3]> {
         }
         // 18 digits fit into an i64.
         let value = if count > 18 { i64::MAX } else { value as i64 };
-        *index = if part.starts_with(b"-") { -value } else { value };
+        let signed = if part.starts_with(b"-") { -value } else { value };
+        *index = Some(signed).filter(|_| !part.is_empty());
     }
     (parts.next().is_none() && !word.starts_with(b"/")).then_some(indices)
+}
+
+const ODD_BLANK: &str =
+    "it contains a blank that is not ASCII, such as a no-break space: write an ordinary one";
+
+/// Returns true for white space that does not separate the words of OBJ, for characters of no width, and for bytes that
+/// are no text, which a no-break space is in other encodings.
+fn is_odd_blank(character: char) -> bool {
+    let has_no_width = matches!(character, '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{feff}');
+    let is_blank = !character.is_ascii() && character.is_whitespace();
+    is_blank || has_no_width || character == char::REPLACEMENT_CHARACTER
 }
 
 /// Suggests a fix for a word that is not a number or not a corner.
@@ -360,6 +467,7 @@ fn hint(word: &str, is_corner: bool) -> Option<&'static str> {
     Some(match word {
         "\\" => "a backslash continues a statement only at the end of a line",
         _ if word.contains('\0') => "the word has a zero byte: the file may be damaged",
+        _ if word.contains(is_odd_blank) && word.contains(|c: char| c.is_ascii_digit()) => ODD_BLANK,
         _ if is_corner && word.contains([',', ';']) => "indices are separated by blanks",
         _ if is_corner && word.matches('/').count() > 2 => {
             "a corner has at most three indices: of its position, texture coordinate and normal"

@@ -3,7 +3,7 @@
 use super::edition::Edition;
 use super::material::{Material, Paint, Pattern, Phong, Texture};
 use super::reader::{Parsed, Reader};
-use super::transform::{TRANSFORMATIONS, parse_transformations};
+use super::transform::{Factor, TRANSFORMATIONS, Transformations, parse_transformations};
 use super::{MaterialId, Position};
 use crate::diagnostic::Diagnostic;
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -82,7 +82,10 @@ pub fn parse_phong(reader: &mut Reader<'_>) -> Parsed<Material> {
                 }
                 // As in the course's programs, bump maps have no effect. Textures have none on Aalto's triangles, which
                 // have no texture coordinates.
-                _ => _ = reader.file_name()?,
+                _ => {
+                    let name = reader.file_name()?.text.to_owned();
+                    reader.unread.push(("texture", name));
+                }
             }
             Ok(())
         })
@@ -123,19 +126,22 @@ fn parse_noise(reader: &mut Reader<'_>) -> Parsed<Paint> {
 /// Reads the texture whose index is `own`.
 fn parse_texture(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Texture> {
     reader.block(|reader, name| {
-        let mut world_to_texture = parse_texture_map(reader)?;
+        let Transformations { factors, matrix } = parse_texture_map(reader)?;
         let children = [parse_child(reader, own)?, parse_child(reader, own)?];
         if name == "Checkerboard" {
             let at = reader.peek().at;
-            world_to_texture = parse_square_size(reader)? * world_to_texture;
+            let scale = parse_square_size(reader)?;
+            let world_to_texture = scale * matrix;
             if !world_to_texture.is_finite() {
                 return Err(Diagnostic::error("the squares are too small after the transformation").at(at));
             }
-            return Ok(Texture { pattern: Pattern::Checkerboard, world_to_texture, children });
+            let factors = [&factors[..], &[Factor::Matrix(scale.map)]].concat().into();
+            return Ok(Texture { pattern: Pattern::Checkerboard, world_to_texture, factors, children });
         }
+        let world_to_texture = matrix;
         let octaves = parse_octaves(reader.keyword("octaves")?)?;
         if name == "Noise" {
-            return Ok(Texture { pattern: Pattern::Noise { octaves }, world_to_texture, children });
+            return Ok(Texture { pattern: Pattern::Noise { octaves }, world_to_texture, factors, children });
         }
         let frequency = reader.keyword("frequency")?.number()?;
         let amplitude = reader.keyword("amplitude")?.number()?;
@@ -143,14 +149,14 @@ fn parse_texture(reader: &mut Reader<'_>, own: MaterialId) -> Parsed<Texture> {
             "Marble" => Pattern::Marble { octaves, frequency, amplitude },
             _ => Pattern::Wood { octaves, frequency, amplitude },
         };
-        Ok(Texture { pattern, world_to_texture, children })
+        Ok(Texture { pattern, world_to_texture, factors, children })
     })
 }
 
 /// Reads the optional `Transform` of a texture. It maps world space to texture space as written, without inversion.
-fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
+fn parse_texture_map(reader: &mut Reader<'_>) -> Parsed<Transformations> {
     if !reader.is_at("Transform") {
-        return Ok(RoundedAffine::IDENTITY);
+        return Ok(Transformations { factors: Box::default(), matrix: RoundedAffine::IDENTITY });
     }
     reader.block(|reader, _| {
         let map = parse_transformations(reader)?;

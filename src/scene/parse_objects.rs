@@ -6,10 +6,9 @@ use super::limits::SMALLEST_RADIUS;
 use super::material::Material;
 use super::parse_material::{PHONG_KINDS, parse_phong};
 use super::reader::{Announced, NamedFiles, Parsed, Reader};
-use super::transform::{TRANSFORMATIONS, is_at_transformation, parse_transformations};
+use super::transform::{TRANSFORMATIONS, Transformations, is_at_transformation, parse_transformations};
 use super::{MaterialId, Object, ObjectId, Position};
 use crate::diagnostic::Diagnostic;
-use crate::math::rounded::RoundedAffine;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -50,7 +49,7 @@ pub struct ObjectTree {
 /// A group or transform whose closing brace has not been read yet.
 enum Open {
     Group { announced: Announced, children: Vec<ObjectId>, at: Position },
-    Transform { matrix: RoundedAffine, has_child: bool, at: Position },
+    Transform { list: Transformations, has_child: bool, at: Position },
 }
 
 impl ObjectTree {
@@ -70,7 +69,9 @@ impl ObjectTree {
     /// Reads a `Group` and its contents, and returns its id. Replaces the objects read before. Takes time linear in the
     /// length of the text, and constant stack space.
     pub fn parse_root(&mut self, reader: &mut Reader<'_>) -> Parsed<ObjectId> {
-        (self.objects, self.positions, self.meshes) = Default::default();
+        let replaced = std::mem::take(&mut self.meshes).list.into_iter();
+        reader.unread.extend(replaced.map(|(name, _)| ("mesh", name)));
+        (self.objects, self.positions) = Default::default();
         (self.grids, self.cells) = Default::default();
         let mut innermost = Open::group(reader)?;
         let mut ancestors = vec![];
@@ -130,7 +131,7 @@ impl ObjectTree {
                 announced.close(reader, "Group")?;
                 Ok(self.add(Object::Group(children), at))
             }
-            Open::Transform { matrix, at, .. } => {
+            Open::Transform { list: Transformations { matrix, factors }, at, .. } => {
                 reader.close("Transform").map_err(|error| {
                     if reader.is_at_any(&OBJECTS) {
                         return error.with_hint("a `Transform` holds one object; put several into a `Group`");
@@ -142,7 +143,7 @@ impl ObjectTree {
                 })?;
                 // The last object added is the child.
                 let child = self.objects.len() - 1;
-                Ok(self.add(Object::Transform { matrix, child, at }, at))
+                Ok(self.add(Object::Transform { matrix, factors, child, at }, at))
             }
         }
     }
@@ -246,7 +247,7 @@ impl Open {
 
     fn transform(reader: &mut Reader<'_>) -> Parsed<Self> {
         let at = reader.open()?.at;
-        Ok(Self::Transform { matrix: parse_transformations(reader)?, has_child: false, at })
+        Ok(Self::Transform { list: parse_transformations(reader)?, has_child: false, at })
     }
 }
 

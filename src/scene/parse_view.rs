@@ -20,13 +20,20 @@ pub fn parse_camera(reader: &mut Reader<'_>) -> Parsed<Camera> {
         if are_parallel(direction, up) {
             return Err(Diagnostic::error("`up` must not be parallel to `direction`").at(at));
         }
-        if name == "OrthographicCamera" {
+        let camera = if name == "OrthographicCamera" {
             let size = reader.keyword("size")?.positive()?;
-            return Ok(Camera::Orthographic { center, direction, up, size });
+            Camera::Orthographic { center, direction, up, size }
+        } else {
+            let rule = "must be above 0 and below 180 degrees";
+            let angle = reader.keyword("angle")?.number_that(rule, |angle| angle > 0.0 && angle < 180.0)?;
+            Camera::Perspective { center, direction, up, angle }
+        };
+        if matches!(reader.peek().text, "width" | "height") {
+            let message = format!("a camera has no {}", reader.peek().quoted());
+            let hint = "the flag `-size` sets the width and height of the picture, as in `-size 200 200`";
+            return Err(Diagnostic::error(message).at(reader.peek().at).with_hint(hint));
         }
-        let rule = "must be above 0 and below 180 degrees";
-        let angle = reader.keyword("angle")?.number_that(rule, |angle| angle > 0.0 && angle < 180.0)?;
-        Ok(Camera::Perspective { center, direction, up, angle })
+        Ok(camera)
     })
 }
 

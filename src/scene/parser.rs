@@ -2,6 +2,7 @@
 
 use super::edition::Edition;
 use super::filled_cells::FilledCells;
+use super::mesh::NamedFile;
 use super::model::Shows;
 use super::parse_material::parse_materials;
 use super::parse_objects::ObjectTree;
@@ -24,6 +25,8 @@ const NOUNS: [&str; 5] = ["camera", "`Background`", "list of lights", "list of m
 pub struct Reading {
     /// The scene. The files that it names are not opened.
     pub scene: Scene,
+    /// The files that the scene names and that have no effect.
+    pub unread: Vec<NamedFile>,
     /// Warnings about the text, with their positions in it.
     pub warnings: Vec<Diagnostic>,
 }
@@ -54,7 +57,8 @@ pub(super) fn read_words(
     }
     let grids = std::mem::take(&mut blocks.tree.grids);
     let scene = blocks.into_scene(&mut reader)?;
-    Ok(Unfinished { reading: Reading { scene, warnings: reader.into_warnings() }, grids })
+    let unread = std::mem::take(&mut reader.unread);
+    Ok(Unfinished { reading: Reading { scene, unread, warnings: reader.into_warnings() }, grids })
 }
 
 /// A scene whose words have been read, and the cells of its grids.

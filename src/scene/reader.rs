@@ -3,6 +3,7 @@
 use super::edition::{Edition, editions_of};
 use super::lexer::{Lexer, Word, is_keyword, nearest};
 use super::limits::{BRIGHTEST, LARGEST};
+use super::mesh::NamedFile;
 use crate::base::patience::{Patience, Steps};
 use crate::diagnostic::Position;
 use crate::diagnostic::{Diagnostic, limited};
@@ -34,6 +35,8 @@ pub struct Reader<'a> {
     pub(super) edition: Edition,
     /// The pictures named so far.
     pub(super) images: NamedFiles,
+    /// The files named so far that are not read, each with its kind.
+    pub(super) unread: Vec<NamedFile>,
     steps: Steps<'a>,
 }
 
@@ -41,9 +44,9 @@ impl<'a> Reader<'a> {
     pub fn new(edition: Edition, text: &'a str, patience: &'a dyn Patience) -> Self {
         let mut lexer = Lexer::new(text);
         let ahead = lexer.next_word();
-        let (replaced, bright, images) = Default::default();
+        let (replaced, bright, images, unread) = Default::default();
         let steps = Steps::new(patience);
-        Self { lexer, ahead, field: "", values: None, replaced, bright, edition, images, steps }
+        Self { lexer, ahead, field: "", values: None, replaced, bright, edition, images, unread, steps }
     }
 
     /// Returns the next word without taking it.

@@ -57,6 +57,8 @@ impl Texels {
 
 /// Returns the two texels around a coordinate, of `count` along an axis, and the distance from the first.
 fn neighbours(at: f32, count: usize) -> ([usize; 2], f32) {
+    // Beyond single precision the difference below would not be a number.
+    let at = at.clamp(f32::MIN, f32::MAX);
     let (last, first) = (count.saturating_sub(1), at.trunc());
     // The conversion maps negative numbers and NaN to 0.
     ([first, first + 1.0].map(|place| (place as usize).min(last)), at - first)
@@ -106,6 +108,7 @@ mod tests {
         // Beyond the last texel, the colour continues.
         assert_eq!(color(1.0, 0.0), [1.0, 1.0, 1.0]);
         assert_eq!(color(9.0, 1.0), [0.0, 1.0, 0.0]);
+        assert_eq!(color(f32::INFINITY, f32::INFINITY), [0.0, 1.0, 0.0]);
         assert_eq!(color(f32::NAN, 0.5).map(f64::is_nan), [true; 3]);
         assert_eq!(Texels { divides_last: true, ..texels() }.color([0.25, 1.0]).to_array(), [0.5, 0.5, 0.0]);
         assert_eq!(Texels::default().color([0.5, 0.5]), Color::ZERO);

@@ -10,53 +10,77 @@ use glam::{DAffine3, DMat3, DVec3};
 pub const TRANSFORMATIONS: [&str; 9] =
     ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix", "Matrix4f"];
 
-/// Returns true if a word starts a transformation in any edition.
-pub(crate) fn is_transformation(word: &str) -> bool {
-    TRANSFORMATIONS.contains(&word)
-}
-
 /// Returns true if the next word starts a transformation in the current edition.
 pub fn is_at_transformation(reader: &Reader<'_>) -> bool {
     let word = reader.peek().text;
-    is_transformation(word) && !reader.is_of_other_edition(word)
+    TRANSFORMATIONS.contains(&word) && !reader.is_of_other_edition(word)
 }
 
-/// Reads transformations up to the first word that does not start one, and composes them like the course's program.
-///
-/// Each transformation is multiplied from the right to the product so far, so the last one acts first. The exception is
-/// `Matrix`, which is multiplied from the left. Fails if a transformation is malformed or the product overflows.
-pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
-    let mut product = RoundedAffine::IDENTITY;
-    while is_at_transformation(reader) {
-        let at = reader.peek().at;
-        product = if reader.is_at("Matrix") || reader.is_at("Matrix4f") {
-            parse_matrix(reader)? * product
-        } else {
-            product * parse_factor(reader)?
-        };
-        if !product.is_finite() {
-            return Err(Diagnostic::error("the transformation's numbers grow too large").at(at));
+/// A transformation as written in a list.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Factor {
+    /// A translation or a scale.
+    Plain(DAffine3),
+    /// A right-handed rotation around an axis of any length.
+    Rotation { axis: DVec3, degrees: f64 },
+    /// A matrix.
+    Matrix(DAffine3),
+}
+
+impl Factor {
+    /// Returns the product of this transformation and the ones before it in the list, like the course's program.
+    ///
+    /// A transformation is multiplied from the right, so the last one acts first. The exception is a matrix, which is
+    /// multiplied from the left.
+    pub fn after(self, before: RoundedAffine) -> RoundedAffine {
+        match self {
+            Self::Plain(map) => before * map.into(),
+            Self::Rotation { axis, degrees } => before * rotation(axis, degrees),
+            Self::Matrix(map) => RoundedAffine::from(map) * before,
         }
     }
-    Ok(product)
+}
+
+/// A list of transformations and its product.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transformations {
+    pub factors: Box<[Factor]>,
+    pub matrix: RoundedAffine,
+}
+
+/// Reads transformations up to the first word that does not start one, and composes them. Fails if a transformation is
+/// malformed or the product overflows.
+pub fn parse_transformations(reader: &mut Reader<'_>) -> Parsed<Transformations> {
+    let (mut factors, mut matrix) = (vec![], RoundedAffine::IDENTITY);
+    while is_at_transformation(reader) {
+        let at = reader.peek().at;
+        let is_matrix = reader.is_at("Matrix") || reader.is_at("Matrix4f");
+        let factor = if is_matrix { parse_matrix(reader)? } else { parse_factor(reader)? };
+        matrix = factor.after(matrix);
+        if !matrix.is_finite() {
+            return Err(Diagnostic::error("the transformation's numbers grow too large").at(at));
+        }
+        factors.push(factor);
+    }
+    Ok(Transformations { factors: factors.into(), matrix })
 }
 
 /// Reads any transformation except `Matrix`. The 2003 edition puts braces around the values of all transformations, the
 /// 2004 edition only around those for `Rotate`. Both forms are accepted.
-fn parse_factor(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
+fn parse_factor(reader: &mut Reader<'_>) -> Parsed<Factor> {
     let name = reader.take().text;
     if name == "Rotate" {
         reader.open_brace(name)?;
     }
     let is_braced = name == "Rotate" || reader.accept("{");
     let factor = match name {
-        "Translate" => DAffine3::from_translation(reader.vector()?).into(),
-        "Scale" => DAffine3::from_scale(reader.vector()?).into(),
-        "UniformScale" => DAffine3::from_scale(DVec3::splat(reader.number()?)).into(),
-        "XRotate" => rotation(DVec3::X, reader.number()?),
-        "YRotate" => rotation(DVec3::Y, reader.number()?),
-        "ZRotate" => rotation(DVec3::Z, reader.number()?),
-        _ => rotation(reader.direction()?, reader.number()?),
+        "Translate" => Factor::Plain(DAffine3::from_translation(reader.vector()?)),
+        "Scale" => Factor::Plain(DAffine3::from_scale(reader.vector()?)),
+        "UniformScale" => Factor::Plain(DAffine3::from_scale(DVec3::splat(reader.number()?))),
+        "XRotate" => Factor::Rotation { axis: DVec3::X, degrees: reader.number()? },
+        "YRotate" => Factor::Rotation { axis: DVec3::Y, degrees: reader.number()? },
+        "ZRotate" => Factor::Rotation { axis: DVec3::Z, degrees: reader.number()? },
+        _ => Factor::Rotation { axis: reader.direction()?, degrees: reader.number()? },
     };
     if is_braced {
         reader.close(name)?;
@@ -65,7 +89,7 @@ fn parse_factor(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
 }
 
 /// Reads `Matrix { ... }`, sixteen numbers in row-major order, or `Matrix4f { ... }`, in column-major order.
-fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
+fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<Factor> {
     reader.block(|reader, name| {
         let mut rows = [[0.0; 4]; 4];
         for place in 0..16 {
@@ -78,7 +102,7 @@ fn parse_matrix(reader: &mut Reader<'_>) -> Parsed<RoundedAffine> {
             }
         }
         let [x, y, z, _] = rows;
-        Ok(from_rows([x, y, z]).into())
+        Ok(Factor::Matrix(from_rows([x, y, z])))
     })
 }
 
@@ -145,7 +169,7 @@ mod tests {
     use num_traits::{Signed, ToPrimitive, Zero};
 
     fn read(text: &str) -> DAffine3 {
-        parse_transformations(&mut Reader::new(Edition::Y2004, text, &Endless)).unwrap().map
+        parse_transformations(&mut Reader::new(Edition::Y2004, text, &Endless)).unwrap().matrix.map
     }
 
     fn refuse(text: &str) -> String {
@@ -299,10 +323,11 @@ mod tests {
     #[test]
     fn quarter_turns_and_scales_have_no_error() {
         for text in ["ZRotate 90", "Scale 0.1 0.2 0.3", "Rotate { 0 -1 0 270 }", "Translate 0.1 0.2 0.3"] {
-            let map = parse_transformations(&mut Reader::new(Edition::Y2004, text, &Endless)).unwrap();
+            let map = parse_transformations(&mut Reader::new(Edition::Y2004, text, &Endless)).unwrap().matrix;
             assert_eq!(map.error, DAffine3::ZERO, "{text}");
         }
-        let turned = parse_transformations(&mut Reader::new(Edition::Y2004, "ZRotate 30", &Endless)).unwrap();
+        let turned =
+            parse_transformations(&mut Reader::new(Edition::Y2004, "ZRotate 30", &Endless)).unwrap().matrix;
         assert!(turned.error.matrix3.x_axis.x > 0.0);
     }
 }

@@ -113,6 +113,12 @@ fn products<S: Simd>(gradient: usize, near: f64x4<S>, [dx, dy, dz]: [f64; 3]) ->
         * (near - f64x4::simd_from(near.proof(), [dx, dy, dz, 0.0]))
 }
 
+/// Returns the gradient at an integer point.
+pub fn gradient(x: u8, y: u8, z: u8) -> DVec3 {
+    let hash = |sum: u8| PERMUTATION[usize::from(sum)];
+    DVec3::from_array(GRADIENTS[usize::from(hash(hash(hash(x).wrapping_add(y)).wrapping_add(z)) & 15)])
+}
+
 /// The largest coordinate for which the indices of cells are converted to integers exactly.
 const NEAR: f64 = i32::MAX as f64;
 

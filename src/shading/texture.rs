@@ -152,7 +152,12 @@ fn mix(
 
 /// Returns the mixture of two colours at a point of world space, by a pattern.
 pub fn mixed_color(pattern: Pattern, colors: [Color; 2], point: DVec3, level: Level) -> Color {
-    let texture = Texture { pattern, world_to_texture: RoundedAffine::IDENTITY, children: [0, 1] };
+    let texture = Texture {
+        pattern,
+        world_to_texture: RoundedAffine::IDENTITY,
+        factors: Box::default(),
+        children: [0, 1],
+    };
     let first = first_weight(&texture, &point.into(), level);
     colors[0] * first + colors[1] * (1.0 - first)
 }
@@ -221,7 +226,7 @@ mod tests {
     use glam::DAffine3;
 
     fn texture(pattern: Pattern, children: [MaterialId; 2]) -> Texture {
-        Texture { pattern, world_to_texture: RoundedAffine::IDENTITY, children }
+        Texture { pattern, world_to_texture: RoundedAffine::IDENTITY, factors: Box::default(), children }
     }
 
     #[test]

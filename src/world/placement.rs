@@ -12,6 +12,8 @@ use glam::{DAffine3, DMat3, DVec3};
 pub struct Placement<'s> {
     /// The leaf.
     pub object: &'s Object,
+    /// Its index in [`Scene::objects`].
+    pub id: ObjectId,
     /// From object space to world space.
     pub matrix: DAffine3,
     /// The error bound of each number of the matrix.
@@ -89,12 +91,23 @@ pub fn placements(scene: &Scene) -> impl Iterator<Item = Placement<'_>> {
                 Object::Group(children) => {
                     stack.extend(children.iter().rev().map(|&c| (c, matrix, transform)))
                 }
-                Object::Transform { matrix: m, child, at } => stack.push((*child, matrix * *m, Some(*at))),
+                Object::Transform { matrix: m, child, at, .. } => {
+                    stack.push((*child, matrix * *m, Some(*at)))
+                }
                 object => {
                     let RoundedAffine { map: matrix, error, orientation } = matrix;
                     let material = object.material().unwrap_or_default() as u32;
                     let at = scene.positions.objects.get(id).copied().unwrap_or_default();
-                    return Some(Placement { object, matrix, error, orientation, transform, material, at });
+                    return Some(Placement {
+                        object,
+                        id,
+                        matrix,
+                        error,
+                        orientation,
+                        transform,
+                        material,
+                        at,
+                    });
                 }
             }
         }

@@ -89,7 +89,12 @@ fn materials(range: Range) -> impl Strategy<Value = Vec<Material>> {
     (phong(), phong(), pattern(), affine(range), pattern(), affine(range)).prop_map(
         |(a, b, p, p_map, q, q_map)| {
             let texture = |pattern, map: DAffine3, children| {
-                Material::Texture(Texture { pattern, world_to_texture: map.into(), children })
+                Material::Texture(Texture {
+                    pattern,
+                    world_to_texture: map.into(),
+                    factors: Box::default(),
+                    children,
+                })
             };
             vec![a, b, texture(p, p_map, [0, 1]), texture(q, q_map, [2, 0])]
         },
@@ -200,7 +205,12 @@ pub fn scene(range: Range) -> impl Strategy<Value = Scene> {
 fn add(objects: &mut Vec<Object>, object: Object, transforms: &[DAffine3]) -> ObjectId {
     objects.push(object);
     for &matrix in transforms {
-        objects.push(Object::Transform { matrix: matrix.into(), child: objects.len() - 1, at: AT });
+        objects.push(Object::Transform {
+            matrix: matrix.into(),
+            factors: Box::default(),
+            child: objects.len() - 1,
+            at: AT,
+        });
     }
     objects.len() - 1
 }

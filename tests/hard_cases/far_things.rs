@@ -34,7 +34,7 @@ fn far_thing(rng: &mut Rng) -> Vec<Object> {
             let matrix = DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::new(1.0, 2.0, 3.0));
             vec![
                 Object::Sphere { center: DVec3::ZERO, radius: 1.0, material },
-                Object::Transform { matrix: matrix.into(), child: 0, at },
+                Object::Transform { matrix: matrix.into(), factors: Box::default(), child: 0, at },
             ]
         }
         // It begins near by, below the ground.

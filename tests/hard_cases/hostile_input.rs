@@ -52,7 +52,12 @@ fn ordinary_scene() -> Scene {
     let place = |child, scale| {
         let matrix =
             DAffine3::from_scale_rotation_translation(scale, glam::DQuat::from_rotation_x(0.4), DVec3::Y);
-        Object::Transform { matrix: matrix.into(), child, at: Position { line: 1, column: 1 } }
+        Object::Transform {
+            matrix: matrix.into(),
+            factors: Box::default(),
+            child,
+            at: Position { line: 1, column: 1 },
+        }
     };
     let sphere = |center| Object::Sphere { center, radius: 0.5, material: 0 };
     let mut scene = scene_of(
@@ -146,7 +151,12 @@ fn hostile_scene(rng: &mut Rng) -> Scene {
         vector(rng, h),
     );
     let at = Position { line: 1, column: 1 };
-    scene.objects.push(Object::Transform { matrix: matrix.into(), child: scene.root, at });
+    scene.objects.push(Object::Transform {
+        matrix: matrix.into(),
+        factors: Box::default(),
+        child: scene.root,
+        at,
+    });
     scene.root = scene.objects.len() - 1;
     scene.materials = vec![Material::Phong(Phong {
         diffuse: vector(rng, h),

@@ -71,7 +71,8 @@ fn one(index: u64, failures: &Failures) -> ([u64; 5], [f64; 0]) {
         0 => (vec![Object::Sphere { center, radius, material }], center + radius * on, on),
         1 => {
             let sphere = Object::Sphere { center: DVec3::ZERO, radius, material };
-            let objects = vec![sphere, Object::Transform { matrix: map.into(), child: 0, at }];
+            let objects =
+                vec![sphere, Object::Transform { matrix: map.into(), factors: Box::default(), child: 0, at }];
             let outward = (map.matrix3.inverse().transpose() * on).normalize();
             (objects, map.transform_point3(radius * on), outward)
         }

@@ -113,7 +113,8 @@ impl Lit {
             scene.objects.push(object.clone());
             let child = scene.objects.len() - 1;
             let at = Position { line: 1, column: 1 };
-            scene.objects[0] = Object::Transform { matrix: matrix.into(), child, at };
+            scene.objects[0] =
+                Object::Transform { matrix: matrix.into(), factors: Box::default(), child, at };
         }
         let world = World::new(&scene, meshes).expect("a valid scene");
         Self { world, plane: normal.normalize() }

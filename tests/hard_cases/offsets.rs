@@ -122,7 +122,7 @@ impl Stage {
                 let at = Position { line: 1, column: 1 };
                 vec![
                     Object::Sphere { center: DVec3::ZERO, radius: 1.0, material },
-                    Object::Transform { matrix: matrix.into(), child: 0, at },
+                    Object::Transform { matrix: matrix.into(), factors: Box::default(), child: 0, at },
                 ]
             }
             Kind::Plane => vec![Object::Plane { normal, offset: normal.dot(center) + gap, material }],

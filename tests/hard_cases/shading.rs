@@ -100,6 +100,7 @@ fn picture_behind_ball(with_ball: bool) -> Vec<u8> {
     scene.materials.push(Material::Texture(Texture {
         pattern: Pattern::Checkerboard,
         world_to_texture: glam::DAffine3::from_scale(DVec3::splat(3.0)).into(),
+        factors: Box::default(),
         children: [0, 2],
     }));
     let (center, direction) = (DVec3::new(0.0, 1.0, 6.0), DVec3::new(0.03, -0.25, -1.0));

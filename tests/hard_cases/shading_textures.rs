@@ -19,7 +19,12 @@ use raytracer::stats::Quiet;
 use raytracer::world::World;
 
 fn checkerboard(world_to_texture: DAffine3) -> Texture {
-    Texture { pattern: Pattern::Checkerboard, world_to_texture: world_to_texture.into(), children: [0, 1] }
+    Texture {
+        pattern: Pattern::Checkerboard,
+        world_to_texture: world_to_texture.into(),
+        factors: Box::default(),
+        children: [0, 1],
+    }
 }
 
 /// A surface that is itself a boundary between the cells of its checkerboard.

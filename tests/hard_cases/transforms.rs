@@ -37,6 +37,7 @@ pub fn nested(object: &str, transforms: &[DAffine3]) -> Scene {
         let child = scene.root;
         scene.objects.push(Object::Transform {
             matrix: matrix.into(),
+            factors: Box::default(),
             child,
             at: Position { line: 1, column: 1 },
         });

@@ -179,14 +179,7 @@ fn a_correct_picture_in_single_precision_has_no_cause() {
     folder.write("single.txt", SCENE.replace("color .10980392", "color .10980393"));
     folder.run(&format!("-input single.txt {FLAGS} -output a.png")).ok();
     let found = cause(&folder, FLAGS);
-    assert!(
-        found.starts_with("rounding of single precision: ") && found.ends_with("`-tolerance 1 0` accepts it")
-    );
-    let line = format!("-input s.txt {FLAGS} -compare a.png -tolerance");
-    assert_eq!(
-        ["1 0", "0 0"].map(|tolerance| folder.run(&format!("{line} {tolerance}")).status),
-        [Some(0), Some(3)]
-    );
+    assert!(found.starts_with("rounding: ") && found.ends_with(" by one level; nothing to fix"), "{found}");
 }
 
 #[test]
@@ -263,47 +256,33 @@ pub fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Origina
 fn broken_rules_are_named() {
     const SAMPLES: &str = "-size 48 36 -bounces 2 -jittered_samples 4 -gaussian_filter .6";
     let rows = [
-        (FLAGS, Mistake::Rounded, "with colours rounded to bytes instead of cut"),
-        (FLAGS, Mistake::Times256, "with colours times 256 instead of 255"),
-        (FLAGS, Mistake::GammaEncoded, "with a gamma of 2.2"),
-        (FLAGS, Mistake::GammaDecoded, "with an inverse gamma of 2.2"),
-        (FLAGS, Mistake::ShadowsFromBehindLight, "with shadows from behind the light"),
-        (FLAGS, Mistake::NormalFlippedInReflection, "with reflections from the flipped normal"),
-        (FLAGS, Mistake::ReflectionReversed, "with reflected rays reversed"),
-        (FLAGS, Mistake::ReflectionFromBelow, "with reflected rays that start below the surface"),
-        (SAMPLES, Mistake::SamplesClamped, "with the colours of samples clamped before they are summed"),
-        (FLAGS, Mistake::RaysClamped, "with the colours of rays clamped before they are summed"),
-        (FLAGS, Mistake::LightsClamped, "with the light of each source clamped before it is summed"),
-        (FLAGS, Mistake::BackgroundForCameraOnly, "with black where reflected or refracted rays hit nothing"),
-        (
-            FLAGS,
-            Mistake::NormalsByMatrix,
-            "with normals transformed by the matrix instead of its inverse transpose",
-        ),
-        (FLAGS, Mistake::NormalsOfObjectSpace, "with normals that are not transformed"),
-        (FLAGS, Mistake::CheckerboardCut, "with checkerboards whose coordinates are cut instead of floored"),
-        (FLAGS, Mistake::Epsilon { distance: 0.3 }, "with an epsilon of 0.3 for secondary rays"),
-        (
-            FLAGS,
-            Mistake::Shifted { half_pixels: [-1, -1] },
-            "with rays through the lower left corners of the pixels instead of their centres",
-        ),
-        (
-            SAMPLES,
-            Mistake::Shifted { half_pixels: [-1, 1] },
-            "with rays through the upper left corners of the pixels instead of their centres",
-        ),
-        (FLAGS, Mistake::Shifted { half_pixels: [1, 0] }, "with rays half a pixel further to the right"),
-        (
-            FLAGS,
-            Mistake::Shifted { half_pixels: [2, -2] },
-            "with rays one pixel further down and to the right",
-        ),
+        (FLAGS, "with colours rounded to bytes instead of cut"),
+        (FLAGS, "with colours times 256 instead of 255"),
+        (FLAGS, "with a gamma of 2.2"),
+        (FLAGS, "with an inverse gamma of 2.2"),
+        (FLAGS, "with shadows from behind the light"),
+        (FLAGS, "with reflections from the flipped normal"),
+        (FLAGS, "with reflected rays reversed"),
+        (FLAGS, "with reflected rays that start below the surface"),
+        (SAMPLES, "with the colours of samples clamped before they are summed"),
+        (FLAGS, "with the colours of rays clamped before they are summed"),
+        (FLAGS, "with the light of each source clamped before it is summed"),
+        (FLAGS, "with black where reflected or refracted rays hit nothing"),
+        (FLAGS, "with normals transformed by the matrix instead of its inverse transpose"),
+        (FLAGS, "with normals that are not transformed"),
+        (FLAGS, "with checkerboards whose coordinates are cut instead of floored"),
+        (FLAGS, "with an epsilon of 0.3 for secondary rays"),
+        (FLAGS, "with rays through the lower left corners of the pixels instead of their centres"),
+        (SAMPLES, "with rays through the upper left corners of the pixels instead of their centres"),
+        (FLAGS, "with rays half a pixel further to the right"),
+        (FLAGS, "with rays one pixel further down and to the right"),
     ];
     let folder = folder();
     let mut failures = Vec::new();
-    for (flags, wrong, words) in rows {
-        let picture = with_original(&folder, flags, |original| original.picture(wrong));
+    for (flags, words) in rows {
+        let wrong = Mistake::all().find(|mistake| mistake.to_string().trim_start() == words);
+        let wrong = wrong.unwrap_or_else(|| panic!("{words} is unknown"));
+        let picture = with_original(&folder, flags, |original| original.picture(&[wrong]));
         let Some(picture) = picture else {
             failures.push(format!("{words}: does not apply"));
             continue;

@@ -1,5 +1,6 @@
 //! Tables of valid command lines, each with its options.
 
+use crate::support::course;
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Command, Comparison, Given, LivePage, Options, Output, ShowProgress, parse};
 use raytracer::diagnostic::Diagnostic;
@@ -153,7 +154,7 @@ fn comparisons() {
     let both = Comparison {
         reference: file("b.PNG"),
         difference: file("d.png"),
-        tolerance: Some(Tolerance { levels: 2, pixels: 4294967295 }),
+        tolerance: Some(Tolerance { levels: 2.0, pixels: 4294967295 }),
         ..mine
     };
     accepts(
@@ -312,10 +313,8 @@ fn lines_in_the_style_of_the_course() {
 /// The course's lines in `$COURSE_DIR/commands.txt`.
 #[test]
 fn the_course_s_lines_are_accepted() {
-    let Some(course) = std::env::var_os("COURSE_DIR") else {
-        return println!("skipped: COURSE_DIR is not set");
-    };
-    let text = std::fs::read_to_string(PathBuf::from(course).join("commands.txt")).unwrap();
+    let Some(course) = course() else { return };
+    let text = std::fs::read_to_string(course.join("commands.txt")).unwrap();
     let lines: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("raytracer ")).collect();
     assert_eq!(lines.len(), 197);
     for line in lines {

@@ -70,7 +70,6 @@ fn the_only_picture_that_is_written_is_the_one_that_is_compared() {
         "-normals NEW.pfm",
         "-render_samples NEW.png 3",
         "-render_filter NEW.png 5",
-        "-cost_map tests NEW.png",
     ] {
         let new = flags.split(' ').find(|word| word.starts_with("NEW")).expect("a name");
         let old = new.replace("NEW", "old");
@@ -89,6 +88,13 @@ fn the_only_picture_that_is_written_is_the_one_that_is_compared() {
     let line = "-input s.txt -size 40 30 -render_samples m.png 3 -compare o.tga";
     let message = folder.run(line).message(1);
     assert!(message.contains("40 x 30 pixels against 120 x 90") && !message.contains("-size"), "{message}");
+    for flags in ["-compare o.tga", "-reference o.tga", "-compare o.tga -tolerance 1 1"] {
+        let message =
+            folder.run(&format!("-input s.txt -size 40 30 -cost_map tests c.png {flags}")).message(2);
+        assert!(message.contains("cost map") && message.contains("give -output too"), "{message}");
+    }
+    let line = "-input s.txt -size 40 30 -cost_map tests c.png -output p.png -compare o.tga -tolerance 0 0";
+    assert_eq!(folder.run(line).status, Some(0));
     let line = "-input s.txt -normals n.png -depth 1 9 d.png -compare o.tga";
     let message = folder.run(line).message(2);
     assert!(message.contains("-compare") && message.contains("give -output too"), "{message}");
@@ -106,7 +112,9 @@ fn the_statistics_come_first() {
 fn a_tolerance_makes_it_a_check() {
     let folder = folder();
     write_changed(&folder, "a.tga", 3, 5);
-    for (tolerance, status) in [("", 0), ("0 4", 3), ("0 5", 0), ("2 4", 3), ("3 0", 0), ("255 0", 0)] {
+    let rows =
+        [("", 0), ("0 4", 3), ("0 5", 0), ("2 4", 3), ("2.9 4", 3), ("3 0", 0), ("3.5 0", 0), ("255 0", 0)];
+    for (tolerance, status) in rows {
         let flag = if tolerance.is_empty() { String::new() } else { format!("-tolerance {tolerance}") };
         let run = folder.run(&format!("-compare a.tga -reference o.tga {flag}"));
         assert_eq!((run.status, run.stderr.as_str()), (Some(status), ""), "{tolerance}");
@@ -139,6 +147,53 @@ fn pictures_of_other_sizes_are_an_error_that_names_both() {
         "error: cannot compare `o.tga` with the rendered picture: the pictures differ in size: 40 x 30 pixels \
          against 3 x 3\n  hint: -size 40 30 renders that size\n"
     );
+}
+
+#[test]
+fn a_simple_relation_of_sizes_is_named() {
+    let folder = folder();
+    for (size, relation) in [
+        ("80 60", "the first is twice the size"),
+        ("20 15", "the first is half the size"),
+        ("120 90", "the first is 3 times the size"),
+        ("30 40", "the first is transposed: its width and height are swapped"),
+    ] {
+        folder.run(&format!("-input s.txt -size {size} -output other.png")).ok();
+        let message = folder.run("-compare other.png -reference o.tga").message(1);
+        assert!(message.ends_with(&format!("; {relation}\n")), "{message}");
+        let message = folder.run("-input s.txt -size 40 30 -compare other.png").message(1);
+        assert!(message.contains(&format!("; {relation}\n  hint: -size {size} ")), "{message}");
+    }
+}
+
+#[test]
+fn alpha_that_is_not_opaque_is_noted() {
+    let folder = Folder::new();
+    folder.write("o.ppm", b"P6\n2 1\n255\nabcdef");
+    let pam = |alpha: [u8; 2]| {
+        let head = b"P7\nWIDTH 2\nHEIGHT 1\nDEPTH 4\nMAXVAL 255\nTUPLTYPE RGB_ALPHA\nENDHDR\n";
+        [&head[..], b"abc", &alpha[..1], b"def", &alpha[1..]].concat()
+    };
+    let tga = |bits: u8, alpha: [u8; 2]| {
+        let head = [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 32, 32 | bits];
+        [&head[..], b"cba", &alpha[..1], b"fed", &alpha[1..]].concat()
+    };
+    for (name, bytes, transparent) in [
+        ("a.pam", pam([255, 254]), 1),
+        ("b.pam", pam([255, 255]), 0),
+        ("a.tga", tga(8, [0, 0]), 2),
+        ("b.tga", tga(8, [255, 255]), 0),
+        // The fourth byte is no alpha.
+        ("c.tga", tga(0, [0, 0]), 0),
+    ] {
+        folder.write(name, bytes);
+        let run = folder.run(&format!("-compare {name} -reference o.ppm -tolerance 0 0")).ok();
+        let note = match transparent {
+            0 => String::new(),
+            _ => format!("note: ignored the alpha of `{name}`: {transparent} of its pixels are not opaque\n"),
+        };
+        assert_eq!(run.stderr, note, "{name}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The course's own scenes and pictures, which are not part of this project: `COURSE_DIR` names a folder that
 //! has them in `scenes/` and `pictures/`. Without it these tests print that they are skipped.
 
-use crate::support::{Folder, course, finish, program};
+use crate::support::{Folder, course, finish, program, skip};
 use raytracer::scene::load::load;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -34,7 +34,7 @@ fn every_scene_of_the_course_loads() {
 fn the_course_s_pictures() {
     let Some(course) = course() else { return };
     if Command::new("python3").arg("--version").output().is_err() {
-        return println!("skipped: the comparison needs python3");
+        return skip("python3 is not installed");
     }
     let mut check = Command::new("python3");
     check.arg(course.join("check")).arg(env!("CARGO_BIN_EXE_raytracer")).arg("--quiet");

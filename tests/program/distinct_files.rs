@@ -1,9 +1,10 @@
 //! Files that are written twice or also read, by whatever names; files that are written together or not at all.
 
-use crate::support::{Folder, Run, finish, only_line, scene, sphere};
+use crate::support::{Folder, Run, finish, only_line, scene, skip, sphere, sphere_in_perspective};
 use std::fs::{File, create_dir, create_dir_all, hard_link};
-use std::os::unix::fs::symlink;
-use std::process::Command;
+use std::io::Read;
+use std::os::unix::fs::{MetadataExt, symlink};
+use std::process::{Command, Stdio};
 
 /// A folder with a scene `s.txt`, its mesh `m.obj`, a picture `o.tga` and a folder.
 fn folder() -> Folder {
@@ -254,7 +255,7 @@ fn what_a_report_writes_is_no_scene_and_no_mesh_and_differs() {
     );
     symlink(path("t.ppm"), path("er/report.csv")).unwrap();
     let line = "-edition 2012a4 -input textured.txt -size 4 4 -error_report er";
-    refuse(&folder, line, "t.ppm", "`er/report.csv` would overwrite the picture `t.ppm`");
+    refuse(&folder, line, "t.ppm", "`er/report.csv` would overwrite the texture `t.ppm`");
     std::fs::remove_file(path("er/report.csv")).unwrap();
     symlink("report.html", path("er/report.csv")).unwrap();
     let message = folder.run("-input s.txt -size 4 4 -error_report er").message(2);
@@ -338,6 +339,113 @@ fn files_are_written_together_or_not_at_all() {
     assert!(folder.read("old.tga") == b"an earlier picture" && folder.names() == names, "{message}");
     folder.run("-input s.txt -size 20 20 -output old.tga -normals new.tga -depth 1 2 large.exr").ok();
     assert!(folder.read("old.tga").len() == 18 + 1200 && folder.names().contains(&"new.tga".into()));
+}
+
+#[test]
+fn files_that_were_in_place_are_put_back_if_a_later_one_fails() {
+    let folder = everything_that_is_read();
+    folder.write("old.tga", "an earlier picture");
+    let old = folder.path().join("old.tga").metadata().unwrap().ino();
+    for pipe in ["first.tga", "second.json"] {
+        let made = Command::new("mkfifo").arg(folder.path().join(pipe)).status();
+        assert!(made.is_ok_and(|status| status.success()));
+    }
+    let names = folder.names();
+    let pictures = "-output old.tga -depth 1 2 new.png -normals last.tga -render_filter first.tga 4";
+    let line = format!("-input s.txt {pictures} -json second.json");
+    let mut command = folder.command(&line);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // The pictures have been checked when the program opens the first pipe. It waits for a reader of the second.
+    let mut first = File::open(folder.path().join("first.tga")).unwrap();
+    create_dir(folder.path().join("last.tga")).unwrap();
+    let mut second = File::open(folder.path().join("second.json")).unwrap();
+    first.read_to_end(&mut vec![]).unwrap();
+    second.read_to_end(&mut vec![]).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(only_line(&message), "error: cannot write `last.tga`: it is a folder");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(folder.read("old.tga") == b"an earlier picture");
+    assert_eq!(folder.path().join("old.tga").metadata().unwrap().ino(), old);
+    std::fs::remove_dir(folder.path().join("last.tga")).unwrap();
+    assert_eq!(folder.names(), names);
+}
+
+/// As `docker run -v file:file` does it. Needs the rights to mount.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_that_is_mounted_alone_is_an_error_before_rendering() {
+    let folder = everything_that_is_read();
+    folder.write("mounted.png", "");
+    folder.write("old.tga", "an earlier picture");
+    let mut shell = Command::new("unshare");
+    shell.args(["--mount", "sh", "-c", "mount --bind a.tga mounted.png || exit 99; exec \"$@\"", "sh"]);
+    // Rendering would take hours.
+    let line = "-input s.txt -size 60000 60000 -random_samples 4096 -output old.tga -normals mounted.png";
+    shell.arg(env!("CARGO_BIN_EXE_raytracer")).args(line.split_whitespace());
+    let output = match shell.current_dir(folder.path()).output() {
+        Ok(output) if output.status.code() != Some(99) && !output.stderr.starts_with(b"unshare: ") => output,
+        _ => return skip("nothing can be mounted here"),
+    };
+    let message = String::from_utf8(output.stderr).unwrap();
+    let expected = "error: cannot write `mounted.png`: it is mounted alone, so no other file can take its place\n  \
+                    hint: mount its folder, or write elsewhere and copy\n";
+    assert_eq!((output.status.code(), message.as_str()), (Some(1), expected));
+    assert_eq!(folder.read("old.tga"), b"an earlier picture");
+}
+
+#[test]
+fn files_that_a_scene_names_are_not_written_even_if_they_are_not_read() {
+    let folder = Folder::new();
+    let materials =
+        |fields: &str| sphere_in_perspective().replace("Material { }", &format!("Material {{ {fields} }}"));
+    folder.write("bump.txt", materials("diffuseColor 1 1 1 bump b.png"));
+    folder.write("aalto.txt", materials("diffuseColor 1 1 1 texture b.png"));
+    folder.write("mesh.txt", scene(1, "TriangleMesh { obj_file m.obj }"));
+    let twice = sphere() + "Group { numObjects 0 }\n";
+    folder.write(
+        "replaced.txt",
+        twice.replace("Sphere { center 0 0 0 radius .7 }", "TriangleMesh { obj_file m.obj }"),
+    );
+    folder.write(
+        "m.obj",
+        "mtllib m.mtl other.mtl\ncall called.obj 1 2\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n",
+    );
+    folder.write("m.mtl", "newmtl a\nmap_Kd -s 2 2 2 map.png\nbump wood grain.png\n");
+    for name in ["b.png", "map.png", "wood grain.png", "called.obj", "other.mtl"] {
+        folder.write(name, "an earlier file");
+    }
+    create_dir_all(folder.path().join("class/ann")).unwrap();
+    folder.write("class/ann/o.tga", "");
+    for (line, name, kind) in [
+        ("-edition 2019 -input bump.txt -output b.png", "b.png", "texture"),
+        ("-edition 2012a5 -input bump.txt -output o.tga -normals ./b.png", "b.png", "texture"),
+        ("-edition aalto -input aalto.txt -output b.png", "b.png", "texture"),
+        ("-input mesh.txt -output map.png", "map.png", "texture"),
+        ("-input mesh.txt -output m.mtl tga", "m.mtl", "material library"),
+        ("-input mesh.txt -output other.mtl tga", "other.mtl", "material library"),
+        ("-input mesh.txt -output called.obj tga", "called.obj", "mesh"),
+        ("-input replaced.txt -output m.obj tga", "m.obj", "mesh"),
+    ] {
+        let before = folder.read(name);
+        let written = line.split_whitespace().rfind(|word| word.ends_with(name)).unwrap();
+        let message = folder.run(line).message(2);
+        assert_eq!(
+            only_line(&message),
+            format!("error: `{written}` would overwrite the {kind} `{name}`"),
+            "{line}"
+        );
+        assert!(folder.read(name) == before && !folder.names().contains(&"o.tga".into()), "{line}");
+    }
+    let blank = folder.command("-input mesh.txt -output").arg("wood grain.png").output().unwrap();
+    assert_eq!(blank.status.code(), Some(2));
+    for (scene, name) in [("-edition 2019 -input bump.txt", "b.png"), ("-input mesh.txt", "map.png")] {
+        folder.write("commands.txt", format!("raytracer {scene} -output o.tga\n"));
+        symlink(name, folder.path().join("r.html")).unwrap();
+        let message = format!("`r.html` would overwrite the texture `{name}`");
+        refuse(&folder, "-grade class -commands commands.txt -report r.html", name, &message);
+        std::fs::remove_file(folder.path().join("r.html")).unwrap();
+    }
 }
 
 #[test]

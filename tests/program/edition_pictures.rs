@@ -3,7 +3,7 @@
 //! `EDITIONS_DIR` names a folder with scenes and pictures of 2012 and 2019, which are not part of this project. Without
 //! it the tests of pictures print that they are skipped.
 
-use crate::support::{Folder, finish, program};
+use crate::support::{Folder, finish, outer_folder, program};
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
@@ -71,7 +71,7 @@ fn mistakes_of_the_editions_are_found() {
             |scene| scene.materials.iter_mut().for_each(with_highlights),
             "picture with highlights",
         ),
-        ("mirrors_2019", |scene| scene.lighting.epsilon = Some(1e-4), "an epsilon of 0.0001"),
+        ("mirrors_2019", |scene| scene.lighting.epsilon = Some(1e-4), "the course's own epsilon of 0.0001"),
     ];
     for (name, change, cause) in cases {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/editions/{name}.txt"));
@@ -85,12 +85,17 @@ fn mistakes_of_the_editions_are_found() {
             let prepared = renderer.prepare(&request).expect("a structure");
             prepared.render(&request).expect("a picture").remove(0).to_picture()
         };
-        let (wrong, right) = (render(wrong), render(load()));
+        let wrong = render(wrong);
         let renderer = Renderer::new(load(), Meshes::Kept).expect("a scene");
         let original = Original::new(&renderer, &request).expect("memory");
-        let found = original.explain(&wrong, &right).to_string();
+        let found = original.explain(&wrong).to_string();
         assert!(found.contains(cause), "{name}: {found}");
     }
+}
+
+/// Returns the mistake with this text.
+fn named(text: &str) -> Mistake {
+    Mistake::all().find(|mistake| mistake.to_string().trim_start() == text).expect("a known mistake")
 }
 
 /// The mistakes that show in the distances and normals of 2019, whose greys and colours are its own.
@@ -98,25 +103,31 @@ fn mistakes_of_the_editions_are_found() {
 fn mistakes_in_depths_and_normals_are_found() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions/mirrors_2019.txt");
     let renderer = Renderer::new(load(&path).expect("a scene"), Meshes::Kept).expect("a scene");
-    let one_pixel_right = Mistake::Shifted { half_pixels: [2, 0] };
+    let one_pixel_right = named("with rays one pixel further to the right");
+    let near_white = named("with depths that are white where they are near, instead of black");
     for (layer, causes) in [
-        (Layer::Depth { near: 3.0, far: 9.0 }, vec![one_pixel_right, Mistake::NearWhite]),
+        (Layer::Depth { near: 3.0, far: 9.0 }, vec![one_pixel_right.clone(), near_white.clone()]),
         (
             Layer::Normals,
-            vec![one_pixel_right, Mistake::AbsoluteNormals, Mistake::FlatMeshes, Mistake::NormalsByMatrix],
+            vec![
+                one_pixel_right.clone(),
+                named("with the absolute values of normals instead of (N + 1) / 2"),
+                named("with the normals of the faces"),
+                named("with normals transformed by the matrix instead of its inverse transpose"),
+            ],
         ),
     ] {
         let request = Request { layers: vec![layer], ..Request::new([60, 40]) };
         let original = Original::new(&renderer, &request).expect("memory");
-        let right = original.picture(Mistake::Unchanged).expect("a picture");
+        let right = original.own();
         for cause in causes {
-            let wrong = original.picture(cause).expect("a mistake that shows");
-            let found = original.explain(&wrong, &right).to_string();
+            let wrong = original.picture(std::slice::from_ref(&cause)).expect("a mistake that shows");
+            let found = original.explain(&wrong).to_string();
             assert_eq!(found, format!("equals this program's picture{cause} (0 pixels differ)"));
             assert_ne!(wrong, right);
         }
         // The shifted picture is the other one, one column further on.
-        let moved = original.picture(one_pixel_right).expect("a picture");
+        let moved = original.picture(std::slice::from_ref(&one_pixel_right)).expect("a picture");
         let rows = |picture: &Picture| -> Vec<Vec<u8>> {
             picture.pixels().chunks_exact(3 * 60).map(<[u8]>::to_vec).collect()
         };
@@ -126,16 +137,12 @@ fn mistakes_in_depths_and_normals_are_found() {
         assert!(differing < 40 * 3 * 59 / 50, "{differing}");
     }
     let colors = Original::new(&renderer, &Request::new([9, 9])).expect("memory");
-    assert_eq!(colors.picture(Mistake::NearWhite), colors.picture(Mistake::Unchanged));
+    assert_eq!(colors.picture(&[near_white]), Some(colors.own()));
 }
 
-/// The folder of the editions, from `EDITIONS_DIR`.
+/// The folder of the editions.
 fn editions() -> Option<PathBuf> {
-    let folder = std::env::var_os("EDITIONS_DIR").map(PathBuf::from);
-    if folder.is_none() {
-        println!("skipped: EDITIONS_DIR is not set");
-    }
-    folder
+    outer_folder("EDITIONS_DIR")
 }
 
 /// A command line of an edition, the picture that its program made, and what is to be the same.

@@ -242,7 +242,8 @@ fn the_page_is_one_file() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_keeps_what_is_done() {
-    use std::process::{Command, Stdio};
+    use crate::support::send;
+    use std::process::Stdio;
     use std::thread::sleep;
     use std::time::Duration;
     let folder = Folder::with_scene(&mirror());
@@ -252,7 +253,7 @@ fn an_interrupt_keeps_what_is_done() {
     while !folder.path().join("r").exists() {
         sleep(Duration::from_millis(5));
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    send(nix::sys::signal::Signal::SIGINT, &child);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     let said = String::from_utf8(output.stderr).unwrap();

@@ -169,14 +169,16 @@ fn the_comparison_is_that_of_the_text() {
         "finding": "equal",
         "mistake": { "kind": "request", "name": "shadows" },
         "pixels": 0,
-        "by_more_than_one_level": 0,
-        "at_edges": 0,
+        "unexplained": 0,
+        "first": null,
+        "epsilon": null,
+        "by_one_level": true,
         "text": "equals this program's picture with -shadows (0 pixels differ)",
     });
     assert_eq!((&compared["size"], &compared["cause"]), (&json!([48, 36]), &cause));
     let above = compared["tolerance"]["pixels_above"].as_u64().expect("a count");
     assert!(above > 40 && above < differing as u64, "{above}");
-    let check = json!({ "levels": 60, "pixels": 40, "pixels_above": above, "passes": false });
+    let check = json!({ "levels": 60.0, "pixels": 40, "pixels_above": above, "passes": false });
     assert_eq!(compared["tolerance"], check);
     // The number above is the last that does not pass.
     let passes =

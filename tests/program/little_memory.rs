@@ -10,6 +10,7 @@ use crate::support::{CAMERA, Folder, Run, finish, only_line, scene};
 use serde_json::json;
 use std::fmt::Write;
 use std::process::Command;
+use std::thread;
 
 /// The program, which may take this number of kilobytes of address space.
 fn program_within(folder: &Folder, kilobytes: usize, line: &str) -> Command {
@@ -206,6 +207,27 @@ fn the_live_page_refuses_beforehand_and_goes_on() {
     assert_eq!(typed(1, "large.obj"), Some(refused("174.5 MB")));
     assert_eq!(typed(30, "m.obj"), Some(refused("230.4 MB")));
     assert_eq!((typed(1, "m.obj"), picture("-size 20 20")), (None, Ok(())));
+}
+
+#[cfg(feature = "gui")]
+#[test]
+fn many_requests_at_once_do_not_end_the_live_page() {
+    let folder = Folder::with_scene(&sphere());
+    let line = "-input s.txt -gui -port 0 -no_browser -threads 2";
+    let server = Server::of(program_within(&folder, 300_000, line));
+    let question =
+        json!({ "view": view(0, "-size 300 300 -jittered_samples 9"), "sketch": null }).to_string();
+    let ask = || server.post("/picture", &[], question.as_bytes()).map(|(status, _)| status);
+    for _ in 0..2 {
+        let answers: Vec<Option<u16>> = thread::scope(|scope| {
+            let all: Vec<_> = (0..20).map(|_| scope.spawn(ask)).collect();
+            all.into_iter().map(|one| one.join().expect("an answer")).collect()
+        });
+        // A request for which there is no memory, or no thread, is refused.
+        assert!(answers.iter().all(|status| matches!(status, Some(200 | 422 | 503))), "{answers:?}");
+    }
+    assert!(server.is_alive());
+    assert_eq!(ask(), Some(200));
 }
 
 #[test]

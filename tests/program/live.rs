@@ -260,8 +260,7 @@ fn ctrl_c_ends_it_at_once() {
         .write_all(&server.request("POST /picture", &[], slow.to_string().as_bytes()))
         .expect("a request");
     thread::sleep(Duration::from_millis(200));
-    let signal = std::process::Command::new("kill").args(["-INT", &server.child.id().to_string()]).status();
-    assert!(signal.expect("kill").success());
+    crate::support::send(nix::sys::signal::Signal::SIGINT, &server.child);
     let start = Instant::now();
     while server.child.try_wait().expect("a child").is_none() {
         assert!(start.elapsed() < Duration::from_secs(20), "it goes on");

@@ -211,7 +211,7 @@ fn a_file_beside_the_scene_is_named_whatever_path_is_written() {
         (r"..\MODEL\cube.obj", "cube.obj"),
         ("file:///C:/a/cube.obj", "cube.obj"),
         (r"D:\a2\parts\leg.obj", "parts/leg.obj"),
-        ("a/../parts/leg.obj", "parts/leg.obj"),
+        ("a/../../parts/leg.obj", "parts/leg.obj"),
     ] {
         assert_eq!(hint(&objects(name), ""), Some(format!("`{found}` lies beside the scene")), "{name}");
     }

@@ -128,7 +128,7 @@ fn pixels_that_differ_by_a_level_are_counted() {
     let wrong = folder.tga("b.tga");
     let near = |x, y| if (x, y) == (0, 0) { wrong.at(x, y).map(|byte| byte ^ 1) } else { wrong.at(x, y) };
     write(&folder, &transformed(&wrong, near));
-    let expected = "equals this program's picture without -shadows (1 pixel differs, by one level)";
+    let expected = "this program's picture without -shadows (rounding: 1 pixel by one level)";
     assert_eq!(cause(&folder, FLAGS), expected);
 }
 

@@ -1,6 +1,6 @@
 //! `-region` and `-merge`: parts of pictures, and pictures of parts.
 
-use crate::support::{CAMERA, Folder, Tga, only_line};
+use crate::support::{CAMERA, Folder, Tga};
 use raytracer::image_io::{self, Part};
 use std::fs;
 
@@ -174,7 +174,7 @@ fn refused(folder: &Folder, words: &str) -> String {
     let message = folder.run(&format!("-merge {words} -output merged.tga")).message(1);
     assert_eq!(folder.read("merged.tga"), b"an earlier picture");
     assert_eq!(folder.names(), before);
-    only_line(&message).to_owned()
+    message.lines().next().unwrap_or_default().to_owned()
 }
 
 #[test]

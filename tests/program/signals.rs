@@ -1,10 +1,11 @@
 //! Ctrl-C, SIGTERM and SIGHUP: what a run leaves, what it says, and how it ends.
 #![cfg(unix)]
 
-use crate::support::{Folder, Run, sphere, sphere_in_perspective};
+use crate::support::{Folder, Run, send, sphere, sphere_in_perspective};
+use nix::sys::signal::Signal;
 use raytracer::image_io::{PartFile, read_picture};
 use std::io::Read;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -15,11 +16,6 @@ const ONE_ROW: &str = "-input s.txt -size 60000 1 -random_samples 65536 -output 
 
 fn start(folder: &Folder, line: &str) -> Child {
     folder.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
-}
-
-fn send(signal: &str, child: &Child) {
-    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill");
-    assert!(sent.success());
 }
 
 fn wait(mut child: Child) -> Run {
@@ -36,7 +32,7 @@ fn try_longer<T>(mut attempt: impl FnMut(Duration) -> Option<T>) -> T {
 }
 
 /// A run that is stopped by a signal when some rows are complete, and their number.
-fn stopped(folder: &Folder, line: &str, signal: &str) -> (Run, usize) {
+fn stopped(folder: &Folder, line: &str, signal: Signal) -> (Run, usize) {
     try_longer(|patience| {
         let child = start(folder, line);
         sleep(patience);
@@ -49,7 +45,7 @@ fn stopped(folder: &Folder, line: &str, signal: &str) -> (Run, usize) {
 
 #[test]
 fn complete_rows_are_kept_as_parts() {
-    for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+    for (signal, status) in [(Signal::SIGINT, 130), (Signal::SIGTERM, 143), (Signal::SIGHUP, 129)] {
         let folder = Folder::with_scene(&sphere());
         folder.write("o.tga", "an earlier picture");
         let line = format!("{LONG} -output o.tga -depth 1 9 d.png -normals n.tga -render_samples s.png 1");
@@ -95,7 +91,7 @@ fn complete_rows_are_kept_as_parts() {
 fn a_stopped_region_is_a_smaller_region() {
     let folder = Folder::with_scene(&sphere());
     let line = format!("{LONG} -region 5 30000 9 30000");
-    let (run, rows) = stopped(&folder, &format!("{line} -output o.tga"), "-INT");
+    let (run, rows) = stopped(&folder, &format!("{line} -output o.tga"), Signal::SIGINT);
     let rest = format!(" -region 5 {} 9 {}\n", 30000 + rows, 30000 - rows);
     assert!(run.stderr.contains(&rest), "{}", run.stderr);
     assert!(run.stderr.ends_with(" -output o.tga -region 5 30000 9 30000\n"), "{}", run.stderr);
@@ -116,7 +112,7 @@ fn the_printed_lines_make_the_picture() {
                 let flags = format!("-input s.txt -size 20 500 -random_samples {samples} {written}{region}");
                 let child = start(&folder, &flags);
                 sleep(patience);
-                send("-INT", &child);
+                send(Signal::SIGINT, &child);
                 let run = wait(child);
                 match (run.status, run.stderr.contains("; the rest: ")) {
                     (Some(130), true) => return Some((flags, run)),
@@ -147,7 +143,7 @@ fn a_picture_whose_parts_no_line_renders_has_none() {
         let run = try_longer(|patience| {
             let child = start(&folder, &line);
             sleep(patience);
-            send("-INT", &child);
+            send(Signal::SIGINT, &child);
             Some(wait(child)).filter(|run| !run.stderr.is_empty())
         });
         assert!(run.status == Some(130) && run.stderr.ends_with("; wrote nothing\n"), "{run:?}");
@@ -158,15 +154,16 @@ fn a_picture_whose_parts_no_line_renders_has_none() {
 #[test]
 fn the_second_signal_ends_at_once() {
     // Either of two signals that come together may be taken first.
-    for (first, second, statuses) in [("INT", "TERM", [130, 143]), ("HUP", "INT", [129, 130])] {
+    for (first, second, statuses) in
+        [(Signal::SIGINT, Signal::SIGTERM, [130, 143]), (Signal::SIGHUP, Signal::SIGINT, [129, 130])]
+    {
         let folder = Folder::with_scene(&sphere());
         // Within a few hundred rays, the first one would end the run, too.
-        let both = format!("kill -{first} $0; kill -{second} $0");
         let run = try_longer(|patience| {
             let child = start(&folder, ONE_ROW);
             sleep(patience);
-            let sent = Command::new("sh").args(["-c", &both, &child.id().to_string()]).status();
-            assert!(sent.expect("a shell").success());
+            send(first, &child);
+            send(second, &child);
             Some(wait(child)).filter(|run| run.stderr.is_empty())
         });
         assert!(statuses.map(Some).contains(&run.status), "{run:?}");
@@ -181,7 +178,7 @@ fn a_run_that_keeps_nothing_says_so() {
     let run = try_longer(|patience| {
         let child = start(&folder, &format!("{LONG} -stats"));
         sleep(patience);
-        send("-TERM", &child);
+        send(Signal::SIGTERM, &child);
         Some(wait(child)).filter(|run| !run.stderr.is_empty())
     });
     assert_eq!((run.status, run.stdout.as_str()), (Some(143), ""));
@@ -205,7 +202,7 @@ fn a_pixel_that_takes_too_long_is_left_in_the_middle() {
             let run = try_longer(|patience| {
                 let child = start(&folder, &line);
                 sleep(patience);
-                send("-TERM", &child);
+                send(Signal::SIGTERM, &child);
                 Some(wait(child)).filter(|run| run.stderr.contains("stopped"))
             });
             assert_eq!((run.status, run.stdout.as_str()), (Some(143), ""), "{line}");

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs;
-use std::io::pipe;
+use std::io::{Write, pipe};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
@@ -196,12 +196,29 @@ impl Tga {
     }
 }
 
-/// The course's folder, from `COURSE_DIR`. It is not part of this project, and a test that needs it prints
-/// that it is skipped if the variable is not set.
-pub fn course() -> Option<PathBuf> {
-    let course = std::env::var_os("COURSE_DIR").map(PathBuf::from);
-    if course.is_none() {
-        println!("skipped: COURSE_DIR is not set");
+/// Says that this test, or a part of it, is left out. Cargo shows no output of a test that passes, so this goes to
+/// standard error itself.
+pub fn skip(reason: &str) {
+    let name = std::thread::current().name().unwrap_or_default().to_owned();
+    let _ = std::io::stderr().write_all(format!("skipped: {name}: {reason}\n").as_bytes());
+}
+
+/// A folder that is not part of this project, from a variable. A test that needs it is skipped if that is not set.
+pub fn outer_folder(variable: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os(variable).map(PathBuf::from);
+    if folder.is_none() {
+        skip(&format!("{variable} is not set"));
     }
-    course
+    folder
+}
+
+/// The course's folder.
+pub fn course() -> Option<PathBuf> {
+    outer_folder("COURSE_DIR")
+}
+
+/// Sends a signal to a program, which may have ended.
+#[cfg(unix)]
+pub fn send(signal: nix::sys::signal::Signal, child: &std::process::Child) {
+    let _ = nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), signal);
 }

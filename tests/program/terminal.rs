@@ -1,6 +1,6 @@
 //! What a person at a terminal sees: colours, and what a finished run wrote. Elsewhere all stays as it is.
 
-use crate::support::{Folder, scene, sphere};
+use crate::support::{Folder, scene, skip, sphere};
 use std::process::{Command, Stdio};
 
 /// What a terminal gets from a run, and its status; none, with a note, where there is no program `script`, which has
@@ -11,7 +11,7 @@ fn on_terminal(folder: &Folder, line: &str, variable: Option<(&str, &str)>) -> O
     command.current_dir(folder.path()).stdin(Stdio::null()).env_remove("NO_COLOR").env("TERM", "xterm");
     command.envs(variable);
     let Ok(output) = command.output() else {
-        println!("skipped: script is not installed");
+        skip("script is not installed");
         return None;
     };
     Some((String::from_utf8(output.stdout).expect("text").replace("\r\n", "\n"), output.status.code()))

@@ -6,9 +6,8 @@
 use crate::live_server::{Server, view};
 #[cfg(feature = "gui")]
 use crate::support::scene;
-use crate::support::{Folder, sphere};
-use nix::sys::signal::{Signal, kill};
-use nix::unistd::Pid;
+use crate::support::{Folder, send, sphere};
+use nix::sys::signal::Signal;
 #[cfg(feature = "gui")]
 use serde_json::json;
 use std::fs::OpenOptions;
@@ -21,11 +20,6 @@ use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
 const ENDING: [(Signal, i32); 3] = [(Signal::SIGINT, 130), (Signal::SIGTERM, 143), (Signal::SIGHUP, 129)];
-
-fn send(signal: Signal, child: &Child) {
-    // It may have ended.
-    let _ = kill(Pid::from_raw(child.id() as i32), signal);
-}
 
 /// The status of a run that ends by itself; none if it does not.
 fn end(child: &mut Child) -> Option<ExitStatus> {

@@ -5,12 +5,12 @@ use crate::base::escape::quoted;
 use crate::caster::choose::Structure;
 use crate::cli::{self, Command, Options, Output};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{Format, ReadFile, read_picture};
-use crate::picture::{FloatPicture, Picture};
+use crate::image_io::{Format, ReadFile, read_pixels};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::render::{Layer, Request, Tracing, Watch};
-use crate::scene::load::mesh_files;
-use crate::tools::causes::{Finding, Mistake, Original, can_try, explain_finished};
+use crate::scene::load::named_files;
+use crate::tools::causes::{Original, can_try};
+use crate::tools::grade::Reference;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -20,26 +20,13 @@ pub struct References(Vec<(OsString, Origin)>);
 /// The origin of a reference.
 enum Origin {
     File(PathBuf),
-    Rendered(Box<Options>, Layer),
+    Rendered(Box<Options>, Output),
 }
 
-/// A reference, with its scene or its colours, which explain differences.
-pub struct Reference<'r> {
-    pub picture: Picture,
-    /// Its colours, if it is rendered and no mistake in its scene can be tried.
-    colors: Option<FloatPicture>,
-    /// The scene, if it shows one whose mistakes can be tried.
-    original: Option<Original<'r>>,
-}
-
-impl Reference<'_> {
-    /// Finds why each of these wrong pictures differs. Tries the mistakes in `first` first.
-    pub fn explain(&self, wrong: &[Picture], first: &[Mistake]) -> Vec<Finding> {
-        match &self.original {
-            Some(original) => original.explain_all(wrong, &self.picture, first),
-            None => explain_finished(&self.picture, self.colors.as_ref(), wrong),
-        }
-    }
+/// The file or the scene of a reference.
+pub enum Opened<'o> {
+    File(&'o Path),
+    Scene(Box<Renderer>, Box<Options>, &'o Output),
 }
 
 impl References {
@@ -56,15 +43,14 @@ impl References {
         }
     }
 
-    /// The files to read: pictures, or scenes with their meshes.
+    /// The files to read: pictures, or scenes with the files that they name.
     pub fn files(&self) -> impl Iterator<Item = ReadFile> {
         self.0.iter().flat_map(|(_, origin)| match origin {
             Origin::File(path) => vec![("picture", path.clone())],
             Origin::Rendered(options, _) => {
                 let scenes = options.input.iter();
-                let meshes = scenes.clone().flat_map(|scene| mesh_files(scene, &options.hints()));
-                let meshes = meshes.map(|mesh| ("mesh", mesh));
-                scenes.map(|scene| ("scene", scene.clone())).chain(meshes).collect()
+                let named = scenes.clone().flat_map(|scene| named_files(scene, &options.hints()));
+                scenes.map(|scene| ("scene", scene.clone())).chain(named).collect()
             }
         })
     }
@@ -74,57 +60,38 @@ impl References {
         self.0.iter().map(|(name, _)| name.as_os_str())
     }
 
-    /// Makes a reference, and calls `work` with it, or with the reason why there is none. `watch` is called often while
-    /// pictures are rendered.
-    pub fn with<T>(
-        &self,
-        index: usize,
-        watch: Watch,
-        work: impl FnOnce(Result<Reference, String>) -> T,
-    ) -> T {
-        let (renderer, options);
-        let reference = match &self.0[index].1 {
-            Origin::File(path) => {
-                read_picture(path).map(|picture| Reference { picture, colors: None, original: None })
+    /// Opens the file of a reference, or reads its scene and settles the options in its edition.
+    pub fn open_one(&self, index: usize) -> Result<Opened<'_>, Diagnostic> {
+        match &self.0[index].1 {
+            Origin::File(path) => Ok(Opened::File(path)),
+            Origin::Rendered(options, output) => {
+                let loaded = options.load_scene()?;
+                let options = options.in_edition(loaded.choice.edition);
+                Ok(Opened::Scene(Box::new(Renderer::new(loaded, Meshes::Kept)?), Box::new(options), output))
             }
-            Origin::Rendered(given, layer) => match open(given) {
-                Ok(opened) => {
-                    (renderer, options) = opened;
-                    render(&renderer, &options, *layer, watch)
-                }
-                Err(error) => Err(error),
-            },
+        }
+    }
+}
+
+impl Opened<'_> {
+    /// Reads or renders the reference. `watch` is called often while it is rendered or searched for mistakes.
+    pub fn reference<'r>(&'r self, watch: Watch<'r>) -> Result<Reference<'r>, Diagnostic> {
+        let (renderer, options, output) = match self {
+            Self::File(path) => return read_pixels(path).map(|(pixels, _)| Reference::of_file(pixels)),
+            Self::Scene(renderer, options, output) => (renderer, options, output),
         };
-        work(reference.map_err(|error| match error.places.is_empty() {
-            true => error.in_one_line(),
-            false => error.headline(),
-        }))
+        let layers = vec![output.layer];
+        let request = Request { layers, tracing: Tracing::Fast, ..options.request() };
+        let has_numbers = output.format.is_float();
+        if can_try(renderer, &request) {
+            let with_any = Request { structure: Structure::Any, ..request };
+            let original = Original::watched(renderer, &with_any, watch)
+                .ok_or_else(|| Diagnostic::error("there is no memory for the picture"))?;
+            return Ok(Reference::of_scene(original, has_numbers));
+        }
+        let (colors, _) = options.prepare(renderer, &request)?.render_layer(&request, watch)?;
+        Ok(Reference::rendered(colors, has_numbers))
     }
-}
-
-/// Reads the scene, and settles the options in its edition.
-fn open(options: &Options) -> Result<(Renderer, Options), Diagnostic> {
-    let loaded = options.load_scene()?;
-    let options = options.in_edition(loaded.choice.edition);
-    Ok((Renderer::new(loaded, Meshes::Kept)?, options))
-}
-
-fn render<'r>(
-    renderer: &'r Renderer,
-    options: &Options,
-    layer: Layer,
-    watch: Watch<'r>,
-) -> Result<Reference<'r>, Diagnostic> {
-    let no_memory = || Diagnostic::error("there is no memory for the picture");
-    let request = Request { layers: vec![layer], tracing: Tracing::Fast, ..options.request() };
-    if can_try(renderer, &request) {
-        let with_any = Request { structure: Structure::Any, ..request };
-        let original = Original::watched(renderer, &with_any, watch).ok_or_else(no_memory)?;
-        let picture = original.picture(Mistake::Unchanged).ok_or_else(no_memory)?;
-        return Ok(Reference { picture, colors: None, original: Some(original) });
-    }
-    let (colors, _) = options.prepare(renderer, &request)?.render_layer(&request, watch)?;
-    Ok(Reference { picture: colors.to_picture(), colors: Some(colors), original: None })
 }
 
 /// The pictures in a folder.
@@ -149,7 +116,7 @@ fn rendered(file: &Path) -> Result<Vec<(OsString, Origin)>, Diagnostic> {
     for options in commands {
         for output in &options.outputs {
             let Some(name) = output.file.file_name() else { continue };
-            let origin = Origin::Rendered(Box::new(options.clone()), output.layer);
+            let origin = Origin::Rendered(Box::new(options.clone()), output.clone());
             match all.iter_mut().find(|(other, _)| other == name) {
                 Some((_, earlier)) => *earlier = origin,
                 None => all.push((name.to_owned(), origin)),

@@ -138,7 +138,7 @@ pub(super) fn png(size: [u32; 2], bits: u8, color_type: u8, chunks: &[Chunk], ro
     [file, chunk(b"IDAT", &stored.concat()), chunk(b"IEND", &[])].concat()
 }
 
-fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
+pub(super) fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let checked = [&name[..], data].concat();
     let check = !checked.iter().fold(!0_u32, |state, &byte| {
         (0..8).fold(state ^ u32::from(byte), |state, _| {

@@ -4,13 +4,13 @@ use crate::base::escape::{escape, quoted};
 use crate::base::memory::{self, NoMemory};
 use crate::base::patience::Endless;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::image_io::load_picture;
+use crate::image_io::{ReadFile, load_picture};
 use crate::scene::edition::Edition;
-use crate::scene::mesh::ObjFile;
-use crate::scene::obj::{self, memory_for, read_obj};
+use crate::scene::mesh::{NamedFile, ObjFile};
+use crate::scene::obj::{self, LIBRARY, memory_for, read_obj};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position};
-use std::fs;
+use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -28,12 +28,21 @@ const LEAST_LIKENESS: f64 = 0.8;
 /// program, the second is the scene's directory if it differs. Some editions reverse this order. In each folder, a name
 /// with literal backslashes comes before the same path with slashes, as on Windows.
 pub fn mesh_places(name: &str, scene_directory: &Path, edition: Edition) -> Vec<PathBuf> {
+    places_in(name, &folders(scene_directory, edition))
+}
+
+fn folders(scene_directory: &Path, edition: Edition) -> [&Path; 2] {
+    let working_directory = Path::new("");
+    if edition.starts_beside_scene() {
+        [scene_directory, working_directory]
+    } else {
+        [working_directory, scene_directory]
+    }
+}
+
+fn places_in(name: &str, folders: &[&Path]) -> Vec<PathBuf> {
     let with_slashes = name.replace('\\', "/");
     let mut places = Vec::new();
-    let mut folders = [Path::new(""), scene_directory];
-    if edition.starts_beside_scene() {
-        folders.reverse();
-    }
     for folder in folders {
         for place in [name, &with_slashes].map(|name| folder.join(name)) {
             if !places.contains(&place) {
@@ -61,9 +70,49 @@ pub fn read_texels(
     Ok((Arc::new(Texels { size, rgb, divides_last: edition.divides_texels_last() }), file))
 }
 
+/// Returns the files that a scene names and that exist.
+pub fn files_of_scene(named: &[NamedFile], scene_directory: &Path, edition: Edition) -> Vec<ReadFile> {
+    existing_files(named, &folders(scene_directory, edition))
+}
+
+/// Returns the files that a mesh names and that exist, with the pictures that its material libraries name. Each is
+/// looked for beside the file that names it, then where a mesh would be.
+pub fn files_of_mesh(
+    mesh: &Path,
+    named: &[NamedFile],
+    scene_directory: &Path,
+    edition: Edition,
+) -> Vec<ReadFile> {
+    /// The length of the largest material library that is read.
+    const LONGEST: u64 = 1 << 24;
+    let [first, second] = folders(scene_directory, edition);
+    let find = |named: &[NamedFile], file: &Path| {
+        existing_files(named, &[file.parent().unwrap_or(Path::new("")), first, second])
+    };
+    let mut found = find(named, mesh);
+    for (kind, library) in found.clone() {
+        let is_short = |found: Metadata| found.is_file() && found.len() <= LONGEST;
+        if kind == LIBRARY
+            && fs::metadata(&library).is_ok_and(is_short)
+            && let Ok(bytes) = fs::read(&library)
+        {
+            found.extend(find(&obj::named_files(kind, &bytes), &library));
+        }
+    }
+    found
+}
+
+fn existing_files(named: &[NamedFile], folders: &[&Path]) -> Vec<ReadFile> {
+    let find = |(kind, name): &NamedFile| {
+        let mut places = places_in(name, folders).into_iter();
+        Some((*kind, places.find(|place| place.is_file())?))
+    };
+    named.iter().filter_map(find).collect()
+}
+
 /// Returns the error for a picture that the scene names at this position.
 pub fn image_unreadable(name: &str, at: Position, reason: &str) -> Diagnostic {
-    Diagnostic::error(format!("cannot read the picture {}: {}", quoted(name), escape(reason))).at(at)
+    Diagnostic::error(format!("cannot read the texture {}: {}", quoted(name), escape(reason))).at(at)
 }
 
 /// Returns the error for a mesh that the scene names at this position, with each path tried and the reason why it

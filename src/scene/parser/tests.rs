@@ -3,6 +3,7 @@
 use super::*;
 use crate::base::patience::tests::Counted;
 use crate::scene::material::{Material, Phong};
+use crate::scene::transform::Factor;
 use crate::scene::{MeshFile, Object, Position};
 use glam::{DAffine3, DVec3};
 
@@ -82,7 +83,12 @@ fn objects_come_after_their_children() {
     assert_eq!(scene.objects[1], Object::Group(vec![0]));
     assert_eq!(
         scene.objects[3],
-        Object::Transform { matrix: matrix.into(), child: 2, at: Position { line: 3, column: 3 } }
+        Object::Transform {
+            matrix: matrix.into(),
+            factors: [Factor::Plain(matrix)].into(),
+            child: 2,
+            at: Position { line: 3, column: 3 }
+        }
     );
     assert_eq!((scene.root, &scene.objects[4]), (4, &Object::Group(vec![1, 3])));
 }

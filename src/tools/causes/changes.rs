@@ -1,11 +1,15 @@
 //! The changes that mistakes make to finished pictures, requests and scenes.
 
-use crate::picture::Color;
+use crate::math::rounded::RoundedAffine;
+use crate::picture::{Color, Window};
 use crate::render::Request;
-use crate::scene::material::{Material, Pattern, Phong};
-use crate::scene::model::{FaceWeights, Highlight, Lighting, MeshNormals, NormalColors, Screen, Split};
-use crate::scene::{Camera, Light, Scene};
+use crate::scene::material::{Material, Pattern, Phong, Texture};
+use crate::scene::model::{FaceWeights, Highlight, Lighting, MeshNormals, Screen, Split};
+use crate::scene::{Camera, Light, MaterialId, Object, ObjectId, Scene};
+use crate::tools::compare::Rgb;
 use crate::trace::Shadows;
+use crate::world::PlacedObject;
+use glam::DVec2;
 use std::f64::consts::PI;
 
 /// The gamma of most screens.
@@ -59,11 +63,33 @@ pub fn zoom(request: &mut Request, scene: &Scene, factor: f64) {
     }
 }
 
-/// Lets the screen of a perspective camera span the tangent of another half angle, possibly negative.
-pub fn set_half_angle(request: &mut Request, scene: &Scene, radians: fn(f64) -> f64) {
+/// Lets the screen of a perspective camera span another tangent, possibly negative, in place of the one of half the
+/// angle. `tangent` is given the whole angle in radians.
+pub fn set_half_tangent(request: &mut Request, scene: &Scene, tangent: fn(f64) -> f64) {
     if let Camera::Perspective { angle, .. } = camera(request, scene) {
-        *angle = 2.0 * libm::atan(libm::tan(radians(*angle))).to_degrees();
+        *angle = 2.0 * libm::atan(tangent(angle.to_radians())).to_degrees();
     }
+}
+
+/// Moves a point of the picture's shorter side as if that side spanned the whole screen, too.
+pub fn stretched(point: DVec2, size: DVec2) -> DVec2 {
+    (point - 0.5 * size) * (size.max_element() / size - 1.0)
+}
+
+/// Moves a point of the picture as if the sides were stretched by the inverse of their ratio.
+pub fn wrongly_stretched(point: DVec2, size: DVec2) -> DVec2 {
+    let factor = size.max_element() / size;
+    (point - 0.5 * size) * (factor * factor - 1.0)
+}
+
+/// Moves the centres of the pixels so that the outer ones lie on the borders of the picture.
+pub fn spread_to_borders(point: DVec2, size: DVec2) -> DVec2 {
+    (point - 0.5) * size / (size - 1.0).max(DVec2::ONE) - point
+}
+
+/// Moves the centres of the pixels as if the picture had one column and one row fewer.
+pub fn spread_beyond_borders(point: DVec2, size: DVec2) -> DVec2 {
+    point * size / (size - 1.0).max(DVec2::ONE) - point
 }
 
 pub fn replace_shadows(request: &mut Request, one: Shadows, other: Shadows) {
@@ -108,11 +134,11 @@ pub fn put_out_ambient(scene: &mut Scene) {
     scene.background.ambient = Color::ZERO;
 }
 
-/// Changes the attenuation of point lights.
-pub fn each_attenuation(scene: &mut Scene, change: impl Fn(&mut [f64; 3])) {
+/// Changes the attenuation of point lights: the constant, the factor of d, and the factor of d^2.
+pub fn each_attenuation(scene: &mut Scene, change: impl Fn([f64; 3]) -> [f64; 3]) {
     for light in &mut scene.lights {
         if let Light::Point { attenuation, .. } = light {
-            change(attenuation);
+            *attenuation = change(*attenuation);
         }
     }
 }
@@ -121,10 +147,8 @@ pub fn each_attenuation(scene: &mut Scene, change: impl Fn(&mut [f64; 3])) {
 /// because there it is free.
 pub fn set_falloff_from(scene: &mut Scene, constant: f64) {
     if scene.lighting != Lighting::default() {
-        each_attenuation(scene, |[first, _, square]| {
-            if *square > 0.0 {
-                *first = constant;
-            }
+        each_attenuation(scene, |[first, linear, square]| {
+            [if square > 0.0 { constant } else { first }, linear, square]
         });
     }
 }
@@ -166,11 +190,71 @@ pub fn invert_index(phong: &mut Phong) {
     }
 }
 
-/// Shows normals as (N + 1) / 2, which is usual only in later editions.
-pub fn shift_normals(scene: &mut Scene) {
-    if scene.lighting != Lighting::default() {
-        scene.measure_colors.normals = NormalColors::Shifted;
+/// Gives each object the material with another index. `change` is given its own index and the last one.
+pub fn each_material(scene: &mut Scene, change: fn(MaterialId, MaterialId) -> MaterialId) {
+    let last = scene.materials.len().saturating_sub(1);
+    for object in &mut scene.objects {
+        match object {
+            Object::Group(_) | Object::Transform { .. } => {}
+            Object::Sphere { material, .. }
+            | Object::Plane { material, .. }
+            | Object::Triangle { material, .. }
+            | Object::Box { material, .. }
+            | Object::Grid { material, .. }
+            | Object::Mesh { material, .. } => *material = change(*material, last),
+        }
     }
+}
+
+/// Makes highlights white where there are any.
+pub fn whiten_highlight(phong: &mut Phong) {
+    if phong.specular != Color::ZERO {
+        phong.specular = Color::ONE;
+    }
+}
+
+pub fn each_texture(scene: &mut Scene, change: fn(&mut Texture)) {
+    for material in &mut scene.materials {
+        if let Material::Texture(texture) = material {
+            change(texture);
+        }
+    }
+}
+
+pub fn drop_matrix(texture: &mut Texture) {
+    texture.world_to_texture = RoundedAffine::IDENTITY;
+}
+
+pub fn invert_matrix(texture: &mut Texture) {
+    let inverse = texture.world_to_texture.map.inverse();
+    if inverse.is_finite() {
+        texture.world_to_texture = inverse.into();
+    }
+}
+
+/// Changes the number of octaves of noise.
+pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
+    for material in &mut scene.materials {
+        if let Material::Texture(texture) = material {
+            match &mut texture.pattern {
+                Pattern::Checkerboard => {}
+                Pattern::Noise { octaves }
+                | Pattern::Marble { octaves, .. }
+                | Pattern::Wood { octaves, .. } => {
+                    *octaves = change(*octaves);
+                }
+            }
+        }
+    }
+}
+
+/// Swaps the materials of textures other than checkerboards.
+pub fn swap_children(scene: &mut Scene) {
+    each_texture(scene, |texture| {
+        if texture.pattern != Pattern::Checkerboard {
+            texture.children.swap(0, 1);
+        }
+    });
 }
 
 pub fn use_half_way_vectors(scene: &mut Scene) {
@@ -189,19 +273,83 @@ pub fn weigh_faces_otherwise(scene: &mut Scene) {
 }
 
 pub fn swap_checkerboards(scene: &mut Scene) {
-    for material in &mut scene.materials {
-        match material {
-            Material::Texture(texture) if texture.pattern == Pattern::Checkerboard => {
-                texture.children.swap(0, 1);
-            }
-            _ => {}
+    each_texture(scene, |texture| {
+        if texture.pattern == Pattern::Checkerboard {
+            texture.children.swap(0, 1);
         }
-    }
+    });
 }
 
 /// Swaps pairs of neighbours in the order of the cube map's files. They are opposite faces.
 pub fn swap_faces(scene: &mut Scene, pairs: &[usize]) {
     if let Some(faces) = &mut scene.cube_map {
         pairs.iter().for_each(|pair| faces.swap(2 * pair, 2 * pair + 1));
+    }
+}
+
+/// Changes the children of each group that has any.
+pub fn each_group(scene: &mut Scene, change: fn(&mut Vec<ObjectId>)) {
+    for object in &mut scene.objects {
+        if let Object::Group(children) = object {
+            change(children);
+        }
+    }
+}
+
+/// A part of a scene that a tracer may leave out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Object(ObjectId),
+    /// The first triangle of an object.
+    FirstTriangle(ObjectId),
+    /// The last triangle of an object.
+    LastTriangle(ObjectId),
+    /// The first triangles of all meshes.
+    FirstTriangles,
+    /// The last triangles of all meshes.
+    LastTriangles,
+    Light(usize),
+}
+
+impl Part {
+    /// Returns the triangle of this object that is left out, as an index from the start of its primitives.
+    pub fn triangle(self, object: &PlacedObject, scene: &Scene) -> Option<u32> {
+        let last = object.primitives.len().checked_sub(1)? as u32;
+        let is_mesh = matches!(scene.objects[object.id], Object::Mesh { .. });
+        match self {
+            Self::FirstTriangle(id) if id == object.id => Some(0),
+            Self::LastTriangle(id) if id == object.id => Some(last),
+            Self::FirstTriangles if is_mesh => Some(0),
+            Self::LastTriangles if is_mesh => Some(last),
+            _ => None,
+        }
+    }
+}
+
+/// Leaves out an object or a light. The indices of the others stay.
+pub fn leave_out(scene: &mut Scene, part: Part) {
+    match part {
+        Part::Object(id) => scene.objects[id] = Object::Group(vec![]),
+        Part::Light(light) => {
+            let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut scene.lights[light];
+            *color = Color::ZERO;
+        }
+        // Triangles are left out of the world.
+        Part::FirstTriangle(_) | Part::LastTriangle(_) | Part::FirstTriangles | Part::LastTriangles => {}
+    }
+}
+
+/// Pixels of a finished picture that were never set, so that they have one colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unset {
+    pub window: Window,
+    pub color: Rgb,
+}
+
+impl Unset {
+    /// Returns true if the pixel in this column and row from the top left was never set.
+    pub fn has(&self, [x, y]: [usize; 2]) -> bool {
+        let Window { x: left, y: top, .. } = self.window;
+        (left..self.window.right()).contains(&x) && (top..self.window.bottom()).contains(&y)
     }
 }

@@ -1,8 +1,9 @@
 //! The explanation of a difference.
 
-use super::mistakes::{Mistake, with_kind, with_kinds};
+use super::difference_kind::DifferenceKind;
+use super::mistakes::Mistake;
+use super::rounding::Rest;
 use super::student::SelfHitting;
-use crate::tools::compare::Tolerance;
 use serde::Serialize;
 use std::fmt;
 
@@ -10,40 +11,34 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "finding", rename_all = "snake_case")]
 pub enum Finding {
-    /// The mistake gives the picture, up to rounding at edges.
+    /// The mistake gives the picture, up to rounding.
     Equal {
         /// The mistake.
-        #[serde(rename = "mistake", serialize_with = "with_kind")]
+        #[serde(rename = "mistake")]
         cause: Mistake,
         /// The mistakes that are made besides.
-        #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "with_kinds")]
+        #[serde(skip_serializing_if = "Vec::is_empty")]
         also: Vec<Mistake>,
         /// Other mistakes that give the same picture.
-        #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "with_kinds")]
+        #[serde(skip_serializing_if = "Vec::is_empty")]
         same: Vec<Mistake>,
-        /// The number of pixels that still differ.
-        pixels: u64,
-        /// The number of these that differ by more than one level.
-        by_more_than_one_level: u64,
-        /// The number of the differing pixels at edges.
-        at_edges: u64,
+        /// The pixels that still differ.
+        #[serde(flatten)]
+        rest: Rounded,
     },
     /// The mistake explains part of the difference.
     Part {
         /// The mistake that explains the most.
-        #[serde(rename = "mistake", serialize_with = "with_kind")]
+        #[serde(rename = "mistake")]
         cause: Mistake,
         /// The share of the wrong pixels that it makes right.
         share: f64,
     },
-    /// A correct tracer in single precision differs by that much.
+    /// Rounding explains most pixels, or all.
     Rounding {
-        /// The number of pixels that differ.
-        pixels: u64,
-        /// The number of these at edges.
-        at_edges: u64,
-        /// A tolerance that accepts the difference.
-        tolerance: Tolerance,
+        /// The pixels that differ.
+        #[serde(flatten)]
+        rest: Rounded,
     },
     /// Isolated rays hit the surface that they leave.
     Speckles {
@@ -56,7 +51,64 @@ pub enum Finding {
     Unknown {
         /// The number of mistakes tried.
         tried: usize,
+        /// The kind of the difference, if the scene is known.
+        #[serde(rename = "kind", skip_serializing_if = "Option::is_none")]
+        difference: Option<Box<DifferenceKind>>,
     },
+}
+
+/// The pixels that differ, and the ones that rounding does not explain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rounded {
+    /// The number of pixels that differ.
+    pub pixels: usize,
+    /// The number of these that rounding does not explain.
+    pub unexplained: usize,
+    /// The first of these from the top left: column and row.
+    pub first: Option<[usize; 2]>,
+    /// The course's own epsilon, if it explains some pixels.
+    pub epsilon: Option<f64>,
+    /// True if all pixels differ by one level at most.
+    pub by_one_level: bool,
+}
+
+impl Rounded {
+    /// Summarises a difference of a picture of this width.
+    pub fn new(rest: &Rest, width: usize) -> Self {
+        let place = |at: &usize| [at % width, at / width];
+        Self {
+            pixels: rest.differing,
+            unexplained: rest.unexplained.len(),
+            first: rest.unexplained.first().map(place),
+            epsilon: rest.epsilon,
+            by_one_level: rest.visible.is_empty(),
+        }
+    }
+}
+
+impl fmt::Display for Rounded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("rounding")?;
+        if let Some(epsilon) = self.epsilon {
+            write!(f, ", and the course's own epsilon of {epsilon}")?;
+        }
+        let noun = if self.pixels == 1 { "pixel" } else { "pixels" };
+        match (self.unexplained, self.first) {
+            (0, _) if self.by_one_level => write!(f, ": {} {noun} by one level", self.pixels),
+            (0, _) if self.epsilon.is_some() => write!(f, ": {} {noun}", self.pixels),
+            (0, _) if self.pixels == 1 => {
+                f.write_str(": 1 pixel, equal to a view moved by less than 0.1 pixel")
+            }
+            (0, _) => {
+                write!(f, ": {} pixels, each equal to a view moved by less than 0.1 pixel", self.pixels)
+            }
+            (1, Some([x, y])) => write!(f, ", and 1 pixel that it does not explain, at ({x}, {y})"),
+            (count, first) => {
+                write!(f, ", and {count} pixels that it does not explain")?;
+                first.map_or(Ok(()), |[x, y]| write!(f, ", the first at ({x}, {y})"))
+            }
+        }
+    }
 }
 
 impl Finding {
@@ -78,15 +130,10 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mistakes = self.mistakes();
         match self {
-            Self::Equal { pixels, by_more_than_one_level, at_edges, .. } => {
-                let verb = if *pixels == 1 { "pixel differs" } else { "pixels differ" };
-                let rest = match (pixels, by_more_than_one_level) {
-                    (0, _) => String::new(),
-                    (_, 0) => ", by one level".to_owned(),
-                    _ => format!(", {at_edges} at edges"),
-                };
-                write!(f, "equals this program's picture{mistakes} ({pixels} {verb}{rest})")
+            Self::Equal { rest: Rounded { pixels: 0, .. }, .. } => {
+                write!(f, "equals this program's picture{mistakes} (0 pixels differ)")
             }
+            Self::Equal { rest, .. } => write!(f, "this program's picture{mistakes} ({rest})"),
             Self::Part { share, .. } => {
                 let percent = (100.0 * share).floor();
                 write!(
@@ -94,15 +141,8 @@ impl fmt::Display for Finding {
                     "in part this program's picture{mistakes}, which makes {percent:.0}% of the wrong pixels right"
                 )
             }
-            Self::Rounding { pixels, at_edges, tolerance } => {
-                let noun = if *pixels == 1 { "pixel" } else { "pixels" };
-                let Tolerance { levels, pixels: beyond } = tolerance;
-                write!(
-                    f,
-                    "rounding of single precision: {pixels} {noun}, {at_edges} at edges; nothing to fix; \
-                     `-tolerance {levels} {beyond}` accepts it"
-                )
-            }
+            Self::Rounding { rest } if rest.unexplained == 0 => write!(f, "{rest}; nothing to fix"),
+            Self::Rounding { rest } => rest.fmt(f),
             Self::Speckles { pixels, rays } => {
                 let (seen, meant) = match rays {
                     SelfHitting::Shadow => ("show shadow acne", "shadow rays"),
@@ -113,7 +153,8 @@ impl fmt::Display for Finding {
                 };
                 write!(f, "{pixels} scattered pixels {seen}: epsilon is too small for {meant}")
             }
-            Self::Unknown { tried } => write!(f, "none of {tried} tried"),
+            Self::Unknown { tried, difference: None } => write!(f, "none of {tried} tried"),
+            Self::Unknown { tried, difference: Some(kind) } => write!(f, "none of {tried} tried; {kind}"),
         }
     }
 }

@@ -1,137 +1,31 @@
 //! The table of common mistakes in ray tracers, in the order in which they are tried.
+//!
+//! A mistake has one row: its name, what distinguishes it from others of this name, a text that completes "this
+//! program's picture", and how the picture is made. Rows about a part of the scene are added for each scene.
 
 use super::changes::*;
-use super::student::SelfHitting;
-use super::transforms::{read_in_radians, reverse_lists, reverse_nesting};
-use crate::picture::Color;
+use super::rules::Rule;
+use super::transforms::{combine_nested, each_rotation, reverse_lists, transpose_matrices};
+use crate::picture::{Color, Window};
 use crate::render::Request;
 use crate::scene::Scene;
 use crate::scene::model::{Depths, MeshNormals, NormalColors, Screen};
 use crate::trace::Shadows;
-use glam::Vec3Swizzles;
+use glam::{DVec2, Vec3Swizzles};
 use serde::{Serialize, Serializer};
+use std::borrow::Cow;
 use std::fmt;
-use std::mem::discriminant;
 
-/// A mistake. `Display` writes the table's words for it, which complete "this program's picture".
-#[allow(missing_docs)]
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(tag = "name", rename_all = "snake_case")]
-pub enum Mistake {
-    Unchanged,
-    UpsideDown,
-    Mirrored,
-    Turned,
-    RedAndBlueSwapped,
-    Rounded,
-    RoundedUp,
-    OneLevelBrighter,
-    OneLevelDarker,
-    Wrapped,
-    Times256,
-    GammaEncoded,
-    BytesGammaEncoded,
-    GammaDecoded,
-    SrgbEncoded,
-    OtherHandedness,
-    HalfScreen,
-    DoubleScreen,
-    AngleOfShorterSide,
-    AngleNotHalved,
-    AngleInRadians,
-    NoShadows,
-    Shadows,
-    OpaqueShadows,
-    TransparentShadows,
-    NoShadeBack,
-    ShadeBack,
-    OneBounceFewer,
-    OneBounceMore,
-    WeightIgnored,
-    NoAmbient,
-    BlackBackground,
-    NotAttenuated,
-    AttenuatedBySquare,
-    LightsTimesPi,
-    LightsReversed,
-    NoHighlights,
-    IndexInverted,
-    CheckerboardSwapped,
-    BlinnHighlights,
-    AspectKept,
-    FlatMeshes,
-    OtherFaceWeights,
-    CubeFacesSwapped {
-        faces: OppositeFaces,
-    },
-    /// Hits nearer than the distance to the start of a secondary ray are ignored.
-    Epsilon {
-        distance: f64,
-    },
-    FalloffFromOne,
-    FalloffWithoutOne,
-    Highlights,
-    NearWhite,
-    AbsoluteNormals,
-    ShiftedNormals,
-    ListsReversed,
-    NestingReversed,
-    AmbientPerLight,
-    ExponentDoubled,
-    ExponentHalved,
-    RotationsInRadians,
-    /// Rays pass through points shifted by this many half pixels to the right and up.
-    Shifted {
-        half_pixels: [i8; 2],
-    },
-    ShadowsFromBehindLight,
-    ShadowRaysHalved,
-    NormalFlippedInReflection,
-    NormalNotFlippedInRefraction,
-    ReflectionReversed,
-    ReflectionFromBelow,
-    SamplesClamped,
-    RaysClamped,
-    LightsClamped,
-    BackgroundForCameraOnly,
-    NormalsByMatrix,
-    NormalsOfObjectSpace,
-    CheckerboardCut,
-    SchlickSwapped,
-    NormalsFlipped,
-    HighlightsOnlyWhereLit,
-    NoEpsilon {
-        rays: SelfHitting,
-    },
-    NormalsNotFlipped,
-    HighlightsByReflection,
-    HighlightsTimesCosine,
-    HalfWayNotNormalised,
-    DiffuseOverPi,
-    DirectionsNotNormalised,
-    PointDirectionsNotNormalised,
-    AmbientWithoutDiffuse,
-    AmbientFromAbove,
-    IndexNotInverted,
-    TotalReflectionAdded,
-    GlassWithoutShadows,
-    NoiseHalved,
-    ReflectionWithoutColor,
-    RefractionWithoutColor,
-}
-
-/// Pairs of opposite faces of a cube map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum OppositeFaces {
-    /// Left and right.
-    LeftAndRight,
-    /// Up and down.
-    UpAndDown,
-    /// Front and back.
-    FrontAndBack,
-    /// All three pairs.
-    All,
+/// A mistake. `Display` writes its text, which completes "this program's picture".
+#[derive(Clone, Debug)]
+pub struct Mistake {
+    /// The name in JSON documents, which mistakes of one kind in different degrees share.
+    pub name: Cow<'static, str>,
+    /// The degree, or an empty string.
+    pub detail: Cow<'static, str>,
+    text: Cow<'static, str>,
+    /// How the picture is made.
+    pub(super) make: Make,
 }
 
 /// How the picture of a mistake is made.
@@ -141,274 +35,393 @@ pub(super) enum Make {
     Colors(fn(Color) -> Color),
     /// By flipping the finished picture: left to right if the first is true, upside down if the second is.
     Flip([bool; 2]),
+    /// By leaving some pixels of the finished picture as they were before it was rendered.
+    Unset(Unset),
+    /// By moving the points that rays pass through. The arguments are the point in pixels from the lower left corner
+    /// and the size of the picture; the result is the distance by which the point moves.
+    Points(fn(DVec2, DVec2) -> DVec2),
     /// By another request.
     Request(fn(&mut Request, &Scene)),
     /// By changing the scene.
     Scene(fn(&mut Scene)),
-    /// By reading the scene's text differently.
-    Text(fn(&mut Scene, &str)),
-    /// By a student's tracer with this mistake.
-    Student,
+    /// By leaving out a part of the scene.
+    Without(Part),
+    /// By a student's tracer that breaks a rule.
+    Rule(Rule),
 }
 
-use Make::{Colors, Flip, Student, Text};
-use Mistake::*;
+use Make::{Colors, Flip, Points};
 
-const fn swapped(faces: OppositeFaces) -> Mistake {
-    CubeFacesSwapped { faces }
+/// Builds a row of the table.
+const fn row(name: &'static str, detail: &'static str, text: &'static str, make: Make) -> Mistake {
+    Mistake { name: Cow::Borrowed(name), detail: Cow::Borrowed(detail), text: Cow::Borrowed(text), make }
 }
 
-const fn shifted(x: i8, y: i8) -> Mistake {
-    Shifted { half_pixels: [x, y] }
+/// Builds a row that breaks a rule.
+const fn rule(name: &'static str, detail: &'static str, text: &'static str, rule: Rule) -> Mistake {
+    row(name, detail, text, Make::Rule(rule))
 }
 
-const fn epsilon(distance: f64) -> Mistake {
-    Epsilon { distance }
+const fn scene(
+    name: &'static str,
+    detail: &'static str,
+    text: &'static str,
+    change: fn(&mut Scene),
+) -> Mistake {
+    row(name, detail, text, Make::Scene(change))
 }
 
-/// Every mistake, its description, and how it is made. Cheap ones come first.
+const fn request(
+    name: &'static str,
+    detail: &'static str,
+    text: &'static str,
+    change: fn(&mut Request, &Scene),
+) -> Mistake {
+    row(name, detail, text, Make::Request(change))
+}
+
+/// Every mistake that needs no part of a scene. Cheap ones come first.
 #[rustfmt::skip]
-const TABLE: &[(Mistake, &str, Make)] = &[
-    (Unchanged, "", Flip([false, false])),
-    (UpsideDown, "upside down", Flip([false, true])),
-    (Mirrored, "mirrored left to right", Flip([true, false])),
-    (Turned, "turned by 180 degrees", Flip([true, true])),
-    (RedAndBlueSwapped, "with red and blue swapped", Colors(Color::zyx)),
-    (Rounded, "with colours rounded to bytes instead of cut", Colors(|color| levels(color, |level| level + 0.5))),
-    (RoundedUp, "with colours rounded up to bytes instead of cut", Colors(|color| levels(color, |level| level + (1.0 - 1e-9)))),
-    (OneLevelBrighter, "one level brighter everywhere", Colors(|color| levels(color, |level| level.clamp(0.0, 255.0) + 1.0))),
-    (OneLevelDarker, "one level darker everywhere", Colors(|color| levels(color, |level| level.clamp(0.0, 255.5) - 1.0))),
-    (Wrapped, "with bytes that start again at 0 above 255", Colors(|color| levels(color, |level| level.max(0.0).rem_euclid(256.0)))),
-    (Times256, "with colours times 256 instead of 255", Colors(|color| levels(color, |level| 256.0 / 255.0 * level))),
-    (GammaEncoded, "with a gamma of 2.2", Colors(|color| levels(color, |level| powered(level, 1.0 / GAMMA)))),
-    (BytesGammaEncoded, "with a gamma of 2.2 applied to its bytes",
+pub(super) const TABLE: &[Mistake] = &[
+    row("unchanged", "", "", Flip([false, false])),
+    row("upside_down", "", "upside down", Flip([false, true])),
+    row("mirrored", "", "mirrored left to right", Flip([true, false])),
+    row("turned", "", "turned by 180 degrees", Flip([true, true])),
+    row("red_and_blue_swapped", "", "with red and blue swapped", Colors(Color::zyx)),
+    row("red_and_green_swapped", "", "with red and green swapped", Colors(Color::yxz)),
+    row("green_and_blue_swapped", "", "with green and blue swapped", Colors(Color::xzy)),
+    row("rounded", "", "with colours rounded to bytes instead of cut", Colors(|color| levels(color, |level| level + 0.5))),
+    row("rounded_up", "", "with colours rounded up to bytes instead of cut",
+        Colors(|color| levels(color, |level| level + (1.0 - 1e-9)))),
+    row("one_level_brighter", "", "one level brighter everywhere",
+        Colors(|color| levels(color, |level| level.clamp(0.0, 255.0) + 1.0))),
+    row("one_level_darker", "", "one level darker everywhere",
+        Colors(|color| levels(color, |level| level.clamp(0.0, 255.5) - 1.0))),
+    row("wrapped", "", "with bytes that start again at 0 above 255",
+        Colors(|color| levels(color, |level| level.max(0.0).rem_euclid(256.0)))),
+    row("times256", "", "with colours times 256 instead of 255", Colors(|color| levels(color, |level| 256.0 / 255.0 * level))),
+    row("gamma", "2.2", "with a gamma of 2.2", Colors(|color| levels(color, |level| powered(level, 1.0 / GAMMA)))),
+    row("gamma", "2.2 of bytes", "with a gamma of 2.2 applied to its bytes",
         Colors(|color| levels(color, |level| powered(level.clamp(0.0, 255.0).trunc(), 1.0 / GAMMA).round() + 0.5))),
-    (GammaDecoded, "with an inverse gamma of 2.2", Colors(|color| levels(color, |level| powered(level, GAMMA)))),
-    (SrgbEncoded, "with the curve of sRGB", Colors(|color| levels(color, srgb_encoded))),
-    (OtherHandedness, "by a camera of the other handedness (turned by 180 degrees)",
-        Make::Request(turn_up_vector)),
-    (HalfScreen, "with a screen of half the size", Make::Request(|request, scene| zoom(request, scene, 0.5))),
-    (DoubleScreen, "with a screen of twice the size", Make::Request(|request, scene| zoom(request, scene, 2.0))),
-    (AngleOfShorterSide, "with the camera's angle or size over the shorter side", Make::Request(widen)),
-    (AngleNotHalved, "with the tangent of the camera's whole angle instead of half of it",
-        Make::Request(|request, scene| set_half_angle(request, scene, f64::to_radians))),
-    (AngleInRadians, "with the degrees of the camera's angle taken for radians",
-        Make::Request(|request, scene| set_half_angle(request, scene, |angle| angle / 2.0))),
-    (NoShadows, "without -shadows", Make::Request(|request, _| request.effects.shadows = Shadows::None)),
-    (Mistake::Shadows, "with -shadows",
-        Make::Request(|request, _| replace_shadows(request, Shadows::None, Shadows::Opaque))),
-    (OpaqueShadows, "with -shadows in place of -transparent_shadows",
-        Make::Request(|request, _| replace_shadows(request, Shadows::Transparent, Shadows::Opaque))),
-    (TransparentShadows, "with -transparent_shadows", Make::Request(filter_light)),
-    (NoShadeBack, "without -shade_back", Make::Request(|request, _| request.effects.shade_back = false)),
-    (ShadeBack, "with -shade_back", Make::Request(|request, _| request.effects.shade_back = true)),
-    (OneBounceFewer, "with one bounce fewer", Make::Request(|request, _| {
-        request.effects.bounces = request.effects.bounces.saturating_sub(1);
-    })),
-    (OneBounceMore, "with one bounce more", Make::Request(|request, _| {
-        request.effects.bounces = request.effects.bounces.saturating_add(1);
-    })),
-    (WeightIgnored, "without -weight", Make::Request(|request, _| request.effects.min_weight = 0.0)),
+    row("gamma", "2.0", "with a gamma of 2", Colors(|color| levels(color, |level| powered(level, 0.5)))),
+    row("gamma", "sRGB", "with the curve of sRGB", Colors(|color| levels(color, srgb_encoded))),
+    row("gamma_decoded", "", "with an inverse gamma of 2.2", Colors(|color| levels(color, |level| powered(level, GAMMA)))),
+    row("tone_mapped", "", "with colours x / (1 + x) instead of x", Colors(|color| color.map(|x| x.max(0.0) / (1.0 + x.max(0.0))))),
+    row("grey", "", "without colours, in greys", Colors(|color| Color::splat(color.dot(Color::splat(1.0 / 3.0))))),
+    request("other_handedness", "", "by a camera of the other handedness (turned by 180 degrees)", turn_up_vector),
+    request("screen", "half", "with a screen of half the size", |request, scene| zoom(request, scene, 0.5)),
+    request("screen", "double", "with a screen of twice the size", |request, scene| zoom(request, scene, 2.0)),
+    request("angle_of_shorter_side", "", "with the camera's angle or size over the shorter side", widen),
+    request("angle", "not halved", "with the tangent of the camera's whole angle instead of half of it",
+        |request, scene| set_half_tangent(request, scene, libm::tan)),
+    request("angle", "quartered", "with the tangent of a quarter of the camera's angle instead of half of it",
+        |request, scene| set_half_tangent(request, scene, |angle| libm::tan(0.25 * angle))),
+    request("angle", "without tangent", "with half the camera's angle in place of its tangent",
+        |request, scene| set_half_tangent(request, scene, |angle| 0.5 * angle)),
+    request("angle", "sine", "with the sine of half the camera's angle in place of its tangent",
+        |request, scene| set_half_tangent(request, scene, |angle| libm::sin(0.5 * angle))),
+    request("angle", "in radians", "with the degrees of the camera's angle taken for radians",
+        |request, scene| set_half_tangent(request, scene, |angle| libm::tan(0.5 * angle.to_degrees()))),
+    row("stretched", "", "stretched to the picture's shape, as if its width equalled its height", Points(stretched)),
+    row("aspect_inverted", "", "with height / width in place of width / height", Points(wrongly_stretched)),
+    request("no_shadows", "", "without -shadows", |request, _| request.effects.shadows = Shadows::None),
+    request("shadows", "", "with -shadows", |request, _| replace_shadows(request, Shadows::None, Shadows::Opaque)),
+    request("opaque_shadows", "", "with -shadows in place of -transparent_shadows",
+        |request, _| replace_shadows(request, Shadows::Transparent, Shadows::Opaque)),
+    request("transparent_shadows", "", "with -transparent_shadows", filter_light),
+    request("no_shade_back", "", "without -shade_back", |request, _| request.effects.shade_back = false),
+    request("shade_back", "", "with -shade_back", |request, _| request.effects.shade_back = true),
+    request("one_bounce_fewer", "", "with one bounce fewer",
+        |request, _| request.effects.bounces = request.effects.bounces.saturating_sub(1)),
+    request("one_bounce_more", "", "with one bounce more",
+        |request, _| request.effects.bounces = request.effects.bounces.saturating_add(1)),
+    request("no_bounces", "", "without bounces", |request, _| request.effects.bounces = 0),
+    request("weight_ignored", "", "without -weight", |request, _| request.effects.min_weight = 0.0),
     // Without shadows on other objects, reversed lights look the same. They are less common.
-    (NoEpsilon { rays: SelfHitting::Shadow }, "where every surface shadows itself, as without an epsilon",
-        Student),
-    (NoAmbient, "without ambient light", Make::Scene(put_out_ambient)),
-    (BlackBackground, "with a black background", Make::Scene(blacken_background)),
-    (NotAttenuated, "with lights that are not attenuated",
-        Make::Scene(|scene| each_attenuation(scene, |attenuation| *attenuation = [1.0, 0.0, 0.0]))),
-    (AttenuatedBySquare, "with lights divided by d^2",
-        Make::Scene(|scene| each_attenuation(scene, |attenuation| *attenuation = [0.0, 0.0, 1.0]))),
-    (LightsTimesPi, "with lights multiplied by pi", Make::Scene(multiply_lights_by_pi)),
-    (LightsReversed, "with directional lights from the other side", Make::Scene(reverse_lights)),
-    (NoHighlights, "without highlights",
-        Make::Scene(|scene| each_phong(scene, |phong| phong.specular = Color::ZERO))),
-    (IndexInverted, "with the index of refraction inverted", Make::Scene(|scene| each_phong(scene, invert_index))),
-    (CheckerboardSwapped, "with the other parity of checkerboards", Make::Scene(swap_checkerboards)),
-    (BlinnHighlights, "with highlights by the half-way vector", Make::Scene(use_half_way_vectors)),
-    (AspectKept, "with the view of 2004, which is not stretched",
-        Make::Scene(|scene| scene.screen = Screen::LongerSide)),
-    (FlatMeshes, "with the normals of the faces", Make::Scene(|scene| scene.mesh_normals = MeshNormals::Flat)),
-    (OtherFaceWeights, "with other weights of the faces around a vertex", Make::Scene(weigh_faces_otherwise)),
-    (swapped(OppositeFaces::FrontAndBack), "with the faces front and back of the cube map swapped",
-        Make::Scene(|scene| swap_faces(scene, &[2]))),
-    (swapped(OppositeFaces::LeftAndRight), "with the faces left and right of the cube map swapped",
-        Make::Scene(|scene| swap_faces(scene, &[0]))),
-    (swapped(OppositeFaces::UpAndDown), "with the faces up and down of the cube map swapped",
-        Make::Scene(|scene| swap_faces(scene, &[1]))),
-    (swapped(OppositeFaces::All), "with all opposite faces of the cube map swapped",
-        Make::Scene(|scene| swap_faces(scene, &[0, 1, 2]))),
-    (FalloffFromOne, "with lights divided by 1 + falloff d^2 instead of falloff d^2",
-        Make::Scene(|scene| set_falloff_from(scene, 1.0))),
-    (FalloffWithoutOne, "with lights divided by falloff d^2 instead of 1 + falloff d^2",
-        Make::Scene(|scene| set_falloff_from(scene, 0.0))),
-    (Highlights, "with highlights", Make::Scene(add_highlights)),
-    (NearWhite, "with depths that are white where they are near, instead of black",
-        Make::Scene(|scene| scene.measure_colors.depths = Depths::NearWhite)),
-    (AbsoluteNormals, "with the absolute values of normals instead of (N + 1) / 2",
-        Make::Scene(|scene| scene.measure_colors.normals = NormalColors::Absolute)),
-    (ShiftedNormals, "with normals as (N + 1) / 2 instead of their absolute values", Make::Scene(shift_normals)),
-    (ListsReversed, "with the transformations of a list multiplied in the other order", Text(reverse_lists)),
-    (NestingReversed, "with nested transforms multiplied in the other order", Make::Scene(reverse_nesting)),
-    (AmbientPerLight, "with the ambient light once for each light", Make::Scene(add_ambient_per_light)),
-    (ExponentDoubled, "with the exponents of highlights doubled",
-        Make::Scene(|scene| each_phong(scene, |phong| phong.exponent *= 2.0))),
-    (ExponentHalved, "with the exponents of highlights halved",
-        Make::Scene(|scene| each_phong(scene, |phong| phong.exponent *= 0.5))),
-    (RotationsInRadians, "with the degrees of rotations taken for radians", Text(read_in_radians)),
-    (epsilon(0.0001), "with an epsilon of 0.0001 for secondary rays",
-        Make::Scene(|scene| scene.lighting.epsilon = Some(0.0001))),
-    (epsilon(0.001), "with an epsilon of 0.001 for secondary rays",
-        Make::Scene(|scene| scene.lighting.epsilon = Some(0.001))),
-    (epsilon(0.003), "with an epsilon of 0.003 for secondary rays",
-        Make::Scene(|scene| scene.lighting.epsilon = Some(0.003))),
-    (epsilon(0.01), "with an epsilon of 0.01 for secondary rays",
-        Make::Scene(|scene| scene.lighting.epsilon = Some(0.01))),
-    (epsilon(0.03), "with an epsilon of 0.03 for secondary rays",
-        Make::Scene(|scene| scene.lighting.epsilon = Some(0.03))),
-    (epsilon(0.1), "with an epsilon of 0.1 for secondary rays",
-        Make::Scene(|scene| scene.lighting.epsilon = Some(0.1))),
-    (epsilon(0.3), "with an epsilon of 0.3 for secondary rays",
-        Make::Scene(|scene| scene.lighting.epsilon = Some(0.3))),
-    (shifted(-1, -1), "with rays through the lower left corners of the pixels instead of their centres",
-        Student),
-    (shifted(-1, 1), "with rays through the upper left corners of the pixels instead of their centres",
-        Student),
-    (shifted(1, 1), "with rays through the upper right corners of the pixels instead of their centres",
-        Student),
-    (shifted(1, -1), "with rays through the lower right corners of the pixels instead of their centres",
-        Student),
-    (shifted(-1, 0), "with rays half a pixel further to the left", Student),
-    (shifted(1, 0), "with rays half a pixel further to the right", Student),
-    (shifted(0, 1), "with rays half a pixel further up", Student),
-    (shifted(0, -1), "with rays half a pixel further down", Student),
-    (shifted(-2, -2), "with rays one pixel further down and to the left", Student),
-    (shifted(-2, 2), "with rays one pixel further up and to the left", Student),
-    (shifted(2, 2), "with rays one pixel further up and to the right", Student),
-    (shifted(2, -2), "with rays one pixel further down and to the right", Student),
-    (shifted(-2, 0), "with rays one pixel further to the left", Student),
-    (shifted(2, 0), "with rays one pixel further to the right", Student),
-    (shifted(0, 2), "with rays one pixel further up", Student),
-    (shifted(0, -2), "with rays one pixel further down", Student),
-    (ShadowsFromBehindLight, "with shadows from behind the light", Student),
-    (ShadowRaysHalved, "with shadow rays that end halfway to the light", Student),
-    (NormalFlippedInReflection, "with reflections from the flipped normal", Student),
-    (ReflectionReversed, "with reflected rays reversed", Student),
-    (ReflectionFromBelow, "with reflected rays that start below the surface", Student),
-    (SamplesClamped, "with the colours of samples clamped before they are summed", Student),
-    (RaysClamped, "with the colours of rays clamped before they are summed", Student),
-    (LightsClamped, "with the light of each source clamped before it is summed", Student),
-    (BackgroundForCameraOnly, "with black where reflected or refracted rays hit nothing", Student),
-    (NormalsByMatrix, "with normals transformed by the matrix instead of its inverse transpose", Student),
-    (NormalsOfObjectSpace, "with normals that are not transformed", Student),
-    (CheckerboardCut, "with checkerboards whose coordinates are cut instead of floored", Student),
-    (SchlickSwapped, "with the mirrored and the refracted part of light at glass swapped", Student),
-    (NormalsFlipped, "with surfaces lit on the side that is seen instead of on their outside", Student),
-    (HighlightsOnlyWhereLit, "without highlights where the surface faces away from the light", Student),
-    (NoEpsilon { rays: SelfHitting::Secondary },
-        "where reflected and refracted rays hit the surface that they leave, as without an epsilon",
-        Student),
-    (NoEpsilon { rays: SelfHitting::All },
-        "where all rays hit the surface that they leave, as without an epsilon",
-        Student),
-    (NormalsNotFlipped, "with normals that are not flipped on back faces", Student),
-    (HighlightsByReflection, "with highlights by R.V instead of N.H", Student),
-    (HighlightsTimesCosine, "with highlights multiplied by N.L", Student),
-    (HalfWayNotNormalised, "with half-way vectors that are not normalised", Student),
-    (DiffuseOverPi, "with diffuse light divided by pi", Student),
-    (DirectionsNotNormalised, "with directions of directional lights that are not normalised", Student),
-    (PointDirectionsNotNormalised, "with directions to point lights that are not normalised", Student),
-    (AmbientWithoutDiffuse, "with ambient light that is not multiplied by the diffuse colour", Student),
-    (AmbientFromAbove, "with ambient light multiplied by (1 + N.y) / 2", Student),
-    (NormalNotFlippedInRefraction, "with refraction by the same normal on both sides of a surface", Student),
-    (IndexNotInverted, "with the same ratio of indices where rays enter and where they leave", Student),
-    (TotalReflectionAdded, "with rays that are mirrored at total internal reflection", Student),
-    (GlassWithoutShadows, "without shadows of transparent things", Student),
-    (NoiseHalved, "with the noise N as (N + 1) / 2 instead of N + 1/2", Student),
-    (ReflectionWithoutColor, "with reflections that are not multiplied by the reflective colour", Student),
-    (RefractionWithoutColor, "with refracted light that is not multiplied by the transparent colour",
-        Student),
+    rule("no_epsilon", "shadow", "where every surface shadows itself, as without an epsilon", Rule::NoEpsilonOfShadows),
+    scene("no_ambient", "", "without ambient light", put_out_ambient),
+    scene("black_background", "", "with a black background", blacken_background),
+    scene("not_attenuated", "", "with lights that are not attenuated",
+        |scene| each_attenuation(scene, |_| [1.0, 0.0, 0.0])),
+    scene("attenuation", "d^2 alone", "with lights divided by d^2", |scene| each_attenuation(scene, |_| [0.0, 0.0, 1.0])),
+    scene("attenuation", "d for d^2", "with attenuation by d in place of d^2",
+        |scene| each_attenuation(scene, |[constant, linear, square]| [constant, linear + square, 0.0])),
+    scene("attenuation", "reversed", "with the coefficients of attenuation in the other order",
+        |scene| each_attenuation(scene, |[constant, linear, square]| [square, linear, constant])),
+    scene("attenuation", "swapped", "with the coefficients of d and d^2 swapped in the attenuation",
+        |scene| each_attenuation(scene, |[constant, linear, square]| [constant, square, linear])),
+    rule("attenuation", "twice", "with lights that are attenuated twice", Rule::AttenuationTwice),
+    scene("lights_times_pi", "", "with lights multiplied by pi", multiply_lights_by_pi),
+    scene("lights_reversed", "", "with directional lights from the other side", reverse_lights),
+    scene("no_highlights", "", "without highlights", |scene| each_phong(scene, |phong| phong.specular = Color::ZERO)),
+    scene("no_diffuse", "", "without diffuse light", |scene| each_phong(scene, |phong| phong.diffuse = Color::ZERO)),
+    scene("highlights_white", "", "with white highlights in place of coloured ones", |scene| each_phong(scene, whiten_highlight)),
+    scene("highlights_white", "everywhere", "with white highlights on all materials", |scene| each_phong(scene, |phong| phong.specular = Color::ONE)),
+    scene("index_inverted", "", "with the index of refraction inverted", |scene| each_phong(scene, invert_index)),
+    scene("straight_through_glass", "", "with rays that pass straight through glass, without refraction",
+        |scene| each_phong(scene, |phong| phong.index_of_refraction = 1.0)),
+    scene("materials", "next", "with the next material of the list for each object", |scene| each_material(scene, |id, last| if id == last { 0 } else { id + 1 })),
+    scene("materials", "previous", "with the previous material of the list for each object", |scene| each_material(scene, |id, last| if id == 0 { last } else { id - 1 })),
+    scene("materials", "first", "with the first material for all objects", |scene| each_material(scene, |_, _| 0)),
+    scene("materials", "last", "with the last material for all objects", |scene| each_material(scene, |_, last| last)),
+    scene("object_missing", "first of each group", "without the first object of each group", |scene| each_group(scene, |children| {
+        children.drain(..children.len().min(1));
+    })),
+    scene("object_missing", "last of each group", "without the last object of each group", |scene| each_group(scene, |children| {
+        children.pop();
+    })),
+    row("triangles_missing", "last of each mesh", "without the last triangle of each mesh", Make::Without(Part::LastTriangles)),
+    row("triangles_missing", "first of each mesh", "without the first triangle of each mesh", Make::Without(Part::FirstTriangles)),
+    scene("checkerboard_swapped", "", "with the other parity of checkerboards", swap_checkerboards),
+    scene("textures_swapped", "", "with the two materials of textures swapped", swap_children),
+    scene("texture_matrix", "missing", "without the transforms of textures", |scene| each_texture(scene, drop_matrix)),
+    scene("texture_matrix", "inverted", "with the inverse transforms of textures", |scene| each_texture(scene, invert_matrix)),
+    scene("octaves", "one fewer", "with one octave of noise fewer", |scene| each_octaves(scene, |octaves| octaves.saturating_sub(1))),
+    scene("octaves", "one more", "with one octave of noise more", |scene| each_octaves(scene, |octaves| octaves + 1)),
+    scene("octaves", "one alone", "with one octave of noise alone", |scene| each_octaves(scene, |octaves| octaves.min(1))),
+    scene("blinn_highlights", "", "with highlights by the half-way vector", use_half_way_vectors),
+    scene("aspect_kept", "", "with the view of 2004, which is not stretched", |scene| scene.screen = Screen::LongerSide),
+    scene("flat_meshes", "", "with the normals of the faces", |scene| scene.mesh_normals = MeshNormals::Flat),
+    scene("other_face_weights", "", "with other weights of the faces around a vertex", weigh_faces_otherwise),
+    scene("cube_faces_swapped", "front and back", "with the faces front and back of the cube map swapped", |scene| swap_faces(scene, &[2])),
+    scene("cube_faces_swapped", "left and right", "with the faces left and right of the cube map swapped", |scene| swap_faces(scene, &[0])),
+    scene("cube_faces_swapped", "up and down", "with the faces up and down of the cube map swapped", |scene| swap_faces(scene, &[1])),
+    scene("cube_faces_swapped", "all", "with all opposite faces of the cube map swapped", |scene| swap_faces(scene, &[0, 1, 2])),
+    scene("falloff_from_one", "", "with lights divided by 1 + falloff d^2 instead of falloff d^2", |scene| set_falloff_from(scene, 1.0)),
+    scene("falloff_without_one", "", "with lights divided by falloff d^2 instead of 1 + falloff d^2", |scene| set_falloff_from(scene, 0.0)),
+    scene("highlights", "", "with highlights", add_highlights),
+    scene("near_white", "", "with depths that are white where they are near, instead of black", |scene| scene.measure_colors.depths = Depths::NearWhite),
+    scene("near_black", "", "with depths that are black where they are near, instead of white", |scene| scene.measure_colors.depths = Depths::NearBlack),
+    rule("depth_along_axis", "", "with depths along the camera's direction instead of along the rays", Rule::DepthAlongAxis),
+    rule("depth_inverted", "", "with depths that are black where they are near, and a white background", Rule::DepthInverted),
+    scene("absolute_normals", "", "with the absolute values of normals instead of (N + 1) / 2",
+        |scene| scene.measure_colors.normals = NormalColors::Absolute),
+    scene("shifted_normals", "", "with normals as (N + 1) / 2 instead of their absolute values",
+        |scene| scene.measure_colors.normals = NormalColors::Shifted),
+    rule("shifted_normals", "black background", "with normals as (N + 1) / 2, and a black background", Rule::NormalsShifted),
+    rule("clamped_normals", "", "with normals whose negative coordinates are black instead of absolute values", Rule::NormalsClamped),
+    scene("lists_reversed", "", "with the transformations of a list multiplied in the other order", reverse_lists),
+    scene("nesting_reversed", "", "with nested transforms multiplied in the other order", |scene| combine_nested(scene, |outer, inner| inner * outer)),
+    scene("nesting_ignored", "innermost", "with the innermost of nested transforms alone", |scene| combine_nested(scene, |_, inner| inner)),
+    scene("nesting_ignored", "outermost", "with the outermost of nested transforms alone", |scene| combine_nested(scene, |outer, _| outer)),
+    scene("matrices_transposed", "", "with the matrices of transforms transposed", transpose_matrices),
+    scene("rotations", "reversed", "with rotations in the other direction", |scene| each_rotation(scene, |degrees| -degrees)),
+    scene("rotations", "in radians", "with the degrees of rotations taken for radians", |scene| each_rotation(scene, f64::to_degrees)),
+    scene("ambient_per_light", "", "with the ambient light once for each light", add_ambient_per_light),
+    scene("exponent", "quartered", "with a quarter of the exponents of highlights", |scene| each_phong(scene, |phong| phong.exponent *= 0.25)),
+    scene("exponent", "halved", "with the exponents of highlights halved", |scene| each_phong(scene, |phong| phong.exponent *= 0.5)),
+    scene("exponent", "doubled", "with the exponents of highlights doubled", |scene| each_phong(scene, |phong| phong.exponent *= 2.0)),
+    scene("exponent", "quadrupled", "with the exponents of highlights times four", |scene| each_phong(scene, |phong| phong.exponent *= 4.0)),
+    scene("reflective_color", "squared", "with reflections multiplied by the square of the reflective colour",
+        |scene| each_phong(scene, |phong| phong.reflective *= phong.reflective)),
+    scene("reflective_color", "doubled", "with reflections that are added twice", |scene| each_phong(scene, |phong| phong.reflective *= 2.0)),
+    scene("reflective_color", "negative", "with reflections that are subtracted instead of added",
+        |scene| each_phong(scene, |phong| phong.reflective = -phong.reflective)),
+    scene("transparent_color", "squared", "with refracted light multiplied by the square of the transparent colour",
+        |scene| each_phong(scene, |phong| phong.transparent *= phong.transparent)),
+    scene("transparent_color", "doubled", "with refracted light that is added twice", |scene| each_phong(scene, |phong| phong.transparent *= 2.0)),
+    scene("transparent_color", "negative", "with refracted light that is subtracted instead of added",
+        |scene| each_phong(scene, |phong| phong.transparent = -phong.transparent)),
+    scene("no_reflection", "", "without reflections", |scene| each_phong(scene, |phong| phong.reflective = Color::ZERO)),
+    scene("no_refraction", "", "without refracted light", |scene| each_phong(scene, |phong| phong.transparent = Color::ZERO)),
+    scene("epsilon", "0.003", "with an epsilon of 0.003 for secondary rays", |scene| scene.lighting.epsilon = Some(0.003)),
+    scene("epsilon", "0.01", "with an epsilon of 0.01 for secondary rays", |scene| scene.lighting.epsilon = Some(0.01)),
+    scene("epsilon", "0.03", "with an epsilon of 0.03 for secondary rays", |scene| scene.lighting.epsilon = Some(0.03)),
+    scene("epsilon", "0.1", "with an epsilon of 0.1 for secondary rays", |scene| scene.lighting.epsilon = Some(0.1)),
+    scene("epsilon", "0.3", "with an epsilon of 0.3 for secondary rays", |scene| scene.lighting.epsilon = Some(0.3)),
+    row("pixel_corners", "lower left", "with rays through the lower left corners of the pixels instead of their centres", Points(|_, _| DVec2::new(-0.5, -0.5))),
+    row("pixel_corners", "upper left", "with rays through the upper left corners of the pixels instead of their centres", Points(|_, _| DVec2::new(-0.5, 0.5))),
+    row("pixel_corners", "upper right", "with rays through the upper right corners of the pixels instead of their centres", Points(|_, _| DVec2::new(0.5, 0.5))),
+    row("pixel_corners", "lower right", "with rays through the lower right corners of the pixels instead of their centres", Points(|_, _| DVec2::new(0.5, -0.5))),
+    row("shifted", "half a pixel left", "with rays half a pixel further to the left", Points(|_, _| DVec2::new(-0.5, 0.0))),
+    row("shifted", "half a pixel right", "with rays half a pixel further to the right", Points(|_, _| DVec2::new(0.5, 0.0))),
+    row("shifted", "half a pixel up", "with rays half a pixel further up", Points(|_, _| DVec2::new(0.0, 0.5))),
+    row("shifted", "half a pixel down", "with rays half a pixel further down", Points(|_, _| DVec2::new(0.0, -0.5))),
+    row("shifted", "a pixel down and left", "with rays one pixel further down and to the left", Points(|_, _| DVec2::new(-1.0, -1.0))),
+    row("shifted", "a pixel up and left", "with rays one pixel further up and to the left", Points(|_, _| DVec2::new(-1.0, 1.0))),
+    row("shifted", "a pixel up and right", "with rays one pixel further up and to the right", Points(|_, _| DVec2::new(1.0, 1.0))),
+    row("shifted", "a pixel down and right", "with rays one pixel further down and to the right", Points(|_, _| DVec2::new(1.0, -1.0))),
+    row("shifted", "a pixel left", "with rays one pixel further to the left", Points(|_, _| DVec2::new(-1.0, 0.0))),
+    row("shifted", "a pixel right", "with rays one pixel further to the right", Points(|_, _| DVec2::new(1.0, 0.0))),
+    row("shifted", "a pixel up", "with rays one pixel further up", Points(|_, _| DVec2::new(0.0, 1.0))),
+    row("shifted", "a pixel down", "with rays one pixel further down", Points(|_, _| DVec2::new(0.0, -1.0))),
+    row("pixel_spacing", "", "with pixel i at i / (width - 1) instead of (i + 1/2) / width", Points(spread_to_borders)),
+    row("pixel_spacing", "centres", "with pixel i at (i + 1/2) / (width - 1) instead of (i + 1/2) / width", Points(spread_beyond_borders)),
+    rule("shadows_from_behind_light", "", "with shadows from behind the light", Rule::ShadowsFromBehindLight),
+    rule("shadow_rays_halved", "", "with shadow rays that end halfway to the light", Rule::ShadowRaysHalved),
+    rule("shadows_halve", "", "with shadows that halve the light instead of blocking it", Rule::ShadowsHalve),
+    rule("shadows_of_first_light", "", "with shadows of the first light alone", Rule::ShadowsOfFirstLight),
+    rule("shadows_of_any_light", "", "where the shadow of one light blocks all lights", Rule::ShadowsOfAnyLight),
+    rule("shadows_black", "", "with shadows that block the ambient light, too", Rule::ShadowsBlack),
+    rule("shadow_bias", "0.001", "with shadow rays that start 0.001 along the normal", Rule::ShadowBiasThousandth),
+    rule("shadow_bias", "0.01", "with shadow rays that start 0.01 along the normal", Rule::ShadowBiasHundredth),
+    rule("shadow_bias", "0.1", "with shadow rays that start 0.1 along the normal", Rule::ShadowBiasTenth),
+    rule("normal_flipped_in_reflection", "", "with reflections from the flipped normal", Rule::NormalFlippedInReflection),
+    rule("reflection_reversed", "", "with reflected rays reversed", Rule::ReflectionReversed),
+    rule("reflection_from_below", "", "with reflected rays that start below the surface", Rule::ReflectionFromBelow),
+    rule("samples_clamped", "", "with the colours of samples clamped before they are summed", Rule::SamplesClamped),
+    rule("rays_clamped", "", "with the colours of rays clamped before they are summed", Rule::RaysClamped),
+    rule("lights_clamped", "", "with the light of each source clamped before it is summed", Rule::LightsClamped),
+    rule("lights_overwritten", "", "with the light of one source in place of the sum", Rule::LightsOverwritten),
+    rule("lights_overwritten", "ambient too", "with the light of one source in place of all other light", Rule::LightsAndAmbientOverwritten),
+    rule("background_for_camera_only", "", "with black where reflected or refracted rays hit nothing", Rule::BackgroundForCameraOnly),
+    rule("normals_by_matrix", "", "with normals transformed by the matrix instead of its inverse transpose", Rule::NormalsByMatrix),
+    rule("normals_by_inverse", "", "with normals transformed by the inverse matrix instead of its transpose", Rule::NormalsByInverse),
+    rule("normals_of_object_space", "", "with normals that are not transformed", Rule::NormalsOfObjectSpace),
+    rule("normals_not_normalised", "transformed", "with normals that are not normalised after a transform", Rule::NormalsNotNormalised),
+    rule("normals_not_normalised", "spheres", "with normals of spheres that are not normalised", Rule::SphereNormalsNotNormalised),
+    rule("normals_not_normalised", "triangles", "with normals of triangles that are not normalised", Rule::TriangleNormalsNotNormalised),
+    rule("normals_not_normalised", "all", "with normals that are never normalised", Rule::NormalsNeverNormalised),
+    rule("winding_reversed", "", "with the normals of triangles on the other side", Rule::WindingReversed),
+    rule("sphere_normals_inward", "", "with the normals of spheres on the other side", Rule::SphereNormalsInward),
+    rule("back_faces_culled", "", "without the back faces of triangles", Rule::BackFacesCulled),
+    rule("front_faces_culled", "", "without the front faces of triangles", Rule::FrontFacesCulled),
+    rule("last_hit", "", "without a depth test: the last object that a ray hits is seen", Rule::LastHit),
+    rule("first_hit", "", "where the first object of the list that a ray hits is seen, not the nearest", Rule::FirstHit),
+    rule("far_hit", "", "with the far hits of spheres in place of the near ones", Rule::FarHit),
+    rule("t_not_rescaled", "", "with distances of transformed objects that are measured in object space", Rule::TNotRescaled),
+    rule("checkerboard_cut", "", "with checkerboards whose coordinates are cut instead of floored", Rule::CheckerboardCut),
+    rule("schlick_swapped", "", "with the mirrored and the refracted part of light at glass swapped", Rule::SchlickSwapped),
+    rule("normals_flipped", "", "with surfaces lit on the side that is seen instead of on their outside", Rule::NormalsFlipped),
+    rule("highlights_only_where_lit", "", "without highlights where the surface faces away from the light", Rule::HighlightsOnlyWhereLit),
+    rule("no_epsilon", "secondary", "where reflected and refracted rays hit the surface that they leave, as without an epsilon",
+        Rule::NoEpsilonOfSecondary),
+    rule("no_epsilon", "all", "where all rays hit the surface that they leave, as without an epsilon", Rule::NoEpsilon),
+    rule("normals_not_flipped", "", "with normals that are not flipped on back faces", Rule::NormalsNotFlipped),
+    rule("highlights_by_reflection", "", "with highlights by R.V instead of N.H", Rule::HighlightsByReflection),
+    rule("highlights_by_reflection", "wrong formula", "with highlights by R.V with R = 2 (N.L) (N - L)", Rule::HighlightsByWrongReflection),
+    rule("highlights_ungated", "", "with highlights also where the surface faces away from the light", Rule::HighlightsUngated),
+    rule("highlights_times_cosine", "", "with highlights multiplied by N.L", Rule::HighlightsTimesCosine),
+    rule("highlights_times_diffuse", "", "with highlights multiplied by the diffuse colour", Rule::HighlightsTimesDiffuse),
+    rule("highlights_normalised", "Phong", "with highlights multiplied by (n + 2) / (2 pi)", Rule::HighlightsNormalisedPhong),
+    rule("highlights_normalised", "Blinn", "with highlights multiplied by (n + 8) / (8 pi)", Rule::HighlightsNormalisedBlinn),
+    rule("half_way_not_normalised", "", "with half-way vectors that are not normalised", Rule::HalfWayNotNormalised),
+    rule("diffuse_over_pi", "", "with diffuse light divided by pi", Rule::DiffuseOverPi),
+    rule("diffuse", "not clamped", "with diffuse light that is negative where N.L is", Rule::DiffuseNotClamped),
+    rule("diffuse", "absolute", "with the absolute value of N.L", Rule::DiffuseAbsolute),
+    rule("diffuse", "cosine absolute", "with the absolute value of N.L, also for highlights", Rule::CosineAbsolute),
+    rule("directions_not_normalised", "", "with directions of directional lights that are not normalised", Rule::DirectionsNotNormalised),
+    rule("point_directions_not_normalised", "", "with directions to point lights that are not normalised", Rule::PointDirectionsNotNormalised),
+    rule("ambient_without_diffuse", "", "with ambient light that is not multiplied by the diffuse colour", Rule::AmbientWithoutDiffuse),
+    rule("ambient_from_above", "", "with ambient light multiplied by (1 + N.y) / 2", Rule::AmbientFromAbove),
+    rule("normal_not_flipped_in_refraction", "", "with refraction by the same normal on both sides of a surface", Rule::NormalNotFlippedInRefraction),
+    rule("index_not_inverted", "", "with the same ratio of indices where rays enter and where they leave", Rule::IndexNotInverted),
+    rule("total_reflection_added", "", "with rays that are mirrored at total internal reflection", Rule::TotalReflectionAdded),
+    rule("total_reflection_dropped", "", "without mirrored rays at total internal reflection", Rule::TotalReflectionDropped),
+    rule("total_reflection_straight", "", "with rays that pass straight on at total internal reflection", Rule::TotalReflectionStraight),
+    rule("glass_without_shadows", "", "without shadows of transparent things", Rule::GlassWithoutShadows),
+    rule("noise_halved", "", "with the noise N as (N + 1) / 2 instead of N + 1/2", Rule::NoiseHalved),
+    rule("noise_smooth_step", "", "with noise that is interpolated by t^2 (3 - 2 t)", Rule::NoiseSmoothStep),
+    rule("wood", "root missing", "with wood whose radius is x^2 + z^2, without the root", Rule::WoodRootMissing),
+    rule("wood", "not squared", "with wood whose rings are not squared", Rule::WoodNotSquared),
+    rule("reflection_without_color", "", "with reflections that are not multiplied by the reflective colour", Rule::ReflectionWithoutColor),
+    rule("refraction_without_color", "", "with refracted light that is not multiplied by the transparent colour", Rule::RefractionWithoutColor),
+    rule("reflection_blended", "", "with the surface's own colour times 1 minus the reflective colour", Rule::ReflectionBlended),
+    rule("refraction_blended", "", "with the surface's own colour times 1 minus the transparent colour", Rule::RefractionBlended),
 ];
 
 impl Mistake {
-    /// Returns every mistake tried on the picture of a scene. Cheap ones come first.
-    pub fn all() -> impl Iterator<Item = Self> {
-        // A camera of the other handedness rotates the picture, too.
-        TABLE.iter().map(|&(mistake, ..)| mistake).filter(|&mistake| mistake != Turned)
+    /// Returns this program's own picture, without a mistake.
+    pub fn unchanged() -> Self {
+        TABLE[0].clone()
     }
 
-    /// Returns every mistake tried on a finished picture. `has_colors` is true if more than the bytes is known.
-    pub(super) fn of_pixels(has_colors: bool) -> impl Iterator<Item = Self> {
-        let needs_colors = |mistake| {
-            matches!(mistake, Rounded | RoundedUp | Wrapped | Times256 | GammaEncoded | SrgbEncoded)
+    /// Returns every mistake in the table. Cheap ones come first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        TABLE.iter().skip(1).cloned()
+    }
+
+    /// Returns the mistake of pixels that were never set, in a picture of this size.
+    pub(super) fn unset(unset: Unset, size: [usize; 2]) -> Self {
+        let Window { x, y, width, height } = unset.window;
+        let shown = match (width == size[0], height == size[1], y, x) {
+            (true, _, 0, _) => format!("the top {}", rows(height)),
+            (true, ..) if y + height == size[1] => format!("the bottom {}", rows(height)),
+            (_, true, _, 0) => format!("the left {}", columns(width)),
+            (_, true, ..) if x + width == size[0] => format!("the right {}", columns(width)),
+            _ => format!("{width} x {height} pixels at ({x}, {y})"),
         };
-        let of_pixels = TABLE
-            .iter()
-            .map(|&(mistake, ..)| mistake)
-            .filter(|&mistake| mistake != Unchanged && mistake.is_of_pixels());
-        of_pixels.filter(move |&mistake| has_colors || !needs_colors(mistake))
+        let [red, green, blue] = unset.color;
+        let text = format!("with {shown} left at ({red}, {green}, {blue}), as if never set");
+        Self { name: "unset".into(), detail: shown.into(), text: text.into(), make: Make::Unset(unset) }
+    }
+
+    /// Returns a mistake that leaves out a part of a scene.
+    pub(super) fn without(
+        name: &'static str,
+        detail: impl Into<Cow<'static, str>>,
+        text: String,
+        part: Part,
+    ) -> Self {
+        Self { name: name.into(), detail: detail.into(), text: text.into(), make: Make::Without(part) }
     }
 
     /// Returns true if the mistake is made in the finished picture, without rendering.
-    pub(super) fn is_of_pixels(self) -> bool {
-        matches!(self.make(), Colors(_) | Flip(_))
+    pub(super) fn is_of_pixels(&self) -> bool {
+        matches!(self.make, Colors(_) | Flip(_) | Make::Unset(_))
     }
 
-    fn entry(self) -> &'static (Self, &'static str, Make) {
-        TABLE.iter().find(|(mistake, ..)| *mistake == self).unwrap_or(&TABLE[0])
-    }
-
-    /// Returns how the picture is made.
-    pub(super) fn make(self) -> Make {
-        self.entry().2
+    /// Returns true if the mistake cannot be made in a picture whose bytes alone are known.
+    pub(super) fn needs_colors(&self) -> bool {
+        matches!(&*self.name, "rounded" | "rounded_up" | "wrapped" | "times256" | "tone_mapped")
+            || self.name == "gamma" && self.detail != "2.2 of bytes"
     }
 
     /// Returns the kind of change.
-    pub fn kind(self) -> &'static str {
-        match self.make() {
-            _ if self == Unchanged => "unchanged",
-            Colors(_) | Flip(_) => "pixels",
+    pub fn kind(&self) -> &'static str {
+        match self.make {
+            _ if self.is_unchanged() => "unchanged",
+            Colors(_) | Flip(_) | Make::Unset(_) => "pixels",
             Make::Request(_) => "request",
-            Make::Scene(_) | Text(_) => "scene",
-            Student => "rule",
+            Make::Scene(_) | Make::Without(_) => "scene",
+            Points(_) | Make::Rule(_) => "rule",
         }
     }
 
+    /// Returns true if it is this program's own picture.
+    pub fn is_unchanged(&self) -> bool {
+        self.name == "unchanged"
+    }
+
     /// Returns true if both are the same mistake in different degrees.
-    pub(super) fn is_akin(self, other: Self) -> bool {
-        let kind = |mistake| match mistake {
-            BytesGammaEncoded | SrgbEncoded => discriminant(&GammaEncoded),
-            DoubleScreen => discriminant(&AngleNotHalved),
-            _ => discriminant(&mistake),
-        };
-        kind(self) == kind(other)
+    pub(super) fn is_akin(&self, other: &Self) -> bool {
+        self.name == other.name
     }
 }
 
-/// A mistake in JSON, with its name if it has one.
-#[derive(Serialize)]
-struct Kinded {
-    kind: &'static str,
-    #[serde(flatten)]
-    mistake: Option<Mistake>,
+impl PartialEq for Mistake {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.name, &self.detail) == (&other.name, &other.detail)
+    }
 }
 
-fn kinded(mistake: &Mistake) -> Kinded {
-    Kinded { kind: mistake.kind(), mistake: Some(*mistake).filter(|mistake| *mistake != Unchanged) }
+fn rows(count: usize) -> String {
+    if count == 1 { "row".into() } else { format!("{count} rows") }
 }
 
-/// Writes a mistake with its kind.
-pub(super) fn with_kind<S: Serializer>(mistake: &Mistake, serializer: S) -> Result<S::Ok, S::Error> {
-    kinded(mistake).serialize(serializer)
+fn columns(count: usize) -> String {
+    if count == 1 { "column".into() } else { format!("{count} columns") }
 }
 
-/// Writes mistakes with their kinds.
-pub(super) fn with_kinds<S: Serializer>(mistakes: &[Mistake], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(mistakes.iter().map(kinded))
+/// A mistake as it stands in JSON documents.
+impl Serialize for Mistake {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Named<'m> {
+            kind: &'static str,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            name: Option<&'m str>,
+            #[serde(skip_serializing_if = "str::is_empty")]
+            detail: &'m str,
+        }
+        let name = (!self.is_unchanged()).then_some(&*self.name);
+        Named { kind: self.kind(), name, detail: &self.detail }.serialize(serializer)
+    }
 }
 
 impl fmt::Display for Mistake {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.entry().1 {
+        match &*self.text {
             "" => Ok(()),
             words => write!(f, " {words}"),
         }

@@ -1,56 +1,67 @@
 //! Finds why a picture differs from this program's, by trying common mistakes in ray tracers one after the other.
 //!
 //! Each [`Mistake`] produces a wrong picture: by changing the finished picture, the request or the scene, or by a
-//! student's tracer with a switch for each mistake. A search judges which of these pictures is the examined one.
+//! student's tracer that breaks a rule. A search judges which of these pictures is the examined one. Each picture is
+//! judged alone.
 
 mod changes;
+mod difference_kind;
 mod finding;
+mod made;
 mod mistakes;
-mod object_space;
 pub(crate) mod paint;
+mod regions;
+mod rounding;
+mod rules;
 mod search;
+mod self_hits;
 mod speckles;
 pub(crate) mod student;
-#[cfg(test)]
-mod tests;
+
 mod transforms;
-mod window;
+mod variant;
+mod wrong_hits;
+mod wrong_textures;
 
 pub(crate) use changes::has_secondary_rays;
-pub use finding::Finding;
-pub use mistakes::{Mistake, OppositeFaces};
+pub use difference_kind::{DifferenceKind, NamedObject, What};
+pub use finding::{Finding, Rounded};
+pub use mistakes::Mistake;
+use regions::unset_pixels;
+pub use search::MAX_UNEXPLAINED;
 pub use student::SelfHitting;
 
-use crate::caster::choose::Rays;
-use crate::picture::{Color, FloatPicture, Picture, Window};
+use crate::caster::RayOrigin;
+use crate::picture::{FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Progress, Request, Tracing, Watch};
+use crate::scene::Object;
 use crate::scene::model::Shows;
-use crate::tools::compare::colors;
+use crate::stats::Quiet;
+use crate::tools::compare::{color_of, colors};
+use crate::world::Objects;
+use changes::Part;
+use difference_kind::difference_kind;
+use glam::DVec2;
+use made::Made;
 use mistakes::Make;
-use object_space::ObjectSpaces;
-use search::{Made, Search, try_all};
+use search::{Candidate, MIN_VISIBLE, Search, most_likely, part};
 use speckles::speckles;
-use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::rc::Rc;
-use student::{MAX_BOUNCES, Student};
-use window::{flipped, part_of_colors, telling_windows};
-
-/// About how many camera rays the windows of successive searches have.
-const RAYS_OF_WINDOWS: [usize; 2] = [1 << 9, 1 << 12];
-
-/// The shortest side of a window, in pixels. Fewer pixels show too little.
-const MIN_SIDE: usize = 8;
+use variant::{Finish, Variant, prepared};
 
 /// The largest number of mistakes of which each is tried together with all others.
 const MAX_GROUNDS: usize = 3;
+/// The largest number of objects and of lights that are left out, one after the other.
+const MAX_PARTS: usize = 24;
+/// The largest share of the unexplained pixels that may be left if a mistake is named as a cause, not as a part.
+const MAX_LEFT: f64 = 0.02;
 
 /// This program's picture, with its renderer and request.
 pub struct Original<'a> {
     prepared: Prepared<'a>,
     watch: Watch<'a>,
-    /// The request. Its window is the part of the picture used to judge causes.
     request: Request,
     colors: FloatPicture,
 }
@@ -71,9 +82,8 @@ impl<'a> Original<'a> {
         if !can_try(renderer, &request) {
             return None;
         }
-        // The tracer casts all rays, even those that the renderer can skip.
-        let prepared = renderer.prepare_for(&request, Rays::cast(request.camera_rays())).ok()?;
-        let colors = rendered(&prepared, &request, watch)?;
+        let prepared = prepared(renderer, &request)?;
+        let (colors, _) = prepared.render_layer(&request, watch).ok()?;
         Some(Self { prepared, watch, request, colors })
     }
 
@@ -82,101 +92,216 @@ impl<'a> Original<'a> {
         (self.watch)(Progress { done: 0, rows: 0, rays: 0 }).is_break()
     }
 
-    /// Returns the picture with the mistake. `None` if it cannot be made.
-    pub fn picture(&self, mistake: Mistake) -> Option<Picture> {
-        Some(self.made(&[mistake], None)?.to_picture())
+    /// Returns this program's own picture.
+    pub fn own(&self) -> Picture {
+        self.colors.to_picture()
     }
 
-    /// Returns the colours of a window with all of these mistakes. `None` if they cannot be made together.
-    fn made(&self, mistakes: &[Mistake], window: Option<Window>) -> Option<FloatPicture> {
-        if self.is_cancelled() {
-            return None;
+    /// Returns the colours of this program's own picture.
+    pub fn colors(&self) -> &FloatPicture {
+        &self.colors
+    }
+
+    /// Returns the picture with these mistakes. `None` if it cannot be made.
+    pub fn picture(&self, mistakes: &[Mistake]) -> Option<Picture> {
+        Some(Variant::new(self, mistakes)?.picture()?.to_picture())
+    }
+
+    /// Returns the number of pixels whose difference from this program's picture rounding does not explain. The picture
+    /// must have the original's size.
+    pub fn unexplained(&self, picture: &Picture) -> u64 {
+        let made = Made::new(self.colors.clone());
+        let variant = Variant::new(self, &[]);
+        rounding::rest(colors(picture), &made, variant.as_ref()).unexplained.len() as u64
+    }
+
+    /// Finds why each picture differs from this program's, like [`explain`](Self::explain).
+    pub fn explain_all(&self, pictures: &[Picture]) -> Vec<Finding> {
+        pictures.iter().map(|picture| self.explain(picture)).collect()
+    }
+
+    /// Finds why a picture differs from this program's. It must have the original's size.
+    pub fn explain(&self, picture: &Picture) -> Finding {
+        let (picture, size) = (colors(picture), self.colors.size);
+        let own = Rc::new(Made::new(self.colors.clone()));
+        let before = rounding::rest(picture, &own, Variant::new(self, &[]).as_ref());
+        if before.differing == 0 {
+            return self.equal(&Candidate::unchanged(own, before), &[], size);
         }
-        // A flip moves pixels into the window from another one.
-        let window = window.map(|window| flipped(window, self.request.size, flips(mistakes)));
-        let request = Request { window, ..self.request.clone() };
-        let changed = Changed::new(self.renderer(), &request, mistakes)?;
-        let mut colors = match (changed.is_unchanged(&request), window) {
-            (true, None) => self.colors.clone(),
-            (true, Some(window)) => part_of_colors(&self.colors, window),
-            (false, _) => changed.render(self)?,
-        };
-        finish(mistakes, &mut colors);
-        Some(colors)
-    }
-
-    /// Finds why the picture `a` differs from the reference `b`. Both have the original's size.
-    pub fn explain(&self, a: &Picture, b: &Picture) -> Finding {
-        self.explain_all(std::slice::from_ref(a), b, &[]).pop().unwrap_or(Finding::Unknown { tried: 0 })
-    }
-
-    /// Finds why each wrong picture differs from the reference `b`. All have the original's size. The mistakes in
-    /// `first` are tried first, and together with all others.
-    ///
-    /// Tries mistakes in the finished picture first. Then searches in a window of about five hundred camera rays where
-    /// many pixels differ, and checks the likely findings on the whole picture. Pictures that remain unexplained are
-    /// searched for two mistakes, and in a larger window.
-    pub fn explain_all(&self, wrong: &[Picture], b: &Picture, first: &[Mistake]) -> Vec<Finding> {
-        let reference = if self.colors.to_picture() == *b { &self.colors } else { &of_bytes(b) };
-        let made = Rc::new(Made::new(reference));
-        let search = |wrong| Search::new(Cow::Borrowed(wrong), made.clone());
-        let mut searches: Vec<Search> = wrong.iter().map(search).collect();
-        let first = &first[..first.len().min(MAX_GROUNDS)];
-        let alone = |mistake| vec![mistake];
-        let (of_pixels, others): (Vec<Mistake>, Vec<Mistake>) =
-            Mistake::all().partition(|mistake| mistake.is_of_pixels());
-        let others: Vec<Vec<Mistake>> = others.into_iter().map(alone).collect();
-        let learned: Vec<Vec<Mistake>> = first.iter().copied().map(alone).collect();
-        self.try_all(None, of_pixels.chunks(1), &mut searches.iter_mut().collect::<Vec<_>>());
-        let mut sides = RAYS_OF_WINDOWS.map(|rays| self.side_of_windows(rays)).to_vec();
-        sides.dedup();
-        self.search(&learned, sides[0], &mut searches);
-        for side in sides {
-            self.search(&others, side, &mut searches);
-            let pairs = pairs(&searches, first);
-            self.search(&pairs, side, &mut searches);
+        let is_visible = before.unexplained.len() >= MIN_VISIBLE;
+        if before.unexplained.is_empty() && before.visible.len() < MIN_VISIBLE {
+            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
         }
-        let finding = |(search, wrong): (&Search, _)| match search.finding() {
-            Finding::Unknown { tried } => speckles(self, wrong, b).unwrap_or(Finding::Unknown { tried }),
-            found => found,
+
+        // Try each mistake.
+        let rays_per_pixel = Variant::new(self, &[]).map_or(1, |variant| variant.rays_per_pixel());
+        let rays = rays_per_pixel * picture.len();
+        let search = Search::new(picture, own, size, &before, rays_per_pixel);
+        let unset = unset_pixels(picture, size, &before.unexplained);
+        let unset = unset.map(|unset| Mistake::unset(unset, size));
+        let parts = self.parts(search.wrong_sample());
+        // A camera of the other handedness turns the picture, too.
+        let table = Mistake::all().filter(|mistake| mistake.name != "turned");
+        let all: Vec<Mistake> = unset.into_iter().chain(parts).chain(table).collect();
+        let (likely, tried) = self.likely(&search, &[], &all);
+        let candidates = self.judged(&search, most_likely(likely, rays));
+        if let Some(best) = best_of(&candidates, |candidate| candidate.is_all(&before)) {
+            return self.equal(best, &candidates, size);
+        }
+
+        if !is_visible {
+            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
+        }
+
+        // Try each mistake together with those that explain the most.
+        let mut pairs = vec![];
+        for ground in grounds(&candidates) {
+            let search = Search::new(picture, ground.made.clone(), size, &ground.rest, rays_per_pixel);
+            let (likely, _) = self.likely(&search, &ground.mistakes, &all);
+            let least = ground.rest.unexplained.len() / 2;
+            let found = self.judged(&search, most_likely(likely, rays));
+            pairs.extend(found.into_iter().filter(|pair| pair.rest.unexplained.len() < least));
+        }
+        if let Some(best) = best_of(&pairs, |pair| pair.is_all(&before)) {
+            return self.equal(best, &[], size);
+        }
+        let most_left = MAX_LEFT * before.unexplained.len() as f64;
+        let is_nearly_all = |candidate: &Candidate| candidate.rest.unexplained.len() as f64 <= most_left;
+        let [single, pair] = [&candidates, &pairs].map(|all| best_of(all, is_nearly_all));
+        if let Some(best) = pair.or(single) {
+            return self.equal(best, &candidates, size);
+        }
+        if let Some(found) = speckles(self, picture, &before) {
+            return found;
+        }
+        if let Some(Candidate { mistakes, share, .. }) = part(&search, &candidates) {
+            return Finding::Part { cause: mistakes[0].clone(), share: *share };
+        }
+        if 2 * before.unexplained.len() <= before.visible.len() {
+            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
+        }
+        let difference = difference_kind(self, picture, &before.unexplained).map(Box::new);
+        Finding::Unknown { tried, difference }
+    }
+
+    /// Returns the finding that a candidate is all that is wrong, with the others that give the same picture.
+    fn equal(&self, best: &Candidate, candidates: &[Candidate], size: [usize; 2]) -> Finding {
+        let rest = Rounded::new(&best.rest, size[0]);
+        let is_same = |other: &&Candidate| {
+            let is_new = !other.mistakes[0].is_akin(&best.mistakes[0]);
+            is_new && other.mistakes.len() == 1 && other.made.is_like(&best.made)
         };
-        searches.iter().zip(wrong).map(finding).collect()
-    }
-
-    /// Returns the side of windows with about this many camera rays, in pixels. `None` if the whole picture is small, or
-    /// if it is reduced and so needs the pixels around the window.
-    fn side_of_windows(&self, rays: usize) -> Option<usize> {
-        let is_whole = self.request.camera_rays() <= rays || self.request.is_reduced;
-        let side = (rays / self.request.sampler.count() as usize).isqrt().max(MIN_SIDE);
-        (!is_whole).then_some(side)
-    }
-
-    /// Tries mistakes in windows with this side, and the likely ones on the whole picture. Without a side, tries them all
-    /// on the whole picture.
-    fn search(&self, all: &[Vec<Mistake>], side: Option<usize>, searches: &mut [Search]) {
-        let all = || all.iter().map(Vec::as_slice);
-        let mut open: Vec<&mut Search> = searches.iter_mut().filter(|search| !search.is_settled()).collect();
-        let Some(side) = side else { return self.try_all(None, all(), &mut open) };
-        let left: Vec<Vec<u8>> = open.iter().map(|search| search.left()).collect();
-        for (window, pictures) in telling_windows(&left, self.request.size, side) {
-            let reference = Rc::new(open[0].reference().in_window(window));
-            let in_window = |&at: &usize| open[at].in_window(window, reference.clone());
-            let mut parts: Vec<Search> = pictures.iter().map(in_window).collect();
-            self.try_all(Some(window), all(), &mut parts.iter_mut().collect::<Vec<_>>());
-            for (&at, part) in pictures.iter().zip(&parts) {
-                self.try_all(None, part.likely(), &mut [&mut *open[at]]);
-                open[at].add_shown(part.shown());
+        let mut same: Vec<Mistake> = vec![];
+        for other in candidates.iter().filter(is_same).map(|other| &other.mistakes[0]) {
+            if best.mistakes.len() == 1 && !same.iter().any(|named| named.is_akin(other)) {
+                same.push(other.clone());
             }
         }
+        let [cause, also @ ..] = best.mistakes.as_slice() else {
+            return Finding::Equal { cause: Mistake::unchanged(), also: vec![], same, rest };
+        };
+        Finding::Equal { cause: cause.clone(), also: also.to_vec(), same, rest }
     }
 
-    fn try_all<'m>(
+    /// Tries each of these mistakes together with `ground`, by a sample of pixels. Returns the likely ones, and how many
+    /// could be made.
+    fn likely(
         &self,
-        window: Option<Window>,
-        all: impl IntoIterator<Item = &'m [Mistake]>,
-        searches: &mut [&mut Search],
-    ) {
-        try_all(all, |mistakes| self.made(mistakes, window), searches);
+        search: &Search,
+        ground: &[Mistake],
+        all: &[Mistake],
+    ) -> (Vec<(usize, Vec<Mistake>)>, usize) {
+        let changes: Vec<Mistake> = match ground.is_empty() {
+            true => Mistake::all().filter(|mistake| matches!(mistake.make, Make::Colors(_))).collect(),
+            false => vec![],
+        };
+        let (mut likely, mut tried) = (vec![], 0);
+        for mistake in all.iter().filter(|mistake| !ground.iter().any(|other| other.is_akin(mistake))) {
+            if self.is_cancelled() {
+                break;
+            }
+            let mistakes = [ground, std::slice::from_ref(mistake)].concat();
+            let Some(variant) = Variant::new(self, &mistakes) else { continue };
+            let changes_finish = mistake.is_of_pixels() || !ground.is_empty();
+            if !changes_finish && variant.is_traced_as_original() {
+                continue;
+            }
+            tried += 1;
+            likely.extend(search.likely(&variant, &mistakes, &changes));
+        }
+        (likely, tried)
+    }
+
+    /// Judges mistakes by the whole picture.
+    fn judged(&self, search: &Search, likely: Vec<Vec<Mistake>>) -> Vec<Candidate> {
+        let judge = |mistakes: Vec<Mistake>| {
+            let variant = Variant::new(self, &mistakes)?;
+            let made = Made::new(variant.picture()?);
+            search.judged(mistakes, made, Some(&variant))
+        };
+        likely.into_iter().filter_map(judge).collect()
+    }
+
+    /// Returns the parts of the scene that may be missing where these pixels differ: objects, the first and the last
+    /// triangles of objects, and lights.
+    fn parts(&self, pixels: &[usize]) -> Vec<Mistake> {
+        let (renderer, caster) = (self.renderer(), self.prepared.caster());
+        let scene = &renderer.scene;
+        let Some(objects) = Objects::new(scene, renderer.meshes(), caster.world) else { return vec![] };
+        // A reduced picture has other pixels.
+        let pixels = if self.request.is_reduced { &[] } else { pixels };
+        let mut primitives: Vec<u32> = pixels.iter().filter_map(|&at| self.primitive_at(at)).collect();
+        primitives.sort_unstable();
+        primitives.dedup();
+        let is_seen = |range: std::ops::Range<u32>| {
+            primitives
+                .get(primitives.partition_point(|&id| id < range.start))
+                .is_some_and(|id| range.contains(id))
+        };
+        let mut placed: Vec<_> = objects.iter().collect();
+        // Objects that are not seen may be missing in mirrors and among shadows.
+        placed.sort_by_key(|object| (!is_seen(object.primitives.clone()), object.id));
+        let line = |id: usize| scene.positions.objects.get(id).copied().unwrap_or_default().line;
+        let mut parts = vec![];
+        for object in placed.into_iter().filter(|object| !object.primitives.is_empty()).take(MAX_PARTS) {
+            let (id, range, kind) = (object.id, object.primitives.clone(), scene.objects[object.id].name());
+            let (detail, place) = (format!("line {}", line(id)), format!("{kind} in line {}", line(id)));
+            let without = |name, what: &str, part| {
+                Mistake::without(name, detail.clone(), format!("without {what}the {place}"), part)
+            };
+            parts.push(without("object_missing", "", Part::Object(id)));
+            let has_several = range.len() > 1 && !matches!(scene.objects[id], Object::Box { .. });
+            if has_several && is_seen(range.end - 1..range.end) {
+                parts.push(without("last_triangle_missing", "the last triangle of ", Part::LastTriangle(id)));
+            }
+            if has_several && is_seen(range.start..range.start + 1) {
+                parts.push(without(
+                    "first_triangle_missing",
+                    "the first triangle of ",
+                    Part::FirstTriangle(id),
+                ));
+            }
+        }
+        for light in 0..scene.lights.len().min(MAX_PARTS) {
+            let at = scene.positions.lights.get(light).copied().unwrap_or_default();
+            let text = format!("without the light in line {}", at.line);
+            parts.push(Mistake::without(
+                "light_missing",
+                format!("line {}", at.line),
+                text,
+                Part::Light(light),
+            ));
+        }
+        parts
+    }
+
+    /// Returns the primitive that is seen through the centre of the pixel with this index.
+    fn primitive_at(&self, at: usize) -> Option<u32> {
+        let [width, height] = self.request.size;
+        let pixel = DVec2::new((at % width) as f64, (height - 1 - at / width) as f64);
+        let ray = self.renderer().camera(&self.request).ray(pixel, DVec2::ZERO);
+        let visible = self.prepared.caster().nearest(&ray, RayOrigin::FREE, &mut Quiet)?;
+        Some(visible.primitive)
     }
 
     fn layer(&self) -> Layer {
@@ -197,142 +322,70 @@ pub(crate) fn can_try(renderer: &Renderer, request: &Request) -> bool {
     shows_scene && (layer != Layer::Color || request.adaptive.is_none())
 }
 
-/// Returns pairs of mistakes to try: the best ones of unexplained pictures and the `first` ones, each with all others
-/// that show.
-fn pairs(searches: &[Search], first: &[Mistake]) -> Vec<Vec<Mistake>> {
-    let open = || searches.iter().filter(|search| !search.is_settled());
-    let mut grounds = distinct(open().filter_map(Search::best).chain(first.iter().copied()));
+/// Returns the candidate that leaves the fewest pixels among those that are meant.
+fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> Option<&Candidate> {
+    let meant = candidates.iter().filter(|candidate| is_meant(candidate));
+    meant.min_by_key(|candidate| (candidate.left(), candidate.mistakes.len()))
+}
+
+/// Returns the candidates to which others may be added.
+fn grounds(candidates: &[Candidate]) -> Vec<&Candidate> {
+    let mut grounds: Vec<&Candidate> =
+        candidates.iter().filter(|candidate| candidate.mistakes.len() == 1).collect();
+    grounds.sort_by_key(|candidate| candidate.left());
     grounds.truncate(MAX_GROUNDS);
-    let shows = |mistake: &Mistake| open().any(|search| search.shown().contains(mistake));
-    let others: Vec<Mistake> = Mistake::all().skip(1).filter(shows).collect();
-    let with_others = |&ground: &Mistake| {
-        let others = others.iter().filter(move |other| !ground.is_akin(**other));
-        others.map(move |&other| vec![ground, other])
-    };
-    grounds.iter().flat_map(with_others).collect()
+    grounds
 }
 
-/// Returns these mistakes in their order, each once.
-pub(crate) fn distinct(mistakes: impl IntoIterator<Item = Mistake>) -> Vec<Mistake> {
-    let mut distinct = vec![];
-    for mistake in mistakes {
-        if !distinct.contains(&mistake) {
-            distinct.push(mistake);
-        }
-    }
-    distinct
-}
-
-/// The changes that mistakes make before a picture is rendered.
-struct Changed {
-    /// The renderer of another scene.
-    renderer: Option<Renderer>,
-    request: Request,
-    /// The mistake of a student's tracer.
-    switch: Option<Mistake>,
-}
-
-impl Changed {
-    /// Makes these mistakes. `None` if one tracer cannot make them.
-    fn new(original: &Renderer, request: &Request, mistakes: &[Mistake]) -> Option<Self> {
-        let (mut scene, mut changed, mut switch) = (original.scene.clone(), request.clone(), None);
-        for &mistake in mistakes {
-            match mistake.make() {
-                Make::Colors(_) | Make::Flip(_) => {}
-                Make::Request(change) => change(&mut changed, &scene),
-                Make::Scene(change) => change(&mut scene),
-                Make::Text(change) => change(&mut scene, &original.source.text),
-                Make::Student if switch.is_some() => return None,
-                Make::Student => switch = Some(mistake),
-            }
-        }
-        // The scene's own camera is none of the request's.
-        if changed.camera == Some(original.scene.camera) {
-            changed.camera = request.camera;
-        }
-        if switch.is_some() && request.effects.bounces > MAX_BOUNCES && has_secondary_rays(&scene) {
-            return None;
-        }
-        let is_changed = scene != original.scene;
-        let renderer = is_changed.then(|| original.with_scene(scene)).transpose().ok()?;
-        Some(Self { renderer, request: changed, switch })
-    }
-
-    fn is_unchanged(&self, request: &Request) -> bool {
-        self.renderer.is_none() && self.switch.is_none() && self.request == *request
-    }
-
-    /// Renders the picture. `None` if it is cancelled, or memory is too small.
-    fn render(&self, original: &Original) -> Option<FloatPicture> {
-        let prepared = match &self.renderer {
-            Some(renderer) => &renderer.prepare(&self.request).ok()?,
-            None => &original.prepared,
-        };
-        if self.switch.is_none() {
-            return rendered(prepared, &self.request, original.watch);
-        }
-        let (renderer, hits) = (prepared.renderer(), prepared.caster());
-        let spaces = &ObjectSpaces::new(&renderer.scene, original.renderer().meshes(), hits.world);
-        let student = Student::new(renderer, hits, self.request.effects);
-        let student = Student { mistake: self.switch, spaces: Some(spaces), ..student };
-        paint::colors(&student, &self.request, &|| original.is_cancelled()).ok()
-    }
-}
-
-/// Returns true if these mistakes flip the picture left to right, and if they flip it upside down.
-fn flips(mistakes: &[Mistake]) -> [bool; 2] {
-    mistakes.iter().fold([false; 2], |all, mistake| match mistake.make() {
-        Make::Flip(flips) => [all[0] ^ flips[0], all[1] ^ flips[1]],
-        _ => all,
-    })
-}
-
-/// Makes the mistakes of these that change finished pictures.
-fn finish(mistakes: &[Mistake], picture: &mut FloatPicture) {
-    let [across, down] = flips(mistakes);
-    if across {
-        picture.colors.chunks_exact_mut(picture.size[0]).for_each(<[Color]>::reverse);
-    }
-    if down {
-        let rows = picture.colors.chunks_exact(picture.size[0]).rev();
-        picture.colors = rows.flatten().copied().collect();
-    }
-    for mistake in mistakes {
-        if let Make::Colors(change) = mistake.make() {
-            picture.colors.iter_mut().for_each(|color| *color = change(*color));
-        }
-    }
-}
-
-/// Returns colours that are cut to these bytes. Halfway between two bytes, no rounding changes them.
-fn of_bytes(picture: &Picture) -> FloatPicture {
-    let size = [picture.width() as usize, picture.height() as usize];
-    let color = |pixel: &[u8; 3]| Color::from_array(pixel.map(|byte| (f64::from(byte) + 0.5) / 255.0));
-    FloatPicture { size, colors: colors(picture).iter().map(color).collect() }
-}
-
-/// Finds why pictures differ from a finished one, whose scene is not known. `colors` are its colours, or `None` if only
-/// its bytes are known. Mistakes in converting colours to bytes are then not tried. All pictures have the same size.
+/// Finds why pictures differ from a finished one, whose scene is not known. `rendered` are its colours, or `None` if
+/// only its bytes are known. Mistakes in converting colours to bytes are then not tried. All pictures have the same
+/// size.
 pub fn explain_finished(
     reference: &Picture,
     rendered: Option<&FloatPicture>,
-    wrong: &[Picture],
+    pictures: &[Picture],
 ) -> Vec<Finding> {
-    let colors = rendered.map_or_else(|| Cow::Owned(of_bytes(reference)), Cow::Borrowed);
-    let made = Rc::new(Made::new(&colors));
-    let mut searches: Vec<Search> =
-        wrong.iter().map(|wrong| Search::new(Cow::Borrowed(wrong), made.clone())).collect();
-    let all: Vec<Mistake> = Mistake::of_pixels(rendered.is_some()).collect();
-    let make = |mistakes: &[Mistake]| {
-        let mut colors = colors.clone().into_owned();
-        finish(mistakes, &mut colors);
-        Some(colors)
+    let size = [reference.width() as usize, reference.height() as usize];
+    let own = rendered.cloned().unwrap_or_else(|| FloatPicture {
+        size,
+        colors: colors(reference).iter().copied().map(color_of).collect(),
+    });
+    let base = Rc::new(Made::new(own.clone()));
+    let is_known = |mistake: &Mistake| {
+        mistake.is_of_pixels() && !mistake.is_unchanged() && (rendered.is_some() || !mistake.needs_colors())
     };
-    try_all(all.chunks(1), make, &mut searches.iter_mut().collect::<Vec<_>>());
-    searches.iter().map(Search::finding).collect()
-}
-
-/// Renders the request's only layer. `None` if memory is too small or the watch cancels.
-fn rendered(prepared: &Prepared, request: &Request, watch: Watch) -> Option<FloatPicture> {
-    prepared.render_layer(request, watch).ok().map(|(picture, _)| picture)
+    let all: Vec<Mistake> = Mistake::all().filter(is_known).collect();
+    let pairs = all.iter().flat_map(|one| all.iter().map(move |other| vec![one.clone(), other.clone()]));
+    let pairs = pairs.filter(|pair| !pair[0].is_akin(&pair[1]));
+    let every: Vec<Vec<Mistake>> = all.iter().map(|one| vec![one.clone()]).chain(pairs).collect();
+    let explain = |picture: &Picture| {
+        let picture = colors(picture);
+        let before = rounding::rest(picture, &base, None);
+        let search = Search::new(picture, base.clone(), size, &before, 1);
+        let likely = every.iter().filter_map(|mistakes| search.likely_finished(mistakes, &own));
+        let judge = |mistakes: Vec<Mistake>| {
+            let mut made = own.clone();
+            Finish::new(&mistakes).apply(&mut made);
+            search.judged(mistakes, Made::new(made), None)
+        };
+        let candidates: Vec<Candidate> =
+            most_likely(likely.collect(), picture.len()).into_iter().filter_map(judge).collect();
+        let most_left = MAX_LEFT * before.unexplained.len() as f64;
+        let is_all = |candidate: &Candidate| {
+            candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left
+        };
+        match best_of(&candidates, is_all) {
+            Some(best) => Finding::Equal {
+                cause: best.mistakes[0].clone(),
+                also: best.mistakes[1..].to_vec(),
+                same: vec![],
+                rest: Rounded::new(&best.rest, size[0]),
+            },
+            None => match part(&search, &candidates) {
+                Some(part) => Finding::Part { cause: part.mistakes[0].clone(), share: part.share },
+                None => Finding::Unknown { tried: all.len(), difference: None },
+            },
+        }
+    };
+    pictures.iter().map(explain).collect()
 }

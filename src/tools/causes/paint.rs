@@ -1,12 +1,13 @@
 //! Renders the pictures of a student's tracer with the request's samples and filter.
 
-use super::mistakes::Mistake;
-use super::student::Student;
+use super::rules::Rule;
+use super::student::{HitsItself, Student};
 use crate::base::memory;
+use crate::camera::{Camera, Projection};
 use crate::math::instructions;
 use crate::math::ray::Ray;
 use crate::picture::{BadSize, Color, FloatPicture};
-use crate::render::{Layer, Request};
+use crate::render::{Layer, Request, Window};
 use crate::sampling::blur::{Blur, reduced};
 use crate::sampling::film::Film;
 use crate::sampling::filter::Filter;
@@ -19,85 +20,170 @@ use std::ops::Range;
 /// The number of rows painted at a time. They are kept until the film has taken them.
 const ROWS: usize = 64;
 
-/// Renders the request's first layer with a student's tracer. Pixels are black after `is_over` returns true.
-pub fn colors(
-    student: &Student,
-    request: &Request,
-    is_over: &(dyn Fn() -> bool + Sync),
-) -> Result<FloatPicture, BadSize> {
-    let measures = student.renderer.scene.measure_colors;
-    let centers = || Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request.clone() };
-    match request.layers.first() {
-        Some(&Layer::Depth { near, far }) => {
-            let grey = |(t, _)| Color::splat(measures.depths.grey(t, [near, far]));
-            let color = |ray: &Ray| student.seen(ray).map_or(Color::ZERO, grey);
-            paint(student, &centers(), &color, is_over)
-        }
-        Some(Layer::Normals) => {
-            let normal = |ray: &Ray| student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
-            paint(student, &centers(), &|ray| measures.normals.color(normal(ray)), is_over)
-        }
-        _ => paint(student, request, &|ray| student.color(ray), is_over),
-    }
+/// A map from a point of the picture, in pixels from the lower left corner, and the picture's size to the distance by
+/// which the point moves.
+pub type Move = fn(DVec2, DVec2) -> DVec2;
+
+/// Paints the first layer of a request by a student's tracer.
+#[derive(Clone, Copy)]
+pub struct Painter<'a> {
+    student: &'a Student<'a>,
+    request: &'a Request,
+    camera: Camera,
+    /// Moves of the points that rays pass through.
+    moves: &'a [Move],
+    /// One more move, of all points alike.
+    moved: DVec2,
+    is_over: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// Paints the window of a picture.
-fn paint(
-    student: &Student,
-    request: &Request,
-    color: &(dyn Fn(&Ray) -> Color + Sync),
-    is_over: &(dyn Fn() -> bool + Sync),
-) -> Result<FloatPicture, BadSize> {
-    let Request { size, filter, sampler, .. } = *request;
-    let [width, height] = size;
-    let (columns, rows) = (request.columns(), request.rows());
-    let traced_columns = with_border(&columns, filter.support(), width);
-    let traced_rows = with_border(&rows, filter.support(), height);
-    let (camera, level) = (student.renderer.camera(request), instructions::available()[0]);
-    // From the samples to the points that the rays pass through, in pixels to the right and up.
-    let shift = match student.mistake {
-        Some(Mistake::Shifted { half_pixels: [x, y] }) => 0.5 * DVec2::new(x.into(), y.into()),
-        _ => DVec2::ZERO,
-    };
-    let row = |j: usize| {
-        let mut spread = Spread::new(filter, level, j, size);
-        let mut c_rand = sampler.c_rand([traced_columns.start, j], width);
-        for i in traced_columns.clone() {
-            let color = |offset| match is_over() {
-                true => Color::ZERO,
-                false => color(&camera.ray(DVec2::new(i as f64, j as f64), offset + shift)),
-            };
-            match &mut c_rand {
-                Some(c_rand) => spread.add(i, DVec2::ZERO, color(c_rand.next_offset()), 1.0),
-                None => {
-                    for offset in sampler.offsets((i * height + j) as u64) {
-                        spread.add(i, offset, color(offset), 1.0);
+impl<'a> Painter<'a> {
+    /// Returns a painter. Pixels are black after `is_over` returns true.
+    pub fn new(student: &'a Student, request: &'a Request, is_over: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        let camera = student.renderer.camera(request);
+        Self { student, request, camera, moves: &[], moved: DVec2::ZERO, is_over }
+    }
+
+    pub fn with_moves(self, moves: &'a [Move]) -> Self {
+        Self { moves, ..self }
+    }
+
+    /// Returns a painter whose tracer decides by `hits_itself` which rays hit the surface that they leave, and calls
+    /// `work` with it.
+    pub fn with_self_hits<T>(&self, hits_itself: HitsItself, work: impl FnOnce(&Painter) -> T) -> T {
+        let student = Student { hits_itself: Some(hits_itself), ..*self.student };
+        work(&Painter { student: &student, ..*self })
+    }
+
+    /// Returns the colour along a ray in the request's layer.
+    fn color(&self, ray: &Ray) -> Color {
+        let (student, rules) = (self.student, self.student.rules);
+        let measures = student.renderer.scene.measure_colors;
+        match self.request.layers.first() {
+            Some(&Layer::Depth { near, far }) => {
+                let Some((t, surface)) = student.seen(ray) else {
+                    return Color::splat(f64::from(rules.has(Rule::DepthInverted)));
+                };
+                let t = match rules.has(Rule::DepthAlongAxis) {
+                    true => (surface.position - ray.origin).dot(forward(&self.camera)),
+                    false => t,
+                };
+                let grey = measures.depths.grey(t, [near, far]);
+                Color::splat(if rules.has(Rule::DepthInverted) { 1.0 - grey } else { grey })
+            }
+            Some(Layer::Normals) => {
+                let normal = student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
+                if rules.has(Rule::NormalsClamped) {
+                    normal.max(DVec3::ZERO)
+                } else if rules.has(Rule::NormalsShifted) && normal != DVec3::ZERO {
+                    0.5 * normal + 0.5
+                } else if rules.has(Rule::NormalsShifted) {
+                    Color::ZERO
+                } else {
+                    measures.normals.color(normal)
+                }
+            }
+            _ => student.color(ray),
+        }
+    }
+
+    /// Returns the request's sampler and filter. Depths and normals are seen through the centres of pixels.
+    fn sampling(&self) -> (Sampler, Filter) {
+        match self.request.layers.first() {
+            Some(Layer::Depth { .. } | Layer::Normals) => (Sampler::CENTER, Filter::PIXEL),
+            _ => (self.request.sampler, self.request.filter),
+        }
+    }
+
+    /// Returns the colour seen at an offset from the centre of the pixel in this column and row from the bottom.
+    fn sample(&self, pixel: [usize; 2], offset: DVec2) -> Color {
+        if (self.is_over)() {
+            return Color::ZERO;
+        }
+        let pixel = DVec2::new(pixel[0] as f64, pixel[1] as f64);
+        let size = DVec2::new(self.request.size[0] as f64, self.request.size[1] as f64);
+        let point = pixel + 0.5 + offset;
+        let shift = self.moves.iter().fold(self.moved, |sum, shift| sum + shift(point, size));
+        self.color(&self.camera.ray(pixel, offset + shift))
+    }
+
+    /// Returns the colours of pixels, by their columns and rows from the top left, with all points moved.
+    pub fn pixels(&self, pixels: &[[usize; 2]], moved: DVec2) -> Vec<Color> {
+        let painter = Self { moved: self.moved + moved, ..*self };
+        if !self.request.is_reduced {
+            return pixels.par_iter().map(|&pixel| painter.pixel(pixel)).collect();
+        }
+        let Ok(picture) = painter.picture() else { return vec![Color::ZERO; pixels.len()] };
+        pixels.iter().map(|&[x, y]| picture.colors[y * picture.size[0] + x]).collect()
+    }
+
+    /// Returns the colour of a pixel of a picture that is not reduced.
+    fn pixel(&self, [x, y]: [usize; 2]) -> Color {
+        let (sampler, filter) = self.sampling();
+        let [width, height] = self.request.size;
+        if filter.support() == 0 && sampler.c_rand([0, 0], width).is_none() {
+            let j = height - 1 - y;
+            let (mut sum, mut weights) = (Color::ZERO, 0.0);
+            for offset in sampler.offsets((x * height + j) as u64) {
+                let weight = filter.weight(offset);
+                sum += weight * self.sample([x, j], offset);
+                weights += weight;
+            }
+            return sum / weights;
+        }
+        let window = Some(Window { x, y, width: 1, height: 1 });
+        let request = Request { window, ..self.request.clone() };
+        let one = Painter { request: &request, ..*self };
+        one.picture().map_or(Color::ZERO, |picture| picture.colors[0])
+    }
+
+    /// Returns the window of the picture.
+    pub fn picture(&self) -> Result<FloatPicture, BadSize> {
+        let (sampler, filter) = self.sampling();
+        let (request, size) = (self.request, self.request.size);
+        let [width, height] = size;
+        let (columns, rows) = (request.columns(), request.rows());
+        let traced_columns = with_border(&columns, filter.support(), width);
+        let traced_rows = with_border(&rows, filter.support(), height);
+        let level = instructions::available()[0];
+        let row = |j: usize| {
+            let mut spread = Spread::new(filter, level, j, size);
+            let mut c_rand = sampler.c_rand([traced_columns.start, j], width);
+            for i in traced_columns.clone() {
+                match &mut c_rand {
+                    Some(c_rand) => {
+                        spread.add(i, DVec2::ZERO, self.sample([i, j], c_rand.next_offset()), 1.0)
+                    }
+                    None => {
+                        for offset in sampler.offsets((i * height + j) as u64) {
+                            spread.add(i, offset, self.sample([i, j], offset), 1.0);
+                        }
                     }
                 }
             }
+            spread
+        };
+        let mut picture = FloatPicture::with_room(request.window_size())?;
+        let in_progress = ROWS.min(traced_rows.len()) * Spread::bytes(filter, size);
+        memory::ask(in_progress as u64).map_err(|_| BadSize { width: columns.len(), height: rows.len() })?;
+        let mut film = Film::new(filter, size, traced_rows.start);
+        for start in traced_rows.clone().step_by(ROWS) {
+            let end = traced_rows.end.min(start + ROWS);
+            let spreads: Vec<_> = (start..end).into_par_iter().map(row).collect();
+            for spread in spreads {
+                let mut finish = |j: usize, colors: &mut dyn Iterator<Item = Color>| {
+                    if rows.contains(&j) {
+                        picture.colors.extend(colors.skip(columns.start).take(columns.len()));
+                    }
+                };
+                film.add(spread, &mut finish);
+            }
         }
-        spread
-    };
-    let mut picture = FloatPicture::with_room(request.window_size())?;
-    let in_progress = ROWS.min(traced_rows.len()) * Spread::bytes(filter, size);
-    memory::ask(in_progress as u64).map_err(|_| BadSize { width: columns.len(), height: rows.len() })?;
-    let mut film = Film::new(filter, size, traced_rows.start);
-    for start in traced_rows.clone().step_by(ROWS) {
-        let end = traced_rows.end.min(start + ROWS);
-        let spreads: Vec<_> = (start..end).into_par_iter().map(row).collect();
-        for spread in spreads {
-            let mut finish = |j: usize, colors: &mut dyn Iterator<Item = Color>| {
-                if rows.contains(&j) {
-                    picture.colors.extend(colors.skip(columns.start).take(columns.len()));
-                }
-            };
-            film.add(spread, &mut finish);
-        }
+        // The film's rows run upwards.
+        picture.colors.reverse();
+        picture.colors.chunks_exact_mut(columns.len()).for_each(<[Color]>::reverse);
+        Ok(if request.is_reduced { blurred(&picture) } else { picture })
     }
-    // The film's rows run upwards.
-    picture.colors.reverse();
-    picture.colors.chunks_exact_mut(columns.len()).for_each(<[Color]>::reverse);
-    Ok(if request.is_reduced { blurred(&picture) } else { picture })
 }
 
 /// Returns the picture, blurred and reduced.
@@ -111,6 +197,12 @@ fn blurred(picture: &FloatPicture) -> FloatPicture {
     FloatPicture { size: reduced(picture.size), colors }
 }
 
+/// Returns the direction at right angles to the picture.
+fn forward(camera: &Camera) -> DVec3 {
+    let (Projection::Perspective(eye) | Projection::Orthographic(eye)) = camera.projection();
+    eye.direction
+}
+
 /// Returns the range extended by the pixels whose samples contribute to it.
 fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize> {
     range.start.saturating_sub(support)..(range.end + support).min(end)
@@ -120,23 +212,27 @@ fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize>
 mod tests {
     use super::*;
     use crate::picture::Picture;
-    use crate::render::Window;
     use crate::render::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, sampler};
     use crate::scene::load;
-    use crate::tools::causes::window::part_of_colors;
-    use crate::tools::causes::{Mistake, Original};
+    use crate::tools::causes::variant::prepared;
     use crate::trace::{Effects, Shadows};
+    use std::ops::ControlFlow;
     use std::path::Path;
 
-    /// Renders one of the project's scenes with the renderer, and with the student's tracer without a mistake.
-    fn both(scene: &str, request: &Request) -> [Picture; 2] {
+    /// Renders one of the project's scenes with the renderer, with the student's tracer, and pixel by pixel.
+    fn all(scene: &str, request: &Request) -> [Picture; 3] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
-        let original = Original::new(&renderer, request).unwrap();
-        let student = Student::new(&renderer, original.prepared.caster(), request.effects);
-        let painted = colors(&student, request, &|| false).unwrap();
-        [original.colors, painted].map(|colors| colors.to_picture())
+        let prepared = prepared(&renderer, request).unwrap();
+        let (real, _) = prepared.render_layer(request, &|_| ControlFlow::Continue(())).unwrap();
+        let student = Student::new(&renderer, prepared.caster(), request.effects);
+        let painter = Painter::new(&student, request, &|| false);
+        let painted = painter.picture().unwrap();
+        let places: Vec<[usize; 2]> =
+            (0..real.size[1]).flat_map(|y| (0..real.size[0]).map(move |x| [x, y])).collect();
+        let pixels = FloatPicture { size: real.size, colors: painter.pixels(&places, DVec2::ZERO) };
+        [real, painted, pixels].map(|colors| colors.to_picture())
     }
 
     #[test]
@@ -145,8 +241,10 @@ mod tests {
         let transparent = Effects { shadows: Shadows::Transparent, shade_back: true, ..shadows };
         let sampler = sampler::Sampler::new(sampler::Pattern::Jittered, 4, Drand48::UNSEEDED);
         let one = Request { effects: shadows, ..Request::new([50, 40]) };
-        let many =
-            Request { sampler, filter: Filter::Gaussian { sigma: 0.7 }, effects: transparent, ..one.clone() };
+        let many = Request { sampler, effects: transparent, ..one.clone() };
+        let wide = Request { filter: Filter::Gaussian { sigma: 0.7 }, ..many.clone() };
+        let depths = Request { layers: vec![Layer::Depth { near: 5.0, far: 12.0 }], ..many.clone() };
+        let reduced = Request { is_reduced: true, ..one.clone() };
         for scene in [
             "scene6_02_sphere_triangles.txt",
             "scene6_10_nested_transformations.txt",
@@ -154,26 +252,12 @@ mod tests {
             "scene6_13_checkerboard.txt",
             "scene7_05_glass_sphere.txt",
         ] {
-            for request in [&one, &many] {
-                let [real, textbook] = both(scene, request);
-                assert!(real == textbook, "{scene}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_window_is_a_part_of_the_picture() {
-        let sampler = sampler::Sampler::new(sampler::Pattern::Jittered, 4, Drand48::UNSEEDED);
-        let window = Window { x: 30, y: 7, width: 20, height: 9 };
-        for filter in [Filter::PIXEL, Filter::Gaussian { sigma: 0.7 }] {
-            let request = Request { sampler, filter, ..Request::new([50, 40]) };
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_02_sphere_triangles.txt");
-            let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
-            let original = Original::new(&renderer, &request).unwrap();
-            for cause in Mistake::all() {
-                let [whole, found] = [None, Some(window)].map(|window| original.made(&[cause], window));
-                let expected = whole.map(|whole| part_of_colors(&whole, window).to_picture());
-                assert!(found.map(|found| found.to_picture()) == expected, "{cause:?} {filter:?}");
+            for (name, request) in
+                [("one", &one), ("many", &many), ("wide", &wide), ("depths", &depths), ("reduced", &reduced)]
+            {
+                let [real, painted, pixels] = all(scene, request);
+                assert!(real == painted, "{scene} {name}");
+                assert!(real == pixels, "{scene} {name} by pixels");
             }
         }
     }
@@ -181,7 +265,7 @@ mod tests {
     #[test]
     fn a_picture_taller_than_a_batch_of_rows_is_in_order() {
         let request = Request { filter: Filter::Tent { radius: 2.0 }, ..Request::new([20, 150]) };
-        let [real, textbook] = both("scene6_02_sphere_triangles.txt", &request);
-        assert!(real == textbook);
+        let [real, painted, _] = all("scene6_02_sphere_triangles.txt", &request);
+        assert!(real == painted);
     }
 }

@@ -1,30 +1,30 @@
-//! Judges mistakes by the pixels that they make right.
+//! The search for the mistakes that explain a picture.
 //!
-//! A pixel is right if it is the picture's colour up to rounding, or up to one level more. A mistake is accepted if it
-//! makes most of the wrong pixels right, and shows wherever it can. It is all that is wrong if few other pixels differ,
-//! nearly all of them at edges, where a tracer in single precision sees the neighbouring surface.
+//! A mistake is first judged by a sample of the pixels: several hundred wrong ones, and right ones, which it must leave
+//! right. The likely mistakes are then judged by the whole picture. A mistake is accepted if it makes most of the wrong
+//! pixels right, and shows wherever it can. It is all that is wrong if rounding explains what it leaves.
 
-use super::finding::Finding;
+use super::made::{Made, MadePixel};
 use super::mistakes::Mistake;
-use super::window::{part, part_of_rows};
-use crate::picture::{Color, FloatPicture, Picture, Window};
-use crate::tools::compare::{EdgeMap, Rgb, Tolerance, colors, largest_channel_difference};
-use std::borrow::Cow;
-use std::cell::LazyCell;
+use super::rounding::{self, Rest};
+use super::variant::{Finish, Rough, Variant, colors_at};
+use crate::picture::{Color, FloatPicture};
+use crate::tools::compare::Rgb;
+use glam::DVec2;
 use std::rc::Rc;
 
-/// The largest error of a colour in single precision, in levels.
-const ROUNDING: f64 = 1.0 / 64.0;
-/// The largest share of all pixels that single precision changes by more than one level at edges.
-const AT_EDGES: f64 = 0.005;
-/// The largest such share elsewhere.
-const ELSEWHERE: f64 = 0.001;
-/// The largest share of all pixels that single precision changes by one level more than rounding.
-const BY_A_LEVEL: f64 = 0.01;
-/// The largest such share if a mistake explains the other differences. Other tracers compute their own way.
-pub const BY_A_LEVEL_AND_MISTAKE: f64 = 0.2;
-/// The smallest share of the wrong pixels that a mistake makes right, and the smallest share of the pixels changed by
-/// it. A change that is only similar to the mistake leaves an error in the same pixels.
+/// The number of wrong pixels by which a mistake is judged first, if they need at most this number of rays, and the number of wrong and of right ones in a sample.
+const FIRST: usize = 48;
+const MIN_FIRST: usize = 12;
+const FIRST_RAYS: usize = 1 << 10;
+const MIN_SAMPLE: usize = 48;
+const SAMPLE_RAYS: usize = 1 << 14;
+const WRONG: usize = 512;
+const RIGHT: usize = 256;
+/// The smallest share of the first wrong pixels that a mistake makes right.
+const MIN_FIRST_SHARE: f64 = 0.15;
+/// The smallest share of the wrong pixels that a mistake makes right, and of the pixels that it changes. A change that
+/// is only similar to the mistake leaves an error in the same pixels.
 const MIN_SHARES: [f64; 2] = [0.6, 0.75];
 /// The smallest such shares of a mistake that makes nearly all right that it changes. Other mistakes show in the rest.
 const MIN_SHARES_IF_PRECISE: [f64; 2] = [1.0 / 3.0, 0.98];
@@ -33,339 +33,279 @@ const MIN_SHARES_IF_PRECISE: [f64; 2] = [1.0 / 3.0, 0.98];
 const MIN_SHARES_BY_A_LEVEL: [f64; 2] = [0.9, 0.75];
 /// The largest share of the pixels changed by a mistake that may be right without it. A mistake shows where it can.
 const MAX_CONTRADICTED: f64 = 0.03;
-/// The largest such share for rays that hit the surface that they leave. Rounding spares some of them.
-const MAX_CONTRADICTED_BY_ROUNDING: f64 = 0.2;
+/// The largest number of pixels that a mistake makes nearly right, for each one that it makes right. A mistake that is
+/// only similar is often off by a few levels.
+const MAX_NEARLY: f64 = 0.1;
+/// A pixel is nearly right if it differs by at most this many levels.
+const NEARLY: u8 = 6;
+/// The number of mistakes that are judged by the whole picture, and the number of camera rays of all their pictures.
+const MOST_LIKELY: usize = 10;
+const MOST_LIKELY_RAYS: usize = 1 << 22;
 /// Every mistake of another kind must leave at least this many times as many wrong pixels.
 const MIN_LEAD: f64 = 2.0;
+/// The number of pixels that a correct tracer in single precision may leave unexplained.
+pub const MAX_UNEXPLAINED: usize = 2;
+/// With fewer unexplained pixels, only a mistake that gives the very picture is named.
+pub const MIN_VISIBLE: usize = 4;
 
-/// A picture, and the bytes of its pixels if rounding changes its colours.
-pub struct Made {
-    picture: Picture,
-    low: Vec<Rgb>,
-    high: Vec<Rgb>,
-}
-
-impl Made {
-    pub fn new(made: &FloatPicture) -> Self {
-        let moved = |levels: f64| {
-            let pixel = |color: &Color| color.to_array().map(|channel| (255.0 * channel + levels) as u8);
-            made.colors.iter().map(pixel).collect()
-        };
-        Self { picture: made.to_picture(), low: moved(-ROUNDING), high: moved(ROUNDING) }
-    }
-
-    /// Returns the part in a window.
-    pub fn in_window(&self, window: Window) -> Self {
-        let width = self.picture.width() as usize;
-        let [low, high] = [&self.low, &self.high].map(|pixels| part_of_rows(pixels, width, window));
-        Self { picture: part(&self.picture, window), low, high }
-    }
-
-    /// Returns the levels by which a pixel differs by more than rounding.
-    fn levels(&self, at: usize, pixel: Rgb) -> u8 {
-        let levels = |channel: usize| {
-            let (byte, low, high) = (pixel[channel], self.low[at][channel], self.high[at][channel]);
-            low.saturating_sub(byte).max(byte.saturating_sub(high))
-        };
-        levels(0).max(levels(1)).max(levels(2))
-    }
-
-    /// Returns the levels by which the pixels of a picture differ by more than rounding.
-    pub fn all_levels(&self, picture: &Picture) -> Vec<u8> {
-        colors(picture).iter().enumerate().map(|(at, &pixel)| self.levels(at, pixel)).collect()
-    }
-
-    /// Returns true if the pictures are equal up to rounding.
-    pub fn is_like(&self, other: &Self) -> bool {
-        colors(&other.picture).iter().enumerate().all(|(at, &pixel)| self.levels(at, pixel) == 0)
-    }
-}
-
-/// The pixels of a wrong picture that a picture leaves wrong.
-#[derive(Clone, Copy, Debug, Default)]
-struct Rest {
-    differing: u64,
-    differing_at_edges: u64,
-    /// By more than rounding.
-    beyond_rounding: u64,
-    /// By more than one level.
-    visible: u64,
-    visible_at_edges: u64,
-}
-
-impl Rest {
-    fn of(wrong: &Picture, made: &Made) -> Self {
-        let mut rest = Self::default();
-        let width = wrong.width() as usize;
-        let pairs = colors(wrong).iter().zip(colors(&made.picture)).enumerate();
-        let mut edges = None;
-        for (at, (&pixel, &right)) in pairs.filter(|(_, (pixel, right))| pixel != right) {
-            let edges = edges.get_or_insert_with(|| EdgeMap::new(&made.picture));
-            let is_at_edge = u64::from(edges.is_near_edge(at % width, at / width));
-            let is_visible = u64::from(largest_channel_difference(pixel, right) > 1);
-            rest.differing += 1;
-            rest.differing_at_edges += is_at_edge;
-            rest.beyond_rounding += u64::from(made.levels(at, pixel) > 0);
-            rest.visible += is_visible;
-            rest.visible_at_edges += is_visible * is_at_edge;
-        }
-        rest
-    }
-
-    /// Returns true if a tracer in single precision leaves that much visibly wrong in a picture of this many pixels.
-    fn is_hardly_visible(&self, pixels: f64) -> bool {
-        let elsewhere = self.visible - self.visible_at_edges;
-        self.visible_at_edges as f64 <= AT_EDGES * pixels && elsewhere as f64 <= ELSEWHERE * pixels
-    }
-
-    /// Returns true if also no more than this share of the pixels is wrong by a level.
-    fn is_small(&self, pixels: f64, by_a_level: f64) -> bool {
-        let by_level = self.beyond_rounding.saturating_sub(self.visible) as f64;
-        self.is_hardly_visible(pixels) && by_level <= by_a_level * pixels
-    }
-
-    /// Returns the number of wrong pixels. The visible ones count twice.
-    fn size(&self) -> u64 {
-        self.beyond_rounding + self.visible
-    }
-}
-
-/// Mistakes made together that explain at least part of a difference.
-struct Candidate {
-    mistakes: Vec<Mistake>,
-    made: Rc<Made>,
-    rest: Rest,
+/// Mistakes whose picture was judged as a whole.
+pub struct Candidate {
+    pub mistakes: Vec<Mistake>,
+    pub made: Rc<Made>,
+    /// The difference that they leave.
+    pub rest: Rest,
     /// The share of the wrong pixels that they make right.
-    share: f64,
+    pub share: f64,
 }
 
 /// The search for the cause of one picture.
 pub struct Search<'p> {
-    wrong: Cow<'p, Picture>,
-    reference: Rc<Made>,
-    /// The levels by which each pixel differs from the reference by more than rounding.
-    differences: Vec<u8>,
-    whole: Rest,
-    /// A pixel is wrong if it differs by more levels than that besides rounding: one if many pixels do, or else none.
+    picture: &'p [Rgb],
+    /// The picture on which mistakes are made: this program's own, or one with a mistake that is known.
+    base: Rc<Made>,
+    size: [usize; 2],
+    /// True for each pixel that the base and rounding do not explain.
+    is_wrong: Vec<bool>,
+    /// A pixel is right if it differs by at most this many levels besides rounding: one if many pixels differ visibly,
+    /// or else none.
     level: u8,
-    candidates: Vec<Candidate>,
-    /// The mistakes tried in this picture, one by one and together.
-    tried: Vec<Vec<Mistake>>,
-    /// The single mistakes tried that show, also in windows.
-    shown: Vec<Mistake>,
+    /// The pixels by which mistakes are judged first: wrong ones, and then right ones.
+    sample: Vec<usize>,
+    /// The number of wrong pixels in the sample.
+    wrong: usize,
+}
+
+/// Counts of pixels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    /// Wrong with the base, and of these right with the mistake.
+    wrong: usize,
+    mended: usize,
+    /// Changed by the mistake, and of these right with it.
+    changed: usize,
+    right: usize,
+    /// Right with the base, and wrong with the mistake.
+    contradicted: usize,
+    /// Changed by the mistake, and then equal or nearly right.
+    equal: usize,
+    nearly: usize,
+}
+
+impl Counts {
+    fn share(&self) -> f64 {
+        self.mended as f64 / self.wrong as f64
+    }
+
+    /// Returns the number of pixels that are wrong with the mistake.
+    fn left(&self) -> usize {
+        self.wrong - self.mended + self.contradicted
+    }
 }
 
 impl<'p> Search<'p> {
-    pub fn new(wrong: Cow<'p, Picture>, reference: Rc<Made>) -> Self {
-        let (whole, differences) = (Rest::of(&wrong, &reference), reference.all_levels(&wrong));
-        let level = u8::from(!whole.is_hardly_visible(differences.len() as f64));
-        Self { wrong, reference, differences, whole, level, candidates: vec![], tried: vec![], shown: vec![] }
+    /// Starts a search. `rest` is what the base leaves of the difference.
+    pub fn new(
+        picture: &'p [Rgb],
+        base: Rc<Made>,
+        size: [usize; 2],
+        rest: &Rest,
+        rays_per_pixel: usize,
+    ) -> Self {
+        let level = u8::from(rest.visible.len() >= MIN_VISIBLE);
+        let mut is_wrong = vec![false; picture.len()];
+        // Where rounding explains all, only a mistake that explains it better is of interest.
+        let visible = if rest.unexplained.len() < MIN_VISIBLE { &rest.visible[..] } else { &[] };
+        rest.unexplained.iter().chain(visible).for_each(|&at| is_wrong[at] = true);
+        let is_wrong_by = |at: &usize| is_wrong[*at] && base.pixels[*at].levels(picture[*at]) > level;
+        let wrong: Vec<usize> = (0..picture.len()).filter(is_wrong_by).collect();
+        let right: Vec<usize> =
+            (0..picture.len()).filter(|&at| base.pixels[at].levels(picture[at]) == 0).collect();
+        // Few pixels are enough where each needs many rays.
+        let most = |pixels: usize| pixels.min((SAMPLE_RAYS / rays_per_pixel).max(MIN_SAMPLE));
+        let mut sample = scattered(&wrong, most(WRONG));
+        let wrong = sample.len();
+        sample.extend(scattered(&right, most(RIGHT)));
+        Self { picture, base, size, is_wrong, level, sample, wrong }
     }
 
-    pub fn reference(&self) -> &Made {
-        &self.reference
+    /// Returns the wrong pixels in the sample.
+    pub fn wrong_sample(&self) -> &[usize] {
+        &self.sample[..self.wrong]
     }
 
-    /// Returns a search in a window of the picture that knows the best single mistake. `reference` is the reference's
-    /// part.
-    pub fn in_window(&self, window: Window, reference: Rc<Made>) -> Search<'static> {
-        let mut search = Search::new(Cow::Owned(part(&self.wrong, window)), reference);
-        search.level = self.level;
-        if let Some(best) = self.best_of(1) {
-            search.add(&best.mistakes, Rc::new(best.made.in_window(window)), best.share);
+    /// Adds the pixel with this index to the counts, if the mistake gives it this colour.
+    fn count(&self, counts: &mut Counts, at: usize, made: &MadePixel) {
+        let (pixel, base) = (self.picture[at], &self.base.pixels[at]);
+        let before = base.levels(pixel);
+        let (is_right_before, after) = (before <= self.level, made.levels(pixel));
+        let is_wrong = !is_right_before && self.is_wrong[at];
+        let is_changed = base.levels(made.bytes) > self.level;
+        let is_right = after <= self.level;
+        counts.wrong += usize::from(is_wrong);
+        counts.mended += usize::from(is_wrong && is_right);
+        if is_changed {
+            counts.changed += 1;
+            counts.right += usize::from(is_right);
+            counts.contradicted += usize::from(!is_right && is_right_before);
+            counts.equal += usize::from(after == 0);
+            counts.nearly += usize::from(is_wrong && !is_right && after <= NEARLY);
         }
-        search
     }
 
-    fn add(&mut self, mistakes: &[Mistake], made: Rc<Made>, share: f64) {
-        let rest = Rest::of(&self.wrong, &made);
-        self.candidates.push(Candidate { mistakes: mistakes.to_vec(), made, rest, share });
+    /// Judges the variant's mistakes by the sample, alone and with each of these changes of the finished picture.
+    /// Returns those that are likely, each with the number of pixels in the sample that they leave wrong.
+    pub fn likely(
+        &self,
+        variant: &Variant,
+        mistakes: &[Mistake],
+        changes: &[Mistake],
+    ) -> Vec<(usize, Vec<Mistake>)> {
+        let size = variant.size();
+        let found = variant.with_painter(Rough::default(), |painter| {
+            // Few pixels are enough where each needs many rays.
+            let first = (FIRST_RAYS / variant.rays_per_pixel()).clamp(MIN_FIRST, FIRST).min(self.wrong);
+            let colors = colors_at(painter, variant, &self.sample[..first], DVec2::ZERO);
+            let is_possible = |all: &Vec<Mistake>| {
+                let finish = Finish::new(all);
+                let mut counts = Counts::default();
+                for (&at, &color) in self.sample.iter().zip(&colors) {
+                    self.count(&mut counts, at, &MadePixel::new(finish.color(color, at, size)));
+                }
+                counts.share() >= MIN_FIRST_SHARE
+            };
+            let with = |change: &Mistake| [mistakes, std::slice::from_ref(change)].concat();
+            let others = changes.iter().filter(|change| !mistakes.contains(change)).map(with);
+            let possible: Vec<Vec<Mistake>> =
+                std::iter::once(mistakes.to_vec()).chain(others).filter(is_possible).collect();
+            if possible.is_empty() {
+                return vec![];
+            }
+            let colors = colors_at(painter, variant, &self.sample, DVec2::ZERO);
+            let judge = |all: Vec<Mistake>| {
+                let counts = self.sample_counts(&all, &colors);
+                self.is_likely(&counts).then(|| (counts.left(), all))
+            };
+            possible.into_iter().filter_map(judge).collect()
+        });
+        found.unwrap_or_default()
     }
 
-    /// Tries mistakes whose picture differs by `changes` from the reference.
-    pub fn try_mistakes(&mut self, mistakes: &[Mistake], made: &Rc<Made>, changes: &[u8]) {
-        if mistakes.len() == 1 {
-            self.add_shown(mistakes);
+    /// Judges changes of a finished picture by the sample, like [`likely`](Self::likely).
+    pub fn likely_finished(&self, mistakes: &[Mistake], own: &FloatPicture) -> Option<(usize, Vec<Mistake>)> {
+        let finish = Finish::new(mistakes);
+        let mut counts = Counts::default();
+        for &at in &self.sample {
+            let [x, y] = finish.source(at, self.size);
+            let color = finish.color(own.colors[y * self.size[0] + x], at, self.size);
+            self.count(&mut counts, at, &MadePixel::new(color));
         }
-        // Count the pixels that are wrong, remain wrong, are changed, become or remain right, and become wrong.
-        let (mut wrong, mut left, mut changed, mut right, mut contradicted) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for (at, (&before, &change)) in self.differences.iter().zip(changes).enumerate() {
-            let after = made.levels(at, colors(&self.wrong)[at]);
-            let [is_wrong, is_left, is_changed] = [before, after, change].map(|levels| levels > self.level);
-            wrong += f64::from(is_wrong);
-            left += f64::from(is_left);
-            changed += f64::from(is_changed);
-            right += f64::from(is_changed && !is_left);
-            contradicted += f64::from(is_changed && is_left && !is_wrong);
+        self.is_likely(&counts).then(|| (counts.left(), mistakes.to_vec()))
+    }
+
+    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color]) -> Counts {
+        let finish = Finish::new(mistakes);
+        let mut counts = Counts::default();
+        for (&at, &color) in self.sample.iter().zip(colors) {
+            self.count(&mut counts, at, &MadePixel::new(finish.color(color, at, self.size)));
         }
-        // The quotients are NaN if nothing is wrong or changed.
-        let (share, precision) = (1.0 - left / wrong, right / changed);
+        counts
+    }
+
+    /// Returns true if a mistake with these counts of the sample may be accepted.
+    fn is_likely(&self, counts: &Counts) -> bool {
+        counts.share() >= MIN_SHARES_IF_PRECISE[0] / 2.0
+            && counts.contradicted as f64 <= 0.1 * counts.changed as f64 + 2.0
+    }
+
+    /// Judges mistakes by the whole picture. Returns `None` if they are refuted.
+    pub fn judged(&self, mistakes: Vec<Mistake>, made: Made, variant: Option<&Variant>) -> Option<Candidate> {
+        let mut counts = Counts::default();
+        for (at, pixel) in made.pixels.iter().enumerate() {
+            self.count(&mut counts, at, pixel);
+        }
+        if !self.is_accepted(&counts) {
+            return None;
+        }
+        let rest = rounding::rest(self.picture, &made, variant);
+        Some(Candidate { mistakes, made: Rc::new(made), rest, share: counts.share() })
+    }
+
+    fn is_accepted(&self, counts: &Counts) -> bool {
+        let precision = counts.right as f64 / counts.changed as f64;
         let explains =
-            |[min_share, min_precision]: [f64; 2]| share >= min_share && precision >= min_precision;
-        let max_contradicted = match mistakes {
-            [Mistake::NoEpsilon { .. }] => MAX_CONTRADICTED_BY_ROUNDING,
-            _ => MAX_CONTRADICTED,
-        };
+            |[min_share, min_precision]: [f64; 2]| counts.share() >= min_share && precision >= min_precision;
         let is_meant = match self.level {
             0 => explains(MIN_SHARES_BY_A_LEVEL),
             _ => explains(MIN_SHARES) || explains(MIN_SHARES_IF_PRECISE),
         };
-        if is_meant && contradicted <= max_contradicted * changed + ELSEWHERE * self.pixels() {
-            self.add(mistakes, made.clone(), share);
+        let most_contradicted = MAX_CONTRADICTED * counts.changed as f64 + 0.001 * self.picture.len() as f64;
+        is_meant && counts.contradicted as f64 <= most_contradicted
+    }
+
+    /// Returns true if a candidate is not merely similar to the picture's mistakes.
+    fn is_meant(&self, candidate: &Candidate) -> bool {
+        let mut counts = Counts::default();
+        for (at, pixel) in candidate.made.pixels.iter().enumerate() {
+            self.count(&mut counts, at, pixel);
         }
-    }
-
-    fn pixels(&self) -> f64 {
-        self.differences.len() as f64
-    }
-
-    /// Returns the levels by which each pixel differs by more than rounding from the picture of the best single mistake,
-    /// or else from the reference.
-    pub fn left(&self) -> Vec<u8> {
-        self.best_of(1).map_or(&self.reference, |best| &best.made).all_levels(&self.wrong)
-    }
-
-    /// Returns the mistakes that may explain more of a larger picture than all others: single ones that the best one
-    /// does not lead, and better pairs.
-    pub fn likely(&self) -> impl Iterator<Item = &[Mistake]> {
-        let size = |candidate: &Candidate| candidate.rest.size() as f64;
-        let single = self.best_of(1).map_or(self.whole.size() as f64, size);
-        let best = self.best_of(2).map_or(0.0, size);
-        // A window at an edge shows more than its share of the pixels that single precision changes.
-        let at_edges = AT_EDGES * self.pixels() + 2.0;
-        let is_likely = move |candidate: &&Candidate| match candidate.mistakes.len() {
-            1 => size(candidate) <= MIN_LEAD * (single + at_edges),
-            _ => size(candidate) <= (MIN_LEAD * (best + at_edges)).min(single / MIN_LEAD + at_edges),
-        };
-        self.candidates.iter().filter(is_likely).map(|candidate| candidate.mistakes.as_slice())
-    }
-
-    /// Returns the single mistakes tried that show, also in windows.
-    pub fn shown(&self) -> &[Mistake] {
-        &self.shown
-    }
-
-    /// Adds single mistakes that show in a window.
-    pub fn add_shown(&mut self, mistakes: &[Mistake]) {
-        for &mistake in mistakes {
-            if !self.shown.contains(&mistake) {
-                self.shown.push(mistake);
-            }
-        }
-    }
-
-    /// Returns the single mistake that explains the most.
-    pub fn best(&self) -> Option<Mistake> {
-        self.best_of(1).map(|best| best.mistakes[0])
-    }
-
-    /// Returns the best of the candidates with at most this many mistakes, the first of several equally good ones.
-    fn best_of(&self, most: usize) -> Option<&Candidate> {
-        let all = self.candidates.iter().filter(|candidate| candidate.mistakes.len() <= most);
-        all.min_by_key(|candidate| (candidate.rest.size(), candidate.rest.differing))
-    }
-
-    /// Returns true if the answer is final.
-    pub fn is_settled(&self) -> bool {
-        // Mistakes in the finished picture are tried first. They may resemble others.
-        let has_tried_others = || self.shown.iter().any(|mistake| !mistake.is_of_pixels());
-        match self.finding() {
-            Finding::Equal { pixels: 0, .. } => true,
-            Finding::Equal { .. } | Finding::Rounding { .. } => has_tried_others(),
-            _ => false,
-        }
-    }
-
-    /// Returns the answer of the mistakes tried so far.
-    pub fn finding(&self) -> Finding {
-        let whole = &self.whole;
-        let is_rounding = whole.is_small(self.pixels(), BY_A_LEVEL);
-        for best in [1, 2].into_iter().filter_map(|count| self.best_of(count)) {
-            let rest = &best.rest;
-            // No mistake is needed if rounding explains the difference, unless the mistake gives the very picture.
-            let is_better = !is_rounding || rest.differing == 0 || 10 * rest.size() <= whole.size();
-            if is_better && rest.is_small(self.pixels(), BY_A_LEVEL_AND_MISTAKE) {
-                return Finding::Equal {
-                    cause: best.mistakes[0],
-                    also: best.mistakes[1..].to_vec(),
-                    same: self.same(best),
-                    pixels: rest.differing,
-                    by_more_than_one_level: rest.visible,
-                    at_edges: rest.differing_at_edges,
-                };
-            }
-        }
-        match self.best_of(1).filter(|best| self.leads(best)) {
-            _ if is_rounding => Finding::Rounding {
-                pixels: whole.differing,
-                at_edges: whole.differing_at_edges,
-                tolerance: tolerance(whole),
-            },
-            Some(best) => Finding::Part { cause: best.mistakes[0], share: best.share },
-            None => Finding::Unknown { tried: self.shown.len() },
-        }
-    }
-
-    /// Returns the single mistakes other than the best, each with its picture.
-    fn others<'s>(&'s self, best: &'s Candidate) -> impl Iterator<Item = (Mistake, &'s Candidate)> {
-        let is_other = |mistake: Mistake| best.mistakes.iter().all(|named| !named.is_akin(mistake));
-        self.candidates.iter().filter_map(move |other| match other.mistakes[..] {
-            [mistake] if is_other(mistake) => Some((mistake, other)),
-            _ => None,
-        })
-    }
-
-    /// Returns the other mistakes whose picture is the same up to rounding.
-    fn same(&self, best: &Candidate) -> Vec<Mistake> {
-        let mut same: Vec<Mistake> = vec![];
-        for (mistake, _) in self.others(best).filter(|(_, other)| other.made.is_like(&best.made)) {
-            if !same.iter().any(|named| named.is_akin(mistake)) {
-                same.push(mistake);
-            }
-        }
-        same
-    }
-
-    /// Returns true if no mistake of another kind explains about as much.
-    fn leads(&self, best: &Candidate) -> bool {
-        let bound = MIN_LEAD * best.rest.size() as f64;
-        let leads_over =
-            |other: &Candidate| other.rest.size() as f64 >= bound || other.made.is_like(&best.made);
-        self.others(best).all(|(_, other)| leads_over(other))
+        counts.nearly as f64 <= MAX_NEARLY * counts.equal as f64
     }
 }
 
-/// Returns a tolerance with round numbers that accepts a difference.
-fn tolerance(rest: &Rest) -> Tolerance {
-    let rounds = (1..).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u64.pow(power)));
-    let pixels =
-        if rest.visible == 0 { 0 } else { rounds.take(30).find(|&n| n >= rest.visible).unwrap_or(u64::MAX) };
-    Tolerance { levels: 1, pixels }
+impl Candidate {
+    /// Returns the candidate without a mistake.
+    pub fn unchanged(made: Rc<Made>, rest: Rest) -> Self {
+        Self { mistakes: vec![], made, rest, share: 0.0 }
+    }
+
+    /// Returns true if rounding explains what the mistakes leave of a difference of this size.
+    pub fn is_all(&self, before: &Rest) -> bool {
+        match (before.unexplained.len(), before.visible.len()) {
+            (0..MIN_VISIBLE, 0..MIN_VISIBLE) => self.rest.differing == 0,
+            (0..MIN_VISIBLE, _) => self.rest.visible.is_empty() && self.rest.unexplained.is_empty(),
+            _ => self.rest.unexplained.len() <= MAX_UNEXPLAINED,
+        }
+    }
+
+    /// Returns the number of pixels that are left, the unexplained ones first.
+    pub fn left(&self) -> (usize, usize) {
+        (self.rest.unexplained.len(), self.rest.differing)
+    }
 }
 
-/// Tries all of these mistakes in each search that has not tried them. Skips those that cannot be seen in the reference.
-pub fn try_all<'m>(
-    all: impl IntoIterator<Item = &'m [Mistake]>,
-    make: impl Fn(&[Mistake]) -> Option<FloatPicture>,
-    searches: &mut [&mut Search],
-) {
-    let Some(reference) = searches.first().map(|search| search.reference.clone()) else { return };
-    let own = LazyCell::new(|| make(&[Mistake::Unchanged]).map(|own| Made::new(&own)));
-    let shows = |mistakes: &[Mistake], made: &Made| {
-        let is_own = || own.as_ref().is_some_and(|own| own.is_like(made));
-        !reference.is_like(made) && (mistakes == [Mistake::Unchanged] || !is_own())
+/// Sorts likely mistakes, the best ones first, and drops those that a better one leads. A picture has this number of
+/// camera rays.
+pub fn most_likely(mut likely: Vec<(usize, Vec<Mistake>)>, rays: usize) -> Vec<Vec<Mistake>> {
+    likely.sort_by_key(|(left, mistakes)| (*left, mistakes.len()));
+    let best = likely.first().map_or(0, |(left, _)| *left);
+    let bound = MIN_LEAD * best as f64 + 8.0;
+    let kept = likely.into_iter().take_while(|(left, _)| *left as f64 <= bound);
+    kept.map(|(_, mistakes)| mistakes).take((MOST_LIKELY_RAYS / rays).clamp(2, MOST_LIKELY)).collect()
+}
+
+/// Returns the candidate of which a part of the difference consists, if there is one: a single mistake that is not merely
+/// similar to another, and that leads all others.
+pub fn part<'c>(search: &Search, candidates: &'c [Candidate]) -> Option<&'c Candidate> {
+    let singles = || candidates.iter().filter(|candidate| candidate.mistakes.len() == 1);
+    let best = singles().min_by_key(|candidate| candidate.left())?;
+    let bound = MIN_LEAD * best.rest.unexplained.len() as f64;
+    let leads = |other: &Candidate| {
+        other.mistakes[0].is_akin(&best.mistakes[0])
+            || other.rest.unexplained.len() as f64 >= bound
+            || other.made.is_like(&best.made)
     };
-    for mistakes in all {
-        let is_new = |search: &&mut &mut Search| !search.tried.iter().any(|tried| tried == mistakes);
-        let mut searches: Vec<&mut &mut Search> = searches.iter_mut().filter(is_new).collect();
-        if searches.is_empty() {
-            continue;
-        }
-        searches.iter_mut().for_each(|search| search.tried.push(mistakes.to_vec()));
-        let made = make(mistakes).map(|made| Rc::new(Made::new(&made)));
-        if let Some(made) = made.filter(|made| shows(mistakes, made)) {
-            let changes = reference.all_levels(&made.picture);
-            searches.iter_mut().for_each(|search| search.try_mistakes(mistakes, &made, &changes));
-        }
-    }
+    (search.is_meant(best) && singles().all(leads)).then_some(best)
+}
+
+/// Returns up to this many of the items, evenly spread, in an order in which each part is evenly spread, too.
+fn scattered(items: &[usize], most: usize) -> Vec<usize> {
+    let count = items.len().min(most);
+    // Multiples of a number without a common divisor with the count visit each item once.
+    let step = (1..).map(|i| (count as f64 * 0.618) as usize + i).find(|&step| are_coprime(step, count));
+    let step = step.unwrap_or(1);
+    (0..count).map(|i| items[(i * step % count) * items.len() / count]).collect()
+}
+
+fn are_coprime(a: usize, b: usize) -> bool {
+    if b == 0 { a == 1 } else { are_coprime(b, a % b) }
 }

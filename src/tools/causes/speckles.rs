@@ -1,21 +1,20 @@
 //! Speckles (shadow acne): a ray hits the surface that it leaves, so a point shadows or mirrors itself.
 //!
-//! The affected points depend on every rounding, so their picture cannot be reproduced. But a pixel can have only few
-//! such colours, one for each choice of the rays that hit their own surface. Pixels with such a colour are scattered
-//! among correct ones, whereas other mistakes affect whole regions.
+//! Pixels with a colour that such rays make are scattered among correct ones, whereas other mistakes affect whole regions.
 
 use super::Original;
 use super::changes::has_secondary_rays;
 use super::finding::Finding;
-use super::search::BY_A_LEVEL_AND_MISTAKE;
+use super::paint::Painter;
+use super::rounding::Rest;
+use super::self_hits::is_made;
 use super::student::{SelfHitting, Student};
-use crate::math::ray::Ray;
-use crate::picture::{CHANNELS, Picture, RED_FIRST, truncate_to_bytes};
+use crate::picture::Color;
 use crate::render::{Layer, Request};
 use crate::tools::compare::{EdgeMap, Rgb, colors, largest_channel_difference};
+use crate::world::SurfacePoint;
 use glam::DVec2;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The smallest number of speckles. Fewer pixels may match by chance.
 const MIN_PIXELS: usize = 3;
@@ -29,17 +28,15 @@ const MIXED: f64 = 0.3;
 const HARDLY_MIXED: f64 = 0.1;
 /// The smallest share of the differing pixels that are away from edges.
 const MIN_AWAY: f64 = 0.1;
+/// The largest share of all pixels that differ by one level.
+const BY_A_LEVEL: f64 = 0.2;
 /// The largest number of pixels examined, evenly spread over the differing ones.
 const MAX_PIXELS: usize = 1 << 12;
-/// The largest number of choices of rays tried for a pixel.
-const MAX_CHOICES: usize = 256;
-/// The largest number of rays of a pixel that have a choice.
-const MAX_RAYS: u32 = 32;
 /// With more bounces, a pixel has too many rays to look for speckles.
 const MAX_BOUNCES: u32 = 6;
 
-/// Returns the speckles in `a` if they explain its difference from `b`. Both are whole pictures.
-pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Finding> {
+/// Returns the speckles in a picture if they explain the pixels that rounding does not.
+pub fn speckles(original: &Original, picture: &[Rgb], before: &Rest) -> Option<Finding> {
     let (renderer, request) = (original.renderer(), &original.request);
     // A pixel with several samples mixes too many colours.
     let can_show = original.layer() == Layer::Color
@@ -47,29 +44,32 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Finding
         && request.sampler.is_center()
         && request.filter.support() == 0
         && !request.is_reduced;
-    if !can_show || original.is_cancelled() {
+    // Acne does not change many pixels by a level.
+    let by_a_level = before.differing - before.visible.len();
+    let differs_by_a_level = by_a_level as f64 > BY_A_LEVEL * picture.len() as f64;
+    if !can_show || differs_by_a_level || original.is_cancelled() {
         return None;
     }
-    let (differing, mixed) = differing(request, colors(a), colors(b), &EdgeMap::new(b));
-    let count = |differ: fn(Rgb, Rgb) -> bool| {
-        colors(a).iter().zip(colors(b)).filter(|&(&a, &b)| differ(a, b)).count() as f64
-    };
-    let (visible, by_a_level) = (count(|a, b| !nearly(a, b)), count(|a, b| a != b && nearly(a, b)));
-    // Acne does not change many pixels by a level.
-    let differs_by_a_level = by_a_level > BY_A_LEVEL_AND_MISTAKE * colors(a).len() as f64;
-    if differs_by_a_level || mixed < HARDLY_MIXED || (differing.len() as f64) < MIN_AWAY * visible {
+    let own = original.own();
+    let (differing, mixed) = differing(request, picture, colors(&own), &EdgeMap::new(&own));
+    if mixed < HARDLY_MIXED || (differing.len() as f64) < MIN_AWAY * before.visible.len() as f64 {
         return None;
     }
     let step = differing.len().div_ceil(MAX_PIXELS).max(1);
     let examined: Vec<usize> = differing.iter().copied().step_by(step).collect();
-    let camera = renderer.camera(request);
     let student = &Student::new(renderer, original.prepared.caster(), request.effects);
+    let is_over = || original.is_cancelled();
+    let painter = Painter::new(student, request, &is_over);
     let count = |rays: SelfHitting| {
+        let may_hit = |why, _: &SurfacePoint, _| rays.has(why);
         let is_made = |&&at: &&usize| {
-            let [width, height] = request.size;
-            let pixel = DVec2::new((at % width) as f64, (height - 1 - at / width) as f64);
-            let ray = camera.ray(pixel, DVec2::ZERO);
-            !original.is_cancelled() && is_made(student, &ray, colors(a)[at], rays)
+            let source = [at % request.size[0], at / request.size[0]];
+            let right = painter.pixels(&[source], DVec2::ZERO)[0];
+            let accepts = |color| {
+                let bytes = bytes_of(color);
+                bytes != bytes_of(right) && nearly(bytes, picture[at])
+            };
+            !is_over() && is_made(&painter, source, DVec2::ZERO, &may_hit, &accepts)
         };
         examined.par_iter().filter(is_made).count()
     };
@@ -82,30 +82,6 @@ pub fn speckles(original: &Original, a: &Picture, b: &Picture) -> Option<Finding
     let mut kinds = [SelfHitting::Shadow, SelfHitting::Secondary].into_iter();
     let rays = kinds.find(|&rays| 10 * count(rays) >= 9 * found).unwrap_or(SelfHitting::All);
     Some(Finding::Speckles { pixels: found * differing.len() / examined.len(), rays })
-}
-
-/// Returns true if a camera ray has this colour when some of its descendant rays hit the surface that they leave.
-fn is_made(student: &Student, ray: &Ray, color: Rgb, rays: SelfHitting) -> bool {
-    // One bit for each ray with a choice, in the order in which they start.
-    let mut chosen = 0_u32;
-    for _ in 0..MAX_CHOICES {
-        let started = AtomicU32::new(0);
-        let hits_itself = |why, _: &_, _| {
-            let number = if rays.has(why) { started.fetch_add(1, Ordering::Relaxed) } else { MAX_RAYS };
-            number < MAX_RAYS && chosen >> number & 1 != 0
-        };
-        let student = Student { hits_itself: Some(&hits_itself), ..*student };
-        let mut bytes = [0; CHANNELS];
-        truncate_to_bytes::<RED_FIRST>(&[student.color(ray)], &mut bytes);
-        if chosen != 0 && nearly(bytes, color) {
-            return true;
-        }
-        // The next choice sets the last ray not chosen, and clears those after it.
-        let started = started.into_inner().min(MAX_RAYS);
-        let Some(last) = (0..started).rev().find(|ray| chosen >> ray & 1 == 0) else { return false };
-        chosen = chosen & ((1 << last) - 1) | 1 << last;
-    }
-    false
 }
 
 /// Returns the indices of the pixels away from edges that differ by more than one level, and the share of unlike pairs
@@ -137,4 +113,8 @@ fn are_unlike(one: [i32; 3], other: [i32; 3]) -> bool {
 
 fn nearly(a: Rgb, b: Rgb) -> bool {
     largest_channel_difference(a, b) <= 1
+}
+
+fn bytes_of(color: Color) -> Rgb {
+    color.to_array().map(|channel| (255.0 * channel) as u8)
 }

@@ -1,11 +1,11 @@
-//! The student's tracer: Whitted's recursion as in a textbook, one ray at a time, with a switch for each mistake.
+//! The student's tracer: Whitted's recursion as in a textbook, one ray at a time, with a switch for each rule.
 //!
-//! It uses the tracer's own functions for the laws of light. A mistake is a switch around a call. Without a mistake the
+//! It uses the tracer's own functions for the laws of light. A broken rule is a switch around a call. Without one the
 //! colours equal the tracer's. Rays are intersected through a trait, so it runs with a caster or by brute force, in
 //! single or double precision.
 
-use super::mistakes::Mistake;
-pub use super::object_space::ObjectSpaces;
+use super::rules::{Rule, Rules};
+use super::wrong_textures::first_weight;
 use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
@@ -13,21 +13,20 @@ use crate::math::robust::{offset_origin, unit};
 use crate::picture::Color;
 use crate::render::renderer::Renderer;
 use crate::scene::limits::{BRIGHTEST, LARGEST};
-use crate::scene::material::{Material, Pattern, Phong, Texture};
+use crate::scene::material::{Material, Phong};
 use crate::scene::model::{Highlight, Split};
-use crate::scene::{Light, MaterialId};
+use crate::scene::{Light, MaterialId, Object};
 use crate::shading::light::{Incident, incident};
-use crate::shading::perlin::turbulence;
 use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
-use crate::shading::texture::{first_weight, material_at, material_of_surface};
+use crate::shading::texture::{material_at, material_of_surface};
 use crate::stats::Quiet;
 use crate::trace::{
     Effects, Shadows, ending_at_light, mirrored_part, reflected, refracted_between, transmittance,
 };
-use crate::world::{SurfacePoint, World};
-use glam::DVec3;
+use crate::world::{Objects, Primitive, SurfacePoint, World};
+use glam::{DMat3, DVec3};
 use serde::Serialize;
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 /// How a ray leaves a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,19 +105,19 @@ impl Hits for Caster<'_> {
 /// Returns true if a ray that leaves a surface in a direction hits it again.
 pub type HitsItself<'a> = &'a (dyn Fn(Departure, &SurfacePoint, DVec3) -> bool + Sync);
 
-/// A tracer with at most one mistake.
+/// A tracer that breaks some rules.
 #[derive(Clone, Copy)]
 pub struct Student<'a> {
     pub renderer: &'a Renderer,
     pub hits: &'a dyn Hits,
     pub effects: Effects,
-    pub mistake: Option<Mistake>,
-    /// The transforms applied to the primitives. Mistakes with normals need them.
-    pub spaces: Option<&'a ObjectSpaces<'a>>,
-    /// The rays that hit the surface that they leave, if not the mistake's.
+    pub rules: Rules,
+    /// The objects of the world. Rules about normals need them.
+    pub objects: Option<&'a Objects>,
+    /// The rays that hit the surface that they leave, if not the rule's.
     pub hits_itself: Option<HitsItself<'a>>,
-    /// True if points, directions and colours are rounded to single precision.
-    pub is_single: bool,
+    /// An epsilon in place of the scene's.
+    pub epsilon: Option<f64>,
 }
 
 /// A ray and its history since the camera.
@@ -141,13 +140,14 @@ struct Arrival<'m> {
 }
 
 impl<'a> Student<'a> {
-    /// Returns a tracer in double precision without mistakes.
+    /// Returns a tracer that breaks no rule.
     pub fn new(renderer: &'a Renderer, hits: &'a dyn Hits, effects: Effects) -> Self {
-        Self { renderer, hits, effects, mistake: None, spaces: None, hits_itself: None, is_single: false }
+        let rules = Rules::default();
+        Self { renderer, hits, effects, rules, objects: None, hits_itself: None, epsilon: None }
     }
 
-    fn makes(&self, mistake: Mistake) -> bool {
-        self.mistake == Some(mistake)
+    fn breaks(&self, rule: Rule) -> bool {
+        self.rules.has(rule)
     }
 
     fn world(&self) -> &World {
@@ -156,9 +156,8 @@ impl<'a> Student<'a> {
 
     /// Returns the colour along a ray from the camera.
     pub fn color(&self, ray: &Ray) -> Color {
-        let ray = Ray { origin: self.rounded(ray.origin), direction: self.rounded(ray.direction), ..*ray };
-        let way = Way { ray, leaves: None, weight: 1.0, bounces: 0, index: 1.0 };
-        self.clamped_by(Mistake::SamplesClamped, self.trace(&way))
+        let way = Way { ray: *ray, leaves: None, weight: 1.0, bounces: 0, index: 1.0 };
+        self.clamped_by(Rule::SamplesClamped, self.trace(&way))
     }
 
     /// Returns the distance and the surface of a camera ray's nearest hit.
@@ -175,37 +174,88 @@ impl<'a> Student<'a> {
                 let mut mixture = Mixture::default();
                 let material = self.material(surface, &mut mixture);
                 let arrival = Arrival { way, surface, material };
-                let add = |sum, (tint, way)| self.rounded(sum + tint * self.trace(&way));
-                self.branches(&arrival).into_iter().flatten().fold(self.shade(&arrival), add)
+                let own = self.shade(&arrival);
+                let [refracted, mirrored] = self.branches(&arrival);
+                if self.rules.has_any(&[Rule::ReflectionBlended, Rule::RefractionBlended]) {
+                    let own = self.blended(Rule::ReflectionBlended, own, mirrored);
+                    self.blended(Rule::RefractionBlended, own, refracted)
+                } else {
+                    let both = [refracted, mirrored].into_iter().flatten();
+                    both.fold(own, |sum, (tint, way)| sum + tint * self.trace(&way))
+                }
             }
-            None if way.bounces > 0 && self.makes(Mistake::BackgroundForCameraOnly) => Color::ZERO,
-            None => self.rounded(self.world().background_along(way.ray.direction)),
+            None if way.bounces > 0 && self.breaks(Rule::BackgroundForCameraOnly) => Color::ZERO,
+            None => self.world().background_along(way.ray.direction),
         };
-        self.clamped_by(Mistake::RaysClamped, color)
+        self.clamped_by(Rule::RaysClamped, color)
+    }
+
+    /// Adds the colour of a secondary ray. If the rule is broken, the colour so far is multiplied by 1 minus its factor.
+    fn blended(&self, rule: Rule, color: Color, branch: Option<(Color, Way)>) -> Color {
+        let Some((tint, way)) = branch else { return color };
+        let part = if self.breaks(rule) { 1.0 - tint } else { Color::ONE };
+        part * color + tint * self.trace(&way)
     }
 
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
         let surface = self.hits.surface(ray, visible);
-        let Some(spaces) = self.spaces else { return surface };
-        let object_normal = || spaces.normal(visible.primitive, surface.normal);
-        let normal = match self.mistake {
-            Some(Mistake::NormalsByMatrix) => unit(spaces.matrix(visible.primitive) * object_normal()),
-            Some(Mistake::NormalsOfObjectSpace) => unit(object_normal()),
-            _ => return surface,
-        };
+        let Some(objects) = self.objects.filter(|_| !self.rules.is_empty()) else { return surface };
+        let matrix = objects.of(visible.primitive).matrix.matrix3;
+        let normal = self.wrong_normal(surface.normal, visible.primitive, matrix);
         if normal.is_finite() { SurfacePoint { normal, ..surface } } else { surface }
+    }
+
+    /// Returns the normal that broken rules give a primitive with this unit normal and this transform.
+    fn wrong_normal(&self, normal: DVec3, primitive: u32, matrix: DMat3) -> DVec3 {
+        // The inverse transpose transforms normals to world space.
+        let of_object = matrix.transpose() * normal;
+        let is_placed_as_written = matrix == DMat3::IDENTITY;
+        if self.breaks(Rule::NormalsNeverNormalised) {
+            return self.object_radius(primitive).unwrap_or(1.0) * normal / of_object.length();
+        }
+        let is_sphere = self.world().is_shape(primitive);
+        if self.breaks(Rule::NormalsByMatrix) {
+            unit(matrix * of_object)
+        } else if self.breaks(Rule::NormalsByInverse) {
+            unit(matrix.inverse() * of_object)
+        } else if self.breaks(Rule::NormalsOfObjectSpace) {
+            unit(of_object)
+        } else if self.breaks(Rule::NormalsNotNormalised) {
+            normal / of_object.length()
+        } else if self.breaks(Rule::SphereNormalsNotNormalised) && is_sphere && is_placed_as_written {
+            0.5 * self.world().box_of(primitive).extent().x * normal
+        } else if self.breaks(Rule::SphereNormalsInward) && is_sphere {
+            -normal
+        } else if let Primitive::Triangle(triangle) = self.world().primitive(primitive) {
+            let [a, b, c] = self.world().corners(triangle);
+            match () {
+                () if self.breaks(Rule::WindingReversed) => -normal,
+                () if self.breaks(Rule::TriangleNormalsNotNormalised) && is_placed_as_written => {
+                    (b - a).cross(c - a).length() * normal
+                }
+                () => normal,
+            }
+        } else {
+            normal
+        }
+    }
+
+    /// Returns the radius of a sphere in its own space.
+    fn object_radius(&self, primitive: u32) -> Option<f64> {
+        match self.renderer.scene.objects[self.objects?.of(primitive).id] {
+            Object::Sphere { radius, .. } => Some(radius),
+            _ => None,
+        }
     }
 
     /// Returns the material of a surface, with its textures evaluated at the point.
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
-        let materials = &self.world().materials;
-        match (&materials[surface.material], self.mistake) {
-            (Material::Texture(_), Some(Mistake::CheckerboardCut | Mistake::NoiseHalved)) => {
-                self.mix(surface.material, surface.position, mixture);
-                mixture.material()
-            }
-            _ => material_of_surface(self.world(), surface, LEVEL, mixture),
+        let is_texture = matches!(self.world().materials[surface.material], Material::Texture(_));
+        if is_texture && self.rules.has_any(&super::wrong_textures::RULES) {
+            self.mix(surface.material, surface.position, mixture);
+            return mixture.material();
         }
+        material_of_surface(self.world(), surface, LEVEL, mixture)
     }
 
     /// Mixes a material's parts at a point. A texture passes its weight on to its children, which precede it.
@@ -218,27 +268,11 @@ impl<'a> Student<'a> {
                 (_, 0.0) => {}
                 (Material::Phong(phong) | Material::Painted(phong, _), weight) => mixture.add(phong, weight),
                 (Material::Texture(texture), weight) => {
-                    let first = self.first_weight(texture, point);
+                    let first = first_weight(self.rules, texture, point);
                     weights[texture.children[0]] += weight * first;
                     weights[texture.children[1]] += weight * (1.0 - first);
                 }
             }
-        }
-    }
-
-    /// Returns the weight of a texture's first child at a point.
-    fn first_weight(&self, texture: &Texture, point: DVec3) -> f64 {
-        let in_texture = || texture.world_to_texture.map.transform_point3(point);
-        match (self.mistake, texture.pattern) {
-            (Some(Mistake::CheckerboardCut), Pattern::Checkerboard) => {
-                // The coordinates are truncated towards zero.
-                let cells = in_texture().to_array().map(|q| q as i64);
-                f64::from(cells.iter().filter(|&cell| cell % 2 != 0).count() % 2 == 0)
-            }
-            (Some(Mistake::NoiseHalved), Pattern::Noise { octaves }) => {
-                (0.5 * turbulence(in_texture(), octaves, LEVEL) + 0.5).clamp(0.0, 1.0)
-            }
-            _ => first_weight(texture, &point.into(), LEVEL),
         }
     }
 
@@ -251,92 +285,197 @@ impl<'a> Student<'a> {
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
         }
-        let is_flipped = match self.mistake {
-            Some(Mistake::NormalsNotFlipped) => false,
-            Some(Mistake::NormalsFlipped) => is_back,
-            _ => is_inside,
+        let is_flipped = if self.breaks(Rule::NormalsNotFlipped) {
+            false
+        } else if self.breaks(Rule::NormalsFlipped) {
+            is_back
+        } else {
+            is_inside
         };
         let normal = if is_flipped { -surface.normal } else { surface.normal };
-        let mut color = self.rounded(self.world().ambient * self.ambient_factor(arrival));
-        for (index, light) in self.world().lights.iter().enumerate() {
-            let light = incident(light, surface.position);
-            let light = Incident { direction: self.rounded(light.direction), ..light };
-            let cosine = self.rounded_number(normal.dot(light.direction));
-            // As in the course's program, a shadow ray starts even where the light has no effect.
-            let has_ray = self.effects.shadows != Shadows::None;
-            let start = has_ray.then(|| self.departing(Departure::Shadow, surface, light.direction));
-            if material.shows(highlight, &light, cosine) {
-                let view = View { cosine, normal, to_viewer: -way.ray.direction };
-                let passed = start.map_or(Color::ONE, |start| self.passed(start, surface, &light, index));
-                let lit = self.rounded(passed * self.reflect(material, &light, index, &view));
-                color = self.rounded(color + self.clamped_by(Mistake::LightsClamped, lit));
+        let ambient = self.world().ambient * self.ambient_factor(arrival);
+        let (mut color, mut is_lit, mut is_shadowed) = (ambient, false, false);
+        let others = self.breaks(Rule::ShadowsOfAnyLight).then(|| self.passed_of_all(arrival));
+        let is_overwritten =
+            self.rules.has_any(&[Rule::LightsOverwritten, Rule::LightsAndAmbientOverwritten]);
+        for index in 0..self.world().lights.len() {
+            let light = self.incident(index, surface.position);
+            let cosine = normal.dot(light.direction);
+            let shows = self.shows(material, &light, cosine);
+            if !shows && !is_overwritten {
+                continue;
             }
+            let passed = others.unwrap_or_else(|| self.passed(arrival, &light, index));
+            let view = View { cosine, normal, to_viewer: -way.ray.direction };
+            let reflected = if shows { self.reflect(material, &light, index, &view) } else { Color::ZERO };
+            let lit = passed * reflected;
+            is_lit |= passed != Color::ZERO;
+            is_shadowed |= passed == Color::ZERO;
+            if passed == Color::ZERO {
+                continue;
+            }
+            color = if self.breaks(Rule::LightsOverwritten) {
+                ambient + lit
+            } else if self.breaks(Rule::LightsAndAmbientOverwritten) {
+                lit
+            } else {
+                color + self.clamped_by(Rule::LightsClamped, lit)
+            };
         }
-        color
+        if self.breaks(Rule::ShadowsBlack) && is_shadowed && !is_lit { Color::ZERO } else { color }
+    }
+
+    /// Returns the light that arrives at a point.
+    fn incident(&self, index: usize, point: DVec3) -> Incident {
+        let light = &self.world().lights[index];
+        let found = incident(light, point);
+        match light {
+            Light::Point { color: full, .. } if self.breaks(Rule::AttenuationTwice) => {
+                let factor = found.color / *full;
+                Incident {
+                    color: found.color * if factor.is_finite() { factor } else { Color::ONE },
+                    ..found
+                }
+            }
+            _ => found,
+        }
+    }
+
+    /// Returns true if a surface may reflect a light to the viewer.
+    fn shows(&self, material: &PointMaterial, light: &Incident, cosine: f64) -> bool {
+        const BEHIND: [Rule; 4] =
+            [Rule::CosineAbsolute, Rule::DiffuseAbsolute, Rule::DiffuseNotClamped, Rule::HighlightsUngated];
+        let shows = material.shows(self.world().lighting.highlight, light, cosine);
+        shows || self.rules.has_any(&BEHIND) && !material.is_black() && light.color != Color::ZERO
     }
 
     fn ambient_factor(&self, arrival: &Arrival) -> Color {
         let color = self.world().ambient_color(arrival.surface, arrival.material.phong.diffuse);
-        match self.mistake {
-            Some(Mistake::AmbientWithoutDiffuse) => Color::ONE,
-            Some(Mistake::AmbientFromAbove) => (0.5 + 0.5 * arrival.surface.normal.y) * color,
-            _ => color,
+        if self.breaks(Rule::AmbientWithoutDiffuse) {
+            Color::ONE
+        } else if self.breaks(Rule::AmbientFromAbove) {
+            (0.5 + 0.5 * arrival.surface.normal.y) * color
+        } else {
+            color
         }
     }
 
     /// Returns the part of a light that a surface reflects to the viewer.
     fn reflect(&self, material: &PointMaterial, light: &Incident, index: usize, view: &View) -> Color {
         let length = self.length_to(light, index);
-        let to_light = light.direction * length;
-        let lit = view.cosine.max(0.0) * length;
-        let (mut highlight, mut strength, mut diffuse) = (self.world().lighting.highlight, 1.0, lit);
-        let is_blinn = highlight == Highlight::Blinn;
-        match self.mistake {
-            Some(Mistake::HighlightsByReflection) => highlight = Highlight::Phong,
-            Some(Mistake::HighlightsTimesCosine) => strength = lit,
-            Some(Mistake::HighlightsOnlyWhereLit) => strength = f64::from(lit > 0.0),
-            Some(Mistake::DiffuseOverPi) => diffuse *= FRAC_1_PI,
-            _ => {}
-        }
-        let alignment = match self.mistake {
-            Some(Mistake::HalfWayNotNormalised) if is_blinn => view.normal.dot(to_light + view.to_viewer),
-            _ => alignment(highlight, to_light, view),
+        let cosine = view.cosine * length;
+        let cosine = if self.breaks(Rule::CosineAbsolute) { cosine.abs() } else { cosine };
+        let lit = cosine.max(0.0);
+        let diffuse = if self.breaks(Rule::DiffuseNotClamped) {
+            cosine
+        } else if self.breaks(Rule::DiffuseAbsolute) {
+            cosine.abs()
+        } else if self.breaks(Rule::DiffuseOverPi) {
+            lit * FRAC_1_PI
+        } else {
+            lit
         };
-        let highlights = strength * material.highlights(self.rounded_number(alignment).max(0.0));
+        let alignment = self.alignment(light.direction * length, view);
+        let highlights = self.highlight_strength(material, lit) * material.highlights(alignment.max(0.0));
         light.color * (material.phong.diffuse * diffuse + highlights)
     }
 
-    /// Returns the length of the vector to a light. It is not 1 if the mistake is a missing normalisation.
+    /// Returns the cosine that is raised to the exponent of highlights.
+    fn alignment(&self, to_light: DVec3, view: &View) -> f64 {
+        let highlight = self.world().lighting.highlight;
+        if self.breaks(Rule::HighlightsByReflection) {
+            alignment(Highlight::Phong, to_light, view)
+        } else if self.breaks(Rule::HighlightsByWrongReflection) {
+            (2.0 * view.cosine * (view.normal - to_light)).dot(view.to_viewer)
+        } else if self.breaks(Rule::HalfWayNotNormalised) && highlight == Highlight::Blinn {
+            view.normal.dot(to_light + view.to_viewer)
+        } else {
+            alignment(highlight, to_light, view)
+        }
+    }
+
+    /// Returns the factor of a material's highlights where a light falls with this cosine, at least 0.
+    fn highlight_strength(&self, material: &PointMaterial, lit: f64) -> Color {
+        let exponent = material.phong.exponent;
+        let is_gated = self.world().lighting.highlight == Highlight::Blinn;
+        let mut strength = Color::ONE;
+        if self.breaks(Rule::HighlightsTimesCosine) {
+            strength *= lit;
+        } else if (is_gated && !self.breaks(Rule::HighlightsUngated))
+            || self.breaks(Rule::HighlightsOnlyWhereLit)
+        {
+            strength *= f64::from(lit > 0.0);
+        }
+        if self.breaks(Rule::HighlightsTimesDiffuse) {
+            strength *= material.phong.diffuse;
+        }
+        if self.breaks(Rule::HighlightsNormalisedPhong) {
+            strength *= (exponent + 2.0) / (2.0 * PI);
+        }
+        if self.breaks(Rule::HighlightsNormalisedBlinn) {
+            strength *= (exponent + 8.0) / (8.0 * PI);
+        }
+        strength
+    }
+
+    /// Returns the length of the vector to a light. It is 1 unless a normalisation is missing.
     fn length_to(&self, light: &Incident, index: usize) -> f64 {
-        match (self.mistake, self.renderer.scene.lights.get(index)) {
-            (Some(Mistake::DirectionsNotNormalised), Some(Light::Directional { direction, .. })) => {
+        match self.renderer.scene.lights.get(index) {
+            Some(Light::Directional { direction, .. }) if self.breaks(Rule::DirectionsNotNormalised) => {
                 direction.length()
             }
-            (Some(Mistake::PointDirectionsNotNormalised), Some(Light::Point { .. })) => light.distance,
+            Some(Light::Point { .. }) if self.breaks(Rule::PointDirectionsNotNormalised) => light.distance,
             _ => 1.0,
         }
     }
 
-    /// Returns the fraction of a light that reaches a surface, per channel. Where the shadow ray leaves a transparent
-    /// object, this is the object's colour to the power of the distance inside (Beer's law).
+    /// Returns the smallest fraction of any light that reaches a surface.
+    fn passed_of_all(&self, arrival: &Arrival) -> Color {
+        let lights = 0..self.world().lights.len();
+        let passed = |index| self.passed(arrival, &self.incident(index, arrival.surface.position), index);
+        lights.map(passed).fold(Color::ONE, Color::min)
+    }
+
+    /// Returns the fraction of a light that reaches a surface, per channel.
+    fn passed(&self, arrival: &Arrival, light: &Incident, index: usize) -> Color {
+        if self.effects.shadows == Shadows::None || index > 0 && self.breaks(Rule::ShadowsOfFirstLight) {
+            return Color::ONE;
+        }
+        let surface = arrival.surface;
+        let start = match self.shadow_bias() {
+            Some(bias) => {
+                let side = -surface.normal.dot(arrival.way.ray.direction).signum();
+                (Ray::new(surface.position + side * bias * surface.normal, light.direction), None)
+            }
+            None => self.departing(Departure::Shadow, surface, light.direction),
+        };
+        let passed = self.passed_along(start, surface, light, index);
+        if self.breaks(Rule::ShadowsHalve) { 0.5 + 0.5 * passed } else { passed }
+    }
+
+    /// Returns the fraction of a light that a shadow ray lets pass. Where it leaves a transparent object, this is the object's colour to the power of the distance inside (Beer's law).
     ///
     /// Surfaces that contain the light's position are crossed at the light if the ray was inside an object before. So
     /// it does not matter which of them the ray hits by rounding. An opaque one blocks the light.
-    fn passed(
+    fn passed_along(
         &self,
         (mut ray, mut leaves): Start,
         surface: &SurfacePoint,
         light: &Incident,
         index: usize,
     ) -> Color {
-        let is_unshadowed = self.makes(Mistake::GlassWithoutShadows);
+        let is_unshadowed = self.breaks(Rule::GlassWithoutShadows);
         let at_light = self.world().primitives_at_light(index);
-        let length = match self.mistake {
-            Some(Mistake::ShadowsFromBehindLight) => f64::INFINITY,
-            Some(Mistake::ShadowRaysHalved) => 0.5 * light.distance,
-            _ => light.distance,
+        let length = if self.breaks(Rule::ShadowsFromBehindLight) {
+            f64::INFINITY
+        } else if self.breaks(Rule::ShadowRaysHalved) {
+            0.5 * light.distance
+        } else {
+            light.distance
         };
-        let ends_at_light = length == light.distance && !self.is_single;
+        // Students with an epsilon or a bias do not measure the length again.
+        let ends_at_light =
+            length == light.distance && self.epsilon.is_none() && self.shadow_bias().is_none();
         let ended = |ray: Ray, surface: &SurfacePoint, t_max: f64| {
             let ray = Ray { t_max, ..ray };
             if ends_at_light { ending_at_light(self.world(), index, surface, ray) } else { ray }
@@ -399,7 +538,7 @@ impl<'a> Student<'a> {
         // In front of the surface and behind it.
         let indices = match is_entering {
             true => [way.index, material.phong.index_of_refraction],
-            false if self.makes(Mistake::IndexNotInverted) => [1.0, material.phong.index_of_refraction],
+            false if self.breaks(Rule::IndexNotInverted) => [1.0, material.phong.index_of_refraction],
             false => [way.index, 1.0],
         };
         let Phong { mut reflective, mut transparent, .. } = *material.phong;
@@ -407,7 +546,7 @@ impl<'a> Student<'a> {
         if self.world().lighting.split == Split::Schlick && transparent != Color::ZERO {
             let part = mirrored_part(cosine.abs(), indices);
             // At total internal reflection nothing is refracted.
-            let part = if self.makes(Mistake::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part };
+            let part = if self.breaks(Rule::SchlickSwapped) && part < 1.0 { 1.0 - part } else { part };
             reflective *= part;
             transparent *= 1.0 - part;
         }
@@ -415,33 +554,37 @@ impl<'a> Student<'a> {
             let (ray, leaves) = self.departing(why, surface, direction);
             Way { ray, leaves, weight, bounces: way.bounces + 1, index }
         };
-        let mirrored = self.weight(way, reflective).map(|weight| {
-            let direction = match self.mistake {
-                Some(Mistake::NormalFlippedInReflection) => reflected_by_sum(direction, normal),
-                Some(Mistake::ReflectionReversed) => -reflected(direction, normal),
-                _ => reflected(direction, normal),
-            };
-            let tint = self.tint(reflective, Mistake::ReflectionWithoutColor);
-            (tint, next(Departure::Reflected, direction, weight, way.index))
-        });
+        let is_turned = !is_entering && !self.breaks(Rule::NormalNotFlippedInRefraction);
+        let against = if is_turned { -normal } else { normal };
+        let sine = || {
+            // An interpolated normal differs from the triangle's.
+            let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
+            let primitive = surface.primitive.filter(|_| !is_smooth);
+            self.world().precise_sine((way.ray.origin, direction), primitive, normal)
+        };
+        let bent = refracted_between(direction, against, indices, sine);
+        let is_total = bent.is_none() && transparent != Color::ZERO;
         let refracted = self.weight(way, transparent).and_then(|weight| {
-            let is_turned = !is_entering && !self.makes(Mistake::NormalNotFlippedInRefraction);
-            let against = if is_turned { -normal } else { normal };
-            let sine = || {
-                // An interpolated normal differs from the triangle's.
-                let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
-                let primitive = surface.primitive.filter(|_| !is_smooth);
-                self.world().precise_sine((way.ray.origin, direction), primitive, normal)
-            };
-            let (direction, index) = match refracted_between(direction, against, indices, sine) {
+            let (direction, index) = match bent {
                 Some(refracted) => (refracted, if is_entering { indices[1] } else { 1.0 }),
-                None if self.makes(Mistake::TotalReflectionAdded) => {
-                    (reflected(direction, normal), way.index)
-                }
+                None if self.breaks(Rule::TotalReflectionAdded) => (reflected(direction, normal), way.index),
+                None if self.breaks(Rule::TotalReflectionStraight) => (direction, 1.0),
                 None => return None,
             };
-            let tint = self.tint(transparent, Mistake::RefractionWithoutColor);
+            let tint = self.tint(transparent, Rule::RefractionWithoutColor);
             Some((tint, next(Departure::Refracted, direction, weight, index)))
+        });
+        let is_dropped = is_total && self.breaks(Rule::TotalReflectionDropped);
+        let mirrored = self.weight(way, reflective).filter(|_| !is_dropped).map(|weight| {
+            let direction = if self.breaks(Rule::NormalFlippedInReflection) {
+                reflected_by_sum(direction, normal)
+            } else if self.breaks(Rule::ReflectionReversed) {
+                -reflected(direction, normal)
+            } else {
+                reflected(direction, normal)
+            };
+            let tint = self.tint(reflective, Rule::ReflectionWithoutColor);
+            (tint, next(Departure::Reflected, direction, weight, way.index))
         });
         [refracted, mirrored]
     }
@@ -453,63 +596,54 @@ impl<'a> Student<'a> {
     }
 
     /// Returns the factor of a secondary ray's colour.
-    fn tint(&self, color: Color, untinted: Mistake) -> Color {
+    fn tint(&self, color: Color, untinted: Rule) -> Color {
         let bound = Color::splat(BRIGHTEST);
-        if self.makes(untinted) { Color::ONE } else { color.clamp(-bound, bound) }
+        if self.breaks(untinted) { Color::ONE } else { color.clamp(-bound, bound) }
     }
 
-    /// Returns a ray that leaves a surface.
+    /// Returns a ray that leaves a surface: it starts a few roundings off, on the side to which it goes.
     fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> Start {
-        let direction = self.rounded(direction);
+        let off = |side| offset_origin(surface.position, surface.normal, side * direction, surface.extent);
+        let is_from_below = self.breaks(Rule::ReflectionFromBelow) && why == Departure::Reflected;
         let hits_itself = match self.hits_itself {
             Some(hits_itself) => hits_itself(why, surface, direction),
-            None => matches!(self.mistake, Some(Mistake::NoEpsilon { rays }) if rays.has(why)),
+            None => self_hitting(self.rules).is_some_and(|rays| rays.has(why)),
         };
-        let (ray, leaves) = self.start(why, surface, direction, hits_itself);
-        (Ray { origin: self.rounded(ray.origin), ..ray }, leaves)
-    }
-
-    /// Returns the start of a ray that leaves a surface: a few roundings off it, on the side to which it goes.
-    fn start(&self, why: Departure, surface: &SurfacePoint, direction: DVec3, hits_itself: bool) -> Start {
-        let beyond = |t_min, origin| (Ray { t_min, ..Ray::new(origin, direction) }, None);
-        let off = |side| offset_origin(surface.position, surface.normal, side * direction, surface.extent);
-        let is_from_below = self.makes(Mistake::ReflectionFromBelow) && why == Departure::Reflected;
-        match self.world().lighting.epsilon {
-            _ if is_from_below && self.is_single => {
-                let depth = BELOW * surface.normal.dot(direction).signum() * surface.normal;
-                beyond(NO_EPSILON, off(-1.0) - depth)
-            }
-            _ if hits_itself && self.is_single => beyond(NO_EPSILON, surface.position),
+        match self.epsilon.or(self.world().lighting.epsilon) {
             // On the other side of the surface, the ray hits it at once.
             _ if is_from_below || hits_itself => (Ray::new(off(-1.0), direction), None),
-            Some(epsilon) => beyond(epsilon, surface.position),
+            Some(epsilon) => (Ray { t_min: epsilon, ..Ray::new(surface.position, direction) }, None),
             None => (Ray::new(off(1.0), direction), surface.primitive),
         }
     }
 
-    /// Returns a vector in the precision of the tracer.
-    fn rounded(&self, vector: DVec3) -> DVec3 {
-        if self.is_single { vector.as_vec3().as_dvec3() } else { vector }
+    /// Returns the distance from the visible side at which shadow rays start, if a rule says so.
+    fn shadow_bias(&self) -> Option<f64> {
+        const BIASES: [(Rule, f64); 3] = [
+            (Rule::ShadowBiasThousandth, 0.001),
+            (Rule::ShadowBiasHundredth, 0.01),
+            (Rule::ShadowBiasTenth, 0.1),
+        ];
+        BIASES.into_iter().find(|&(rule, _)| self.breaks(rule)).map(|(_, bias)| bias)
     }
 
-    /// Returns a number in the precision of the tracer.
-    fn rounded_number(&self, number: f64) -> f64 {
-        if self.is_single { f64::from(number as f32) } else { number }
-    }
-
-    fn clamped_by(&self, mistake: Mistake, color: Color) -> Color {
-        if self.makes(mistake) { color.clamp(Color::ZERO, Color::ONE) } else { color }
+    fn clamped_by(&self, rule: Rule, color: Color) -> Color {
+        if self.breaks(rule) { color.clamp(Color::ZERO, Color::ONE) } else { color }
     }
 }
 
-/// How far below a surface reflected rays start in single precision by mistake.
-const BELOW: f64 = 1e-4;
-
-/// The smallest t of a ray without an epsilon. In single precision, 0 stands for the usual epsilon.
-const NO_EPSILON: f64 = f64::MIN_POSITIVE;
+/// Returns the rays that hit the surface that they leave by a rule.
+fn self_hitting(rules: Rules) -> Option<SelfHitting> {
+    let all = [
+        (Rule::NoEpsilonOfShadows, SelfHitting::Shadow),
+        (Rule::NoEpsilonOfSecondary, SelfHitting::Secondary),
+        (Rule::NoEpsilon, SelfHitting::All),
+    ];
+    all.into_iter().find(|&(rule, _)| rules.has(rule)).map(|(_, rays)| rays)
+}
 
 /// Textures give the same bytes with all instruction sets.
-const LEVEL: Level = Level::baseline();
+pub const LEVEL: Level = Level::baseline();
 
 /// Returns d + 2 (d.n) n instead of the mirrored direction d - 2 (d.n) n.
 fn reflected_by_sum(direction: DVec3, normal: DVec3) -> DVec3 {

@@ -1,70 +1,47 @@
-//! Transformations multiplied in the opposite order, or rotated by radians.
+//! Transformations that are combined in wrong ways.
 
 use crate::math::rounded::RoundedAffine;
-use crate::scene::edition::Edition;
-use crate::scene::lexer::Lexer;
-use crate::scene::parser::read_in;
-use crate::scene::transform::is_transformation;
+use crate::scene::material::Material;
+use crate::scene::transform::Factor;
 use crate::scene::{Object, ObjectId, Scene};
 
-/// Reverses each list of transformations in the scene of this text.
-pub fn reverse_lists(scene: &mut Scene, text: &str) {
-    let mut phrases = phrases(text);
-    let is_list =
-        |one: &Vec<String>, next: &Vec<String>| is_transformation(&one[0]) && is_transformation(&next[0]);
-    phrases.chunk_by_mut(is_list).for_each(<[_]>::reverse);
-    read_objects(scene, text, &phrases);
-}
-
-/// Reads the angles of rotations in the scene of this text as radians.
-pub fn read_in_radians(scene: &mut Scene, text: &str) {
-    let mut phrases = phrases(text);
-    for phrase in phrases.iter_mut().filter(|phrase| phrase[0].ends_with("Rotate")) {
-        // The angle is the last number. An axis precedes it.
-        let numbers = phrase.iter_mut().filter_map(|word| Some((word.parse::<f64>().ok()?, word)));
-        if let Some((radians, word)) = numbers.last() {
-            *word = radians.to_degrees().to_string();
+/// Changes each list of transformations, of objects and of textures.
+fn each_list(scene: &mut Scene, change: impl Fn(&mut [Factor])) {
+    let apply = |factors: &mut [Factor], matrix: &mut RoundedAffine| {
+        let before = factors.to_vec();
+        change(factors);
+        if *factors != before[..] {
+            *matrix = factors.iter().fold(RoundedAffine::IDENTITY, |product, factor| factor.after(product));
+        }
+    };
+    for object in &mut scene.objects {
+        if let Object::Transform { matrix, factors, .. } = object {
+            apply(factors, matrix);
         }
     }
-    read_objects(scene, text, &phrases);
-}
-
-/// Returns the words of a text. The words of each transformation and its values form one phrase.
-fn phrases(text: &str) -> Vec<Vec<String>> {
-    let mut lexer = Lexer::new(text);
-    let words = std::iter::from_fn(|| Some(lexer.next_word()).filter(|word| !word.is_end()));
-    let words: Vec<&str> = words.map(|word| word.text).collect();
-    let (mut rest, mut phrases) = (words.as_slice(), vec![]);
-    while let [first, values @ ..] = rest {
-        let length = if is_transformation(first) { 1 + count_values(values) } else { 1 };
-        phrases.push(rest[..length].iter().map(|&word| word.to_owned()).collect());
-        rest = &rest[length..];
-    }
-    phrases
-}
-
-/// Returns the number of words in a transformation's values: numbers, or everything up to the closing brace.
-fn count_values(words: &[&str]) -> usize {
-    match words.first() {
-        Some(&"{") => words.iter().position(|&word| word == "}").map_or(words.len(), |end| end + 1),
-        _ => words.iter().take_while(|word| word.parse::<f64>().is_ok()).count(),
+    for material in &mut scene.materials {
+        if let Material::Texture(texture) = material {
+            apply(&mut texture.factors, &mut texture.world_to_texture);
+        }
     }
 }
 
-/// Replaces the scene's objects by the objects of its text with changed phrases. Only transformations differ.
-fn read_objects(scene: &mut Scene, text: &str, changed: &[Vec<String>]) {
-    if phrases(text) == changed {
-        return;
-    }
-    let text = changed.concat().join(" ");
-    // The objects are the same in every edition that can read the text.
-    if let Some(reading) = Edition::ALL.into_iter().find_map(|edition| read_in(edition, &text).ok()) {
-        (scene.objects, scene.root) = (reading.scene.objects, reading.scene.root);
-    }
+/// Multiplies the transformations of each list in the other order.
+pub fn reverse_lists(scene: &mut Scene) {
+    each_list(scene, <[_]>::reverse);
 }
 
-/// Multiplies nested transforms from the innermost to the outermost.
-pub fn reverse_nesting(scene: &mut Scene) {
+/// Changes the angles of rotations, in degrees.
+pub fn each_rotation(scene: &mut Scene, change: fn(f64) -> f64) {
+    let turned = |factor: Factor| match factor {
+        Factor::Rotation { axis, degrees } => Factor::Rotation { axis, degrees: change(degrees) },
+        other => other,
+    };
+    each_list(scene, |factors| factors.iter_mut().for_each(|factor| *factor = turned(*factor)));
+}
+
+/// Combines nested transforms by `combine`, which is given the product of the outer ones and the next inner one.
+pub fn combine_nested(scene: &mut Scene, combine: fn(RoundedAffine, RoundedAffine) -> RoundedAffine) {
     let (mut objects, mut children) = (Vec::new(), Vec::new());
     let mut stack: Vec<(ObjectId, Option<RoundedAffine>)> = vec![(scene.root, None)];
     let mut is_nested = false;
@@ -73,12 +50,12 @@ pub fn reverse_nesting(scene: &mut Scene) {
             Object::Group(members) => stack.extend(members.iter().rev().map(|&member| (member, outer))),
             Object::Transform { matrix, child, .. } => {
                 is_nested |= outer.is_some();
-                stack.push((*child, Some(outer.map_or(*matrix, |outer| *matrix * outer))));
+                stack.push((*child, Some(outer.map_or(*matrix, |outer| combine(outer, *matrix)))));
             }
             leaf => {
                 objects.push(leaf.clone());
-                let (child, at) = (objects.len() - 1, Default::default());
-                objects.extend(outer.map(|matrix| Object::Transform { matrix, child, at }));
+                let (child, at, factors) = (objects.len() - 1, Default::default(), Default::default());
+                objects.extend(outer.map(|matrix| Object::Transform { matrix, factors, child, at }));
                 children.push(objects.len() - 1);
             }
         }
@@ -89,6 +66,15 @@ pub fn reverse_nesting(scene: &mut Scene) {
     }
 }
 
+/// Transposes the matrices of all transforms, as if rows were columns.
+pub fn transpose_matrices(scene: &mut Scene) {
+    for object in &mut scene.objects {
+        if let Object::Transform { matrix, .. } = object {
+            matrix.map.matrix3 = matrix.map.matrix3.transpose();
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,22 +82,22 @@ mod tests {
     use crate::world::placements;
     use glam::{DAffine3, DMat3};
 
-    fn scene(objects: &str) -> String {
-        format!(
+    fn scene(objects: &str) -> Scene {
+        parse(&format!(
             "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 4 }}
              Materials {{ numMaterials 1 Material {{ }} }}
              Group {{ numObjects 1 MaterialIndex 0 {objects} }}"
-        )
+        ))
+        .unwrap()
     }
 
     fn matrix(scene: &Scene) -> DAffine3 {
         placements(scene).next().unwrap().matrix
     }
 
-    fn changed(scene: &Scene, change: impl FnOnce(&mut Scene)) -> Scene {
-        let mut scene = scene.clone();
+    fn changed(mut scene: Scene, change: impl FnOnce(&mut Scene)) -> DAffine3 {
         change(&mut scene);
-        scene
+        matrix(&scene)
     }
 
     const SPHERE: &str = "Sphere { center 0 0 0 radius 1 }";
@@ -125,44 +111,35 @@ mod tests {
         for (list, reversed) in pairs {
             let [list, reversed] =
                 [list, reversed].map(|list| scene(&format!("Transform {{ {list} {SPHERE} }}")));
-            let right = parse(&list).unwrap();
-            let found = changed(&right, |scene| reverse_lists(scene, &list));
-            assert_eq!(matrix(&found), matrix(&parse(&reversed).unwrap()), "{list}");
-            assert_ne!(matrix(&found), matrix(&right), "{list}");
+            assert_ne!(matrix(&list), matrix(&reversed));
+            assert_eq!(changed(list, reverse_lists), matrix(&reversed));
         }
-        let single = scene(&format!("Transform {{ Scale 1 2 3 {SPHERE} }}"));
-        let right = parse(&single).unwrap();
-        assert_eq!(matrix(&changed(&right, |scene| reverse_lists(scene, &single))), matrix(&right));
     }
 
     #[test]
-    fn nested_transforms_change_their_order() {
+    fn nested_transforms_are_combined_otherwise() {
         let nested = |outer: &str, inner: &str| {
             let inner = format!("Group {{ numObjects 1 Transform {{ {inner} {SPHERE} }} }}");
-            parse(&scene(&format!("Transform {{ {outer} {inner} }}"))).unwrap()
+            scene(&format!("Transform {{ {outer} {inner} }}"))
         };
-        let found = changed(&nested("Translate 1 2 3", "Scale 1 2 3"), reverse_nesting);
-        assert_eq!(matrix(&found), matrix(&nested("Scale 1 2 3", "Translate 1 2 3")));
+        let right = || nested("Translate 1 2 3", "Scale 1 2 3");
+        let reversed = changed(right(), |scene| combine_nested(scene, |outer, inner| inner * outer));
+        assert_eq!(reversed, matrix(&nested("Scale 1 2 3", "Translate 1 2 3")));
+        let innermost = changed(right(), |scene| combine_nested(scene, |_, inner| inner));
+        assert_eq!(innermost, DAffine3::from_scale(glam::DVec3::new(1.0, 2.0, 3.0)));
     }
 
     #[test]
     fn every_kind_of_rotation_is_by_radians() {
-        let scene = |transformation: &str| scene(&format!("Transform {{ {transformation} {SPHERE} }}"));
         for (text, expected) in [
             ("XRotate 0.5", DMat3::from_rotation_x(0.5)),
             ("YRotate { -30 } # degrees\n", DMat3::from_rotation_y(-30.0)),
             ("ZRotate 7e-1", DMat3::from_rotation_z(0.7)),
             ("Rotate { 0 0 1 1.25 }", DMat3::from_rotation_z(1.25)),
         ] {
-            let found = changed(&parse(&scene(text)).unwrap(), |it| read_in_radians(it, &scene(text)));
-            let matrix = matrix(&found).matrix3;
-            assert!(
-                (matrix - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12),
-                "{text} {matrix}"
-            );
+            let list = scene(&format!("Transform {{ {text} {SPHERE} }}"));
+            let found = changed(list, |scene| each_rotation(scene, f64::to_degrees)).matrix3;
+            assert!((found - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12), "{text}");
         }
-        let still = scene("Translate 1 2 3");
-        let right = parse(&still).unwrap();
-        assert_eq!(matrix(&changed(&right, |scene| read_in_radians(scene, &still))), matrix(&right));
     }
 }

@@ -1,11 +1,11 @@
-//! Measures the difference of two pictures, and prints it as a block.
+//! Measures the difference of two pictures of bytes.
 
 use super::edges::EdgeMap;
-use super::{Rgb, colors, common_size, largest_channel_difference, mean_flip, sum_of_squares};
+use super::{
+    Line, Rgb, block, colors, common_size, largest_channel_difference, mean_flip, percent, sum_of_squares,
+};
 use crate::diagnostic::Diagnostic;
 use crate::picture::Picture;
-use crate::stats::RULE;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 
@@ -52,20 +52,13 @@ impl Comparison {
         is_over: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Diagnostic> {
         let mean_flip = Some(mean_flip(a, b, is_over)?);
-        Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b)) })
+        Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b))? })
     }
 
-    /// Compares each of these pictures with the reference `b`, without FLIP.
-    pub fn of_each(pictures: &[Picture], b: &Picture) -> Result<Vec<Self>, Diagnostic> {
-        pictures.iter().try_for_each(|a| common_size(a, b).map(drop))?;
-        let edges = EdgeMap::new(b);
-        Ok(pictures.par_iter().map(|a| Self::without_flip(a, b, &edges)).collect())
-    }
-
-    /// Compares pictures of the same size.
-    fn without_flip(a: &Picture, b: &Picture, edges: &EdgeMap) -> Self {
+    /// Compares without FLIP. `edges` are the edges of `b`. Fails if the sizes differ.
+    pub(super) fn without_flip(a: &Picture, b: &Picture, edges: &EdgeMap) -> Result<Self, Diagnostic> {
         let mut comparison = Self {
-            size: [b.width(), b.height()],
+            size: common_size(a, b)?,
             largest: None,
             root_mean_square_error: 0.0,
             mean_flip: None,
@@ -79,7 +72,7 @@ impl Comparison {
         }
         comparison.pixels_by_levels[0] = comparison.pixels() - comparison.pixels_that_differ();
         comparison.root_mean_square_error = (squares as f64 / (3 * comparison.pixels()) as f64).sqrt();
-        comparison
+        Ok(comparison)
     }
 
     /// Counts a differing pixel.
@@ -115,7 +108,7 @@ impl Comparison {
     }
 
     /// Returns the lines of the block as labels and values.
-    fn lines(&self) -> impl Iterator<Item = (&'static str, String)> {
+    pub(super) fn lines(&self) -> Vec<Line> {
         let [width, height] = self.size;
         let counted = |count| format!("{count} ({})", percent(count, self.pixels()));
         let differing = self.pixels_that_differ();
@@ -129,37 +122,13 @@ impl Comparison {
             ("PSNR", format!("{:.2} dB", self.psnr())),
         ];
         let edges = ("differing beside an edge", percent(self.differing_near_edges, differing));
-        lines.into_iter().chain(flip).chain([edges])
-    }
-
-    /// Returns the block. If the cause of the difference is known, it is the last line.
-    pub fn block(&self, cause: Option<&dyn fmt::Display>) -> String {
-        let cause = cause.map(|cause| ("cause", cause.to_string()));
-        let lines = self.lines().chain(cause);
-        let lines: String = lines.map(|(label, value)| format!("  {label:<27}{value}\n")).collect();
-        format!("{RULE}\nPICTURE COMPARISON\n{lines}{RULE}\n")
-    }
-}
-
-/// At most `pixels` pixels may differ by more than `levels` levels. The default requires equality.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Tolerance {
-    /// The largest channel difference permitted for all pixels.
-    pub levels: u8,
-    /// The number of pixels that may differ by more.
-    pub pixels: u64,
-}
-
-impl Tolerance {
-    /// Returns true if the difference is within the tolerance.
-    pub fn accepts(&self, comparison: &Comparison) -> bool {
-        comparison.pixels_differing_by_more_than(self.levels) <= self.pixels
+        lines.into_iter().chain(flip).chain([edges]).collect()
     }
 }
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.block(None))
+        f.write_str(&block(self.lines()))
     }
 }
 
@@ -171,18 +140,11 @@ impl fmt::Display for LargestDifference {
     }
 }
 
-/// Formats a percentage with four decimals, so that one pixel in a million shows. Returns `NULL` if `whole` is 0, as in
-/// the statistics.
-fn percent(part: u64, whole: u64) -> String {
-    match whole {
-        0 => "NULL".to_owned(),
-        _ => format!("{:.4}%", 100.0 * part as f64 / whole as f64),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::Pixels;
+    use crate::tools::compare::{Difference, Tolerance};
 
     /// Returns a picture of 5 by 4 pixels: grey on the left, white in the last column.
     fn reference() -> Picture {
@@ -234,9 +196,13 @@ mod tests {
             let alone = Comparison::new(picture, &reference()).unwrap();
             Comparison { mean_flip: None, ..alone }
         });
-        assert_eq!(Comparison::of_each(&pictures, &reference()).unwrap(), each);
-        let other = [reference(), Picture::new(7, 3).unwrap()];
-        assert!(Comparison::of_each(&other, &reference()).is_err());
+        let own = Pixels::Bytes(reference());
+        let found = Difference::of_each(&pictures.map(Pixels::Bytes), &own).unwrap();
+        for (found, alone) in found.iter().zip(each) {
+            assert!(matches!(found, Difference::Levels(found) if **found == alone));
+        }
+        let other = [reference(), Picture::new(7, 3).unwrap()].map(Pixels::Bytes);
+        assert!(Difference::of_each(&other, &own).is_err());
     }
 
     #[test]
@@ -274,13 +240,6 @@ PICTURE COMPARISON
     }
 
     #[test]
-    fn a_cause_is_the_last_line_of_the_block() {
-        let block = comparison(&[]).block(Some(&"none of 3 tried"));
-        let end = "\n  differing beside an edge   NULL\n  cause                      none of 3 tried\n****";
-        assert!(block.contains(end), "{block}");
-    }
-
-    #[test]
     fn the_block_of_equal_pictures() {
         let expected = "\
 ********************************************
@@ -302,8 +261,9 @@ PICTURE COMPARISON
     fn both_numbers_are_the_last_that_pass() {
         let black = Picture::new(4, 1).unwrap();
         let other = Picture::from_rgb(4, 1, vec![0, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 7]);
-        let comparison = Comparison::new(&other, &black).unwrap();
-        let rows = [(0, 3), (4, 3), (5, 2), (6, 1), (7, 0), (255, 0)];
+        let comparison = Difference::Levels(Box::new(Comparison::new(&other, &black).unwrap()));
+        let rows =
+            [(0.0, 3), (4.0, 3), (4.9, 3), (5.0, 2), (5.5, 2), (6.0, 1), (7.0, 0), (255.0, 0), (1e9, 0)];
         for (levels, pixels) in rows {
             assert!(Tolerance { levels, pixels }.accepts(&comparison), "{levels} {pixels}");
             assert!(
@@ -317,7 +277,8 @@ PICTURE COMPARISON
     fn the_default_accepts_equal_pictures_alone() {
         let black = Picture::new(2, 1).unwrap();
         let other = Picture::from_rgb(2, 1, vec![0, 0, 0, 0, 0, 1]);
-        let accepts = |a: &Picture| Tolerance::default().accepts(&Comparison::new(a, &black).unwrap());
+        let compared = |a: &Picture| Difference::Levels(Box::new(Comparison::new(a, &black).unwrap()));
+        let accepts = |a: &Picture| Tolerance::default().accepts(&compared(a));
         assert!(accepts(&black));
         assert!(!accepts(&other));
     }

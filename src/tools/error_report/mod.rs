@@ -18,8 +18,6 @@ mod sweep;
 mod text;
 
 pub use csv::csv;
-#[cfg(test)]
-pub(crate) use numerical::single::SinglePrecision;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
 pub use setting::{Axis, SamplingKind, Setting};

@@ -10,10 +10,10 @@ use crate::math::instructions::Level;
 use crate::math::ray::Hit;
 use crate::render::renderer::Prepared;
 use crate::scene::material::{Material, Paint, Pattern, Phong};
-use crate::scene::{MaterialId, Object, ObjectId, Position, Scene, TRIANGLES_OF_BOX};
+use crate::scene::{MaterialId, Object, Position, Scene};
 use crate::shading::texture::{first_weight, is_in_boundary};
 use crate::stats::Counts;
-use crate::world::{SurfacePoint, World};
+use crate::world::{Objects, SurfacePoint, World};
 
 /// Looks up what a scene's text says about hits.
 #[derive(Debug)]
@@ -21,40 +21,22 @@ pub struct Explainer<'p, 'r> {
     pub(super) prepared: &'p Prepared<'r>,
     pub(super) world: &'p World,
     pub(super) scene: &'p Scene,
-    /// The first primitive of each object.
-    objects: Vec<(u32, ObjectId)>,
+    objects: Objects,
 }
 
 impl<'p, 'r> Explainer<'p, 'r> {
     /// Creates an explainer for a scene whose renderer has kept its meshes.
     pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, Diagnostic> {
         let (renderer, world) = (prepared.renderer(), prepared.caster().world);
-        // The ids count triangles, shapes and planes, each in the order of the text, as the objects are.
-        let mut next = [0, world.triangles.len(), world.finite_count()];
-        let mut objects = [const { vec![] }; 3];
-        for (id, object) in renderer.scene.objects.iter().enumerate() {
-            let (kind, count) = match object {
-                Object::Group(_) | Object::Transform { .. } => continue,
-                Object::Triangle { .. } => (0, 1),
-                Object::Box { .. } => (0, TRIANGLES_OF_BOX),
-                Object::Grid { surface, .. } => (0, surface.triangles.len()),
-                Object::Mesh { mesh, .. } => match renderer.meshes().get(*mesh) {
-                    Some(mesh) => (0, mesh.triangles.len()),
-                    None => return Err(Diagnostic::error("the meshes were not kept")),
-                },
-                Object::Sphere { .. } => (1, 1),
-                Object::Plane { .. } => (2, 1),
-            };
-            objects[kind].push((next[kind] as u32, id));
-            next[kind] += count;
-        }
-        Ok(Self { prepared, world, scene: &renderer.scene, objects: objects.concat() })
+        let objects = Objects::new(&renderer.scene, renderer.meshes(), world);
+        let objects = objects.ok_or_else(|| Diagnostic::error("the meshes were not kept"))?;
+        Ok(Self { prepared, world, scene: &renderer.scene, objects })
     }
 
     /// Returns the object that a primitive belongs to.
     pub fn object(&self, primitive: u32) -> ObjectPart {
-        let next = self.objects.partition_point(|&(first, _)| first <= primitive);
-        let (first, id) = self.objects[next - 1];
+        let placed = self.objects.of(primitive);
+        let (id, first) = (placed.id, placed.primitives.start);
         let object = &self.scene.objects[id];
         let name = match object {
             Object::Mesh { mesh, .. } => format!("{} {}", object.name(), self.scene.meshes[*mesh].name),

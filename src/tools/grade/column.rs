@@ -1,17 +1,19 @@
 //! One picture, as submitted by all names.
 
-use crate::picture::Picture;
+use super::page::Page;
+use super::reference::{Reference, Rule, Verdict};
+use crate::diagnostic::Diagnostic;
+use crate::picture::{FloatPicture, Pixels};
 use crate::tools::causes::Finding;
-use crate::tools::compare::{Comparison, Tolerance, common_size};
+use crate::tools::compare::{Difference, relation};
 
 /// A submission.
 #[derive(Clone, Debug)]
 pub enum Submission {
-    /// A picture of the reference's size.
-    Picture(Picture),
+    Picture(Pixels),
     /// No file.
     Missing,
-    /// A file that is not a picture of the reference's size, and the reason.
+    /// A file that is not a picture, and the reason.
     Unusable(String),
 }
 
@@ -22,10 +24,21 @@ pub struct Column {
     pub picture: String,
     /// The reason why there is no reference, if there is none.
     pub problem: Option<String>,
+    /// True if the reference is a picture of numbers.
+    pub has_numbers: bool,
     /// The results, one for each name.
     pub cells: Vec<Cell>,
-    /// For each name, the path of the file used, if it differs from the picture's name.
-    pub found_as: Vec<Option<String>>,
+    /// Remarks on the files, one for each name.
+    pub remarks: Vec<Remark>,
+}
+
+/// A remark on the files of a picture of one name.
+#[derive(Clone, Debug, Default)]
+pub struct Remark {
+    /// The path of the file used, if it differs from the picture's name.
+    pub found_as: Option<String>,
+    /// The files that are not used but may be meant for the picture, and why not.
+    pub others: Option<String>,
 }
 
 /// The result of one picture of one name.
@@ -33,11 +46,10 @@ pub struct Column {
 pub enum Cell {
     Equal,
     Different {
-        comparison: Box<Comparison>,
-        /// True if the tolerance accepts it.
-        passes: bool,
+        difference: Difference,
+        verdict: Verdict,
         /// The cause, if one was searched for and found.
-        cause: Option<Finding>,
+        cause: Option<Box<Finding>>,
         /// Its index among the different pictures of the column.
         picture: usize,
     },
@@ -88,19 +100,38 @@ impl CellWord {
 impl Cell {
     pub fn verdict(&self) -> CellWord {
         match self {
-            Self::Equal | Self::Different { passes: true, .. } => CellWord::Passed,
-            Self::Different { passes: false, .. } => CellWord::Failed,
+            Self::Different { verdict: Verdict { passes: false, .. }, .. } => CellWord::Failed,
+            Self::Equal | Self::Different { .. } => CellWord::Passed,
             Self::Missing => CellWord::Missing,
             Self::Unusable(_) => CellWord::Unusable,
             Self::Ungraded => CellWord::Ungraded,
         }
     }
 
-    /// Returns why the picture does not equal the reference: the cause of the difference, or the reason why the picture
-    /// cannot be used.
+    /// Returns the number of differing pixels of a picture that passes since rounding explains them.
+    pub fn rounded(&self) -> Option<u64> {
+        match self {
+            Self::Different {
+                verdict: Verdict { passes: true, unexplained: Some(_) }, difference, ..
+            } => Some(difference.pixels_that_differ()),
+            _ => None,
+        }
+    }
+
+    /// Returns why the picture does not equal the reference: rounding, the cause of the difference, or the reason why the
+    /// picture cannot be used.
     pub fn reason(&self) -> Option<String> {
         match self {
-            Self::Different { cause, .. } => cause.as_ref().map(words),
+            Self::Different {
+                difference,
+                verdict: Verdict { passes: true, unexplained: Some(left) },
+                ..
+            } => {
+                let rest =
+                    if *left > 0 { format!(", and {left} that it does not explain") } else { String::new() };
+                Some(format!("rounding, {} pixels{rest}", difference.pixels_that_differ() - left))
+            }
+            Self::Different { cause, .. } => cause.as_deref().map(words),
             Self::Unusable(reason) => Some(reason.clone()),
             Self::Equal | Self::Missing | Self::Ungraded => None,
         }
@@ -116,11 +147,9 @@ fn words(finding: &Finding) -> String {
         Finding::Part { share, .. } => {
             format!("in part {mistakes}, {:.0}% of the wrong pixels", (100.0 * share).floor())
         }
-        Finding::Rounding { tolerance: Tolerance { levels, pixels }, .. } => {
-            format!("rounding of single precision, passes with -tolerance {levels} {pixels}")
-        }
-        Finding::Speckles { pixels, .. } => format!("epsilon too small: {pixels} scattered pixels"),
-        Finding::Unknown { tried } => format!("unknown ({tried} causes tried)"),
+        Finding::Unknown { tried, difference: None } => format!("unknown ({tried} causes tried)"),
+        Finding::Unknown { difference: Some(kind), .. } => format!("unknown: {kind}"),
+        found => found.to_string(),
     }
 }
 
@@ -130,161 +159,220 @@ impl Column {
         Self {
             picture,
             problem: Some(problem),
+            has_numbers: false,
             cells: vec![Cell::Ungraded; names],
-            found_as: vec![None; names],
+            remarks: vec![Remark::default(); names],
         }
     }
 
-    /// Returns the remarks on the cell in a row: the other name under which it was found, and why it differs.
+    /// Returns the remarks on the cell in a row: on its file, and why it differs.
     pub fn reason(&self, row: usize) -> Option<String> {
-        let found_as = self.found_as.get(row).and_then(Option::as_ref);
-        match (found_as.map(|file| format!("found as {file}")), self.cells[row].reason()) {
-            (Some(found), Some(reason)) => Some(format!("{found}: {reason}")),
-            (found, reason) => found.or(reason),
-        }
-    }
-
-    /// Compares submissions with the reference, one after the other. Stops at the first error.
-    ///
-    /// `explain` receives the differing pictures without duplicates, and for each of them true if it fails. It returns a
-    /// cause for each failed one that has one. It is called for each 64 MiB of pictures, which are then dropped. It is not
-    /// called if all pictures are equal.
-    pub fn graded<E>(
-        picture: String,
-        reference: &Picture,
-        submissions: impl IntoIterator<Item = Result<Submission, E>>,
-        tolerance: Tolerance,
-        mut explain: impl FnMut(&[Picture], &[bool]) -> Vec<Option<Finding>>,
-    ) -> Result<Self, E> {
-        let (mut places, mut waiting) = (Vec::new(), Vec::new());
-        let (mut comparisons, mut causes) = (Vec::new(), Vec::new());
-        let mut settle = |waiting: &mut Vec<Picture>| {
-            // All pictures have the reference's size.
-            let compared = Comparison::of_each(waiting, reference).unwrap_or_default();
-            let fails: Vec<bool> = compared.iter().map(|comparison| !tolerance.accepts(comparison)).collect();
-            comparisons.extend(compared);
-            let mut found = if waiting.is_empty() { Vec::new() } else { explain(waiting, &fails) };
-            found.resize(waiting.len(), None);
-            causes.append(&mut found);
-            waiting.clear();
-            comparisons.len()
-        };
-        let mut settled = 0;
-        for submission in submissions {
-            places.push(place(submission?, reference, &mut waiting, settled));
-            if waiting.len() * reference.pixels().len() >= AT_ONCE {
-                settled = settle(&mut waiting);
-            }
-        }
-        settle(&mut waiting);
-        let cell = |place| match place {
-            Place::Decided(cell) => cell,
-            Place::Wrong(picture) => {
-                let comparison: &Comparison = &comparisons[picture];
-                let passes = tolerance.accepts(comparison);
-                Cell::Different {
-                    passes,
-                    comparison: Box::new(comparison.clone()),
-                    cause: causes[picture].clone(),
-                    picture,
-                }
-            }
-        };
-        let cells: Vec<Cell> = places.into_iter().map(cell).collect();
-        let found_as = vec![None; cells.len()];
-        Ok(Self { picture, problem: None, cells, found_as })
+        let (cell, Remark { found_as, others }) = (&self.cells[row], &self.remarks[row]);
+        let found_as = found_as.as_ref().map(|file| format!("found as {file}"));
+        let others = others.as_ref().filter(|_| cell.verdict() != CellWord::Passed);
+        let others = others.map(|others| format!("perhaps {others}"));
+        let all: Vec<String> = found_as.into_iter().chain(cell.reason()).chain(others).collect();
+        (!all.is_empty()).then(|| all.join(": "))
     }
 }
 
 /// The largest size in bytes of pictures held and explained at a time. A larger picture is held alone.
 const AT_ONCE: usize = 1 << 26;
 
+/// Grades one picture of all names, one after the other.
+pub struct ColumnGrader<'g, 'r> {
+    reference: &'g Reference<'r>,
+    rule: Rule,
+    finds_causes: bool,
+    page: Option<&'g mut Page>,
+    places: Vec<Place>,
+    /// The results of different pictures.
+    judged: Vec<Judged>,
+    /// Different pictures that are not judged yet, each once.
+    waiting: Vec<Pixels>,
+}
+
 /// The state of a submission.
 enum Place {
     Decided(Cell),
     /// The index of a picture that differs.
-    Wrong(usize),
+    Judged(usize),
 }
 
-/// Adds a picture that differs from the reference to `waiting`, unless it is already there. `settled` is the number of
-/// pictures before these.
-fn place(submission: Submission, reference: &Picture, waiting: &mut Vec<Picture>, settled: usize) -> Place {
-    match submission {
-        Submission::Missing => Place::Decided(Cell::Missing),
-        Submission::Unusable(reason) => Place::Decided(Cell::Unusable(reason)),
-        Submission::Picture(picture) if picture == *reference => Place::Decided(Cell::Equal),
-        Submission::Picture(picture) => {
-            if let Err(error) = common_size(&picture, reference) {
-                return Place::Decided(Cell::Unusable(error.message));
-            }
-            let at = waiting.iter().position(|other| *other == picture).unwrap_or_else(|| {
-                waiting.push(picture);
-                waiting.len() - 1
-            });
-            Place::Wrong(settled + at)
+struct Judged {
+    difference: Difference,
+    verdict: Verdict,
+    cause: Option<Finding>,
+}
+
+impl<'g, 'r> ColumnGrader<'g, 'r> {
+    /// Begins a column, also of the page.
+    pub fn new(
+        reference: &'g Reference<'r>,
+        rule: Rule,
+        finds_causes: bool,
+        page: Option<&'g mut Page>,
+    ) -> Result<Self, Diagnostic> {
+        let mut grader =
+            Self { reference, rule, finds_causes, page, places: vec![], judged: vec![], waiting: vec![] };
+        if let Some(page) = &mut grader.page {
+            page.add_column(reference)?;
         }
+        Ok(grader)
     }
+
+    /// Takes the submission of the next name.
+    pub fn add(&mut self, submission: Submission) -> Result<(), Diagnostic> {
+        let own = &self.reference.pixels;
+        let place = match submission {
+            Submission::Missing => Place::Decided(Cell::Missing),
+            Submission::Unusable(reason) => Place::Decided(Cell::Unusable(reason)),
+            Submission::Picture(picture) if picture == *own => Place::Decided(Cell::Equal),
+            Submission::Picture(picture) if picture.size() != own.size() => {
+                Place::Decided(Cell::Unusable(other_size(picture.size(), own.size())))
+            }
+            Submission::Picture(picture) => {
+                let at = self.waiting.iter().position(|other| *other == picture).unwrap_or_else(|| {
+                    self.waiting.push(picture);
+                    self.waiting.len() - 1
+                });
+                Place::Judged(self.judged.len() + at)
+            }
+        };
+        self.places.push(place);
+        if self.waiting.iter().map(bytes).sum::<usize>() >= AT_ONCE { self.judge() } else { Ok(()) }
+    }
+
+    /// Judges the waiting pictures, and drops them.
+    fn judge(&mut self) -> Result<(), Diagnostic> {
+        let reference = self.reference;
+        let waiting = std::mem::take(&mut self.waiting);
+        let differences = Difference::of_each(&waiting, &reference.pixels)?;
+        let mut judged: Vec<Judged> = vec![];
+        for (picture, difference) in waiting.iter().zip(differences) {
+            let verdict = reference.judge(self.rule, picture, &difference);
+            judged.push(Judged { difference, verdict, cause: None });
+        }
+        if self.finds_causes {
+            let (mut failed, mut wrong) = (vec![], vec![]);
+            for (judged, picture) in
+                judged.iter_mut().zip(&waiting).filter(|(judged, _)| !judged.verdict.passes)
+            {
+                failed.push(judged);
+                wrong.push(picture);
+            }
+            if !wrong.is_empty() {
+                let found = reference.explain(&wrong);
+                failed.into_iter().zip(found).for_each(|(judged, found)| judged.cause = found);
+            }
+        }
+        if let Some(page) = &mut self.page {
+            page.add_different(reference, &waiting)?;
+        }
+        self.judged.append(&mut judged);
+        Ok(())
+    }
+
+    /// Returns the column of this picture.
+    pub fn finish(mut self, picture: String, remarks: Vec<Remark>) -> Result<Column, Diagnostic> {
+        self.judge()?;
+        let cells = self.places.into_iter().map(|place| match place {
+            Place::Decided(cell) => cell,
+            // A NaN differs from itself for the comparison of pictures by `==`.
+            Place::Judged(picture) if self.judged[picture].difference.pixels_that_differ() == 0 => {
+                Cell::Equal
+            }
+            Place::Judged(picture) => {
+                let Judged { difference, verdict, cause } = &self.judged[picture];
+                let difference = difference.clone();
+                Cell::Different { difference, verdict: *verdict, cause: cause.clone().map(Box::new), picture }
+            }
+        });
+        let has_numbers = matches!(self.reference.pixels, Pixels::Numbers(_));
+        Ok(Column { picture, problem: None, has_numbers, cells: cells.collect(), remarks })
+    }
+}
+
+/// Returns about how many bytes a picture takes.
+fn bytes(picture: &Pixels) -> usize {
+    match picture {
+        Pixels::Bytes(picture) => picture.pixels().len(),
+        Pixels::Numbers(FloatPicture { colors, .. }) => size_of_val(colors.as_slice()),
+    }
+}
+
+/// Returns why a picture of another size cannot be compared.
+fn other_size(own @ [width, height]: [u32; 2], right @ [right_width, right_height]: [u32; 2]) -> String {
+    let relation = relation(own, right).map_or(String::new(), |is| format!(": it {is}"));
+    format!("its size is {width} x {height} pixels instead of {right_width} x {right_height}{relation}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::Picture;
+    use crate::tools::compare::Tolerance;
 
-    /// Returns a picture of one pixel.
-    fn picture(level: u8) -> Picture {
-        Picture::from_rgb(1, 1, vec![level; 3])
+    const EXACT: Rule = Rule::Equal;
+
+    fn picture(level: u8) -> Pixels {
+        Pixels::Bytes(Picture::from_rgb(1, 1, vec![level; 3]))
+    }
+
+    fn graded(reference: &Pixels, submissions: impl IntoIterator<Item = Submission>, rule: Rule) -> Column {
+        let reference = Reference::of_file(reference.clone());
+        let mut grader = ColumnGrader::new(&reference, rule, true, None).unwrap();
+        submissions.into_iter().for_each(|submission| grader.add(submission).unwrap());
+        let names = grader.places.len();
+        grader.finish("a".into(), vec![Remark::default(); names]).unwrap()
     }
 
     #[test]
-    fn a_picture_that_many_hand_in_is_compared_and_explained_once() {
+    fn each_submission_has_its_verdict_and_equal_pictures_are_judged_once() {
         let handed_in = [5, 7, 5, 6, 0].map(|level| Submission::Picture(picture(level)));
-        let large = Submission::Picture(Picture::new(2, 1).unwrap());
-        let rest = [Submission::Missing, Submission::Unusable("why".into()), large];
-        let tolerance = Tolerance { levels: 5, pixels: 0 };
-        let explain = |wrong: &[Picture], fails: &[bool]| {
-            assert_eq!((wrong, fails), (&[5, 7, 6].map(picture)[..], &[false, true, true][..]));
-            vec![None, Some(Finding::Unknown { tried: 3 }), None]
-        };
-        let submissions = handed_in.into_iter().chain(rest).map(Ok::<_, ()>);
-        let column = Column::graded("a".into(), &picture(0), submissions, tolerance, explain).unwrap();
+        let sizes = [[2, 2], [3, 1]].map(|[width, height]| Picture::new(width, height).unwrap());
+        let sizes = sizes.map(|picture| Submission::Picture(Pixels::Bytes(picture)));
+        let rest = [Submission::Missing, Submission::Unusable("why".into())];
+        let rule = Rule::Tolerance(Tolerance { levels: 5.0, pixels: 0 });
+        let column = graded(&picture(0), handed_in.into_iter().chain(rest).chain(sizes), rule);
         let verdicts: Vec<CellWord> = column.cells.iter().map(Cell::verdict).collect();
         use CellWord::{Failed, Missing, Passed, Unusable};
-        assert_eq!(verdicts, [Passed, Failed, Passed, Failed, Passed, Missing, Unusable, Unusable]);
+        let expected = [Passed, Failed, Passed, Failed, Passed, Missing, Unusable, Unusable, Unusable];
+        assert_eq!(verdicts, expected);
         let reasons: Vec<Option<String>> = column.cells.iter().map(Cell::reason).collect();
-        assert_eq!(reasons[1].as_deref(), Some("unknown (3 causes tried)"));
+        assert!(reasons[0].is_none() && reasons[1].is_some(), "{reasons:?}");
         assert_eq!(reasons[6].as_deref(), Some("why"));
-        assert!(reasons[7].as_deref().is_some_and(|reason| reason.ends_with("2 x 1 pixels against 1 x 1")));
+        let size = "its size is 2 x 2 pixels instead of 1 x 1: it is twice the size";
+        assert_eq!(reasons[7].as_deref(), Some(size));
         assert!(matches!(column.cells[2], Cell::Different { picture: 0, .. }));
     }
 
     #[test]
-    fn nothing_is_explained_where_all_are_equal() {
-        let submissions = [Submission::Picture(picture(1)), Submission::Missing].map(Ok::<_, ()>);
-        let explain = |_: &[Picture], _: &[bool]| unreachable!();
-        let column =
-            Column::graded("a".into(), &picture(1), submissions, Tolerance::default(), explain).unwrap();
-        assert!(matches!(column.cells[..], [Cell::Equal, Cell::Missing]));
+    fn a_picture_with_a_nan_equals_itself() {
+        let numbers = |number: f64| {
+            Pixels::Numbers(FloatPicture { size: [1, 1], colors: vec![crate::picture::Color::splat(number)] })
+        };
+        let submissions = [f64::NAN, 1.0].map(|number| Submission::Picture(numbers(number)));
+        let column = graded(&numbers(f64::NAN), submissions, EXACT);
+        assert!(matches!(column.cells[0], Cell::Equal));
+        let Cell::Different { difference, .. } = &column.cells[1] else { panic!("{column:?}") };
+        assert_eq!(difference.largest(), f64::INFINITY);
     }
 
     #[test]
-    fn large_pictures_are_held_one_at_a_time_and_an_error_ends_the_grading() {
-        let large = |level: u8| Picture::from_rgb(4800, 4700, vec![level; 4800 * 4700 * 3]);
-        let mut counts = vec![];
-        let explain = |wrong: &[Picture], _: &[bool]| {
-            counts.push(wrong.len());
-            vec![Some(Finding::Unknown { tried: counts.len() })]
-        };
-        let submissions = (1..4).map(|level| Ok::<_, ()>(Submission::Picture(large(level))));
-        let column =
-            Column::graded("a".into(), &large(0), submissions, Tolerance::default(), explain).unwrap();
-        assert_eq!(counts, [1, 1, 1]);
-        for (at, cell) in column.cells.iter().enumerate() {
-            let Cell::Different { comparison, cause, picture, .. } = cell else { panic!("{cell:?}") };
-            assert_eq!((*picture, cause), (at, &Some(Finding::Unknown { tried: at + 1 })));
-            assert_eq!(comparison.largest.map(|largest| largest.levels), Some(at as u8 + 1));
+    fn large_pictures_are_held_one_at_a_time() {
+        let large = |level: u8| Pixels::Bytes(Picture::from_rgb(4800, 4700, vec![level; 4800 * 4700 * 3]));
+        let reference = Reference::of_file(large(0));
+        let mut grader = ColumnGrader::new(&reference, EXACT, false, None).unwrap();
+        for level in 1..4 {
+            grader.add(Submission::Picture(large(level))).unwrap();
+            assert!(grader.waiting.is_empty());
         }
-        let submissions = [Ok(Submission::Missing), Err("no memory"), Ok(Submission::Missing)];
-        let found = Column::graded("a".into(), &picture(0), submissions, Tolerance::default(), |_, _| vec![]);
-        assert_eq!(found.err(), Some("no memory"));
+        let column = grader.finish("a".into(), vec![Remark::default(); 3]).unwrap();
+        let largest = column.cells.iter().map(|cell| match cell {
+            Cell::Different { difference, .. } => difference.largest(),
+            other => panic!("{other:?}"),
+        });
+        assert!(largest.eq([1.0, 2.0, 3.0]));
     }
 }

@@ -1,31 +1,36 @@
-//! Writes a table of results as comma-separated values (RFC 4180), one line for each picture of each name.
+//! Writes a table of results as comma-separated values (RFC 4180): one line for each picture of each name, then one for
+//! each file that is not graded.
 
-use super::{Cell, Column, Table};
+use super::{Entry, Table};
 use crate::base::escape::csv_field;
 
-const HEAD: &str = "name,picture,result,pixels that differ,by more than one level,largest difference,\
-                    root mean square error,reason\r\n";
+const HEAD: &str = "name,picture,result,points,pixels that differ,by more than one level,not rounding,\
+                    largest difference,root mean square error,unit,reason\r\n";
 
 /// Returns the table's lines, name by name.
 pub fn csv(table: &Table) -> String {
-    let rows = table.names.iter().enumerate();
-    let lines = rows.flat_map(|(row, name)| table.columns.iter().map(move |column| line(name, column, row)));
-    std::iter::once(HEAD.to_owned()).chain(lines).collect()
+    let entries = table.entries().chain(table.not_graded.iter().map(Entry::of_file));
+    std::iter::once(HEAD.to_owned()).chain(entries.map(|entry| line(&entry))).collect()
 }
 
-fn line(name: &str, column: &Column, row: usize) -> String {
-    let cell = &column.cells[row];
-    let numbers = match cell {
-        Cell::Equal => ["0", "0", "0", "0"].map(str::to_owned),
-        Cell::Different { comparison, .. } => [
-            comparison.pixels_that_differ().to_string(),
-            comparison.pixels_differing_by_more_than(1).to_string(),
-            comparison.largest.map_or(0, |largest| largest.levels).to_string(),
-            format!("{:.6}", comparison.root_mean_square_error),
-        ],
-        Cell::Missing | Cell::Unusable(_) | Cell::Ungraded => Default::default(),
-    };
-    let reason = column.reason(row).unwrap_or_default();
-    let (name, picture) = (csv_field(name), csv_field(&column.picture));
-    format!("{name},{picture},{},{},{}\r\n", cell.verdict().word(), numbers.join(","), csv_field(&reason))
+fn line(entry: &Entry) -> String {
+    let count = |count: Option<u64>| count.map_or(String::new(), |count| count.to_string());
+    let error = entry.root_mean_square_error.map_or(String::new(), |error| match error {
+        0.0 => "0".to_owned(),
+        error => format!("{error:.6}"),
+    });
+    let fields = [
+        csv_field(&entry.name),
+        csv_field(&entry.picture),
+        entry.result.to_owned(),
+        count(entry.points),
+        count(entry.pixels_that_differ),
+        count(entry.by_more_than_one_level),
+        count(entry.not_rounding),
+        entry.largest_difference.map_or(String::new(), |largest| largest.to_string()),
+        error,
+        entry.unit.unwrap_or_default().to_owned(),
+        csv_field(entry.reason.as_deref().unwrap_or_default()),
+    ];
+    fields.join(",") + "\r\n"
 }

@@ -1,73 +1,111 @@
 //! Grading: compares the pictures of many people with their references, in one table.
 //!
 //! A [`Table`] has a row for every name and a [`Column`] for every picture. Columns are made one at a time, so only one
-//! column's pictures are in memory. The pictures in the [`Page`] are kept as compressed bytes.
+//! column's pictures are in memory. Each picture is judged alone. The pictures in the [`Page`] are kept as compressed
+//! bytes. `Pairing` says which file of a name is which picture.
 
 mod column;
 mod csv;
+mod document;
+mod entry;
+mod listing;
 mod page;
+mod reference;
 mod summary;
 
-pub use column::{Cell, CellWord, Column, Submission};
+pub use column::{Cell, CellWord, Column, ColumnGrader, Remark, Submission};
 pub use csv::csv;
+pub use document::document;
+pub use entry::Entry;
+pub use listing::{Kind, Listed, Other, Pairing, Reason};
 pub use page::Page;
+pub use reference::{Reference, Rule};
 pub use summary::summary;
 
-use crate::tools::compare::Tolerance;
 use std::fmt;
-
-/// The usual difference of a correct tracer in single precision: silhouettes off by up to a pixel in a few places, and
-/// colours by one level.
-const USUAL_TOLERANCE: Tolerance = Tolerance { levels: 1, pixels: 50 };
 
 /// The results of a grading.
 #[derive(Clone, Debug)]
 pub struct Table {
-    pub tolerance: Tolerance,
+    pub rule: Rule,
     /// One for each row.
     pub names: Vec<String>,
     /// One for each picture.
     pub columns: Vec<Column>,
-    /// Notes about files that are not graded, one line each.
-    pub notes: Vec<String>,
+    pub not_graded: Vec<NotGraded>,
+}
+
+/// A file that is not graded.
+#[derive(Clone, Debug)]
+pub struct NotGraded {
+    /// The name in whose folder it is, if it is in one.
+    pub name: Option<String>,
+    /// Its path in that folder.
+    pub file: String,
+    pub reason: Reason,
+    /// The picture that it is probably meant for.
+    pub meant_for: Option<String>,
+}
+
+impl NotGraded {
+    /// Returns the reason and the picture that it is probably meant for.
+    pub fn words(&self) -> String {
+        let reason = self.reason.words();
+        match &self.meant_for {
+            Some(picture) if self.reason == Reason::OtherIsGraded => format!("{reason} as {picture}"),
+            Some(picture) => format!("{reason}; probably {picture}"),
+            None => reason.to_owned(),
+        }
+    }
+
+    /// Returns its path from the folder of all names.
+    pub fn path(&self) -> String {
+        let folder = self.name.as_ref().map_or(String::new(), |name| format!("{name}/"));
+        folder + &self.file
+    }
 }
 
 /// The number of pictures with each verdict, in the order of [`CellWord::COUNTED`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Score([usize; CellWord::COUNTED.len()]);
+pub struct Score {
+    counts: [usize; CellWord::COUNTED.len()],
+    /// The number of pictures that pass since rounding explains their differences.
+    by_rounding: usize,
+}
 
 impl Score {
     pub fn of<'c>(cells: impl IntoIterator<Item = &'c Cell>) -> Self {
-        let verdicts: Vec<CellWord> = cells.into_iter().map(Cell::verdict).collect();
-        Self(CellWord::COUNTED.map(|word| verdicts.iter().filter(|&&other| other == word).count()))
+        let mut score = Self::default();
+        for cell in cells {
+            score.by_rounding += usize::from(cell.rounded().is_some());
+            let at = CellWord::COUNTED.iter().position(|&word| word == cell.verdict());
+            at.into_iter().for_each(|at| score.counts[at] += 1);
+        }
+        score
     }
 
-    /// Returns the number of pictures that pass.
-    pub fn passed(&self) -> usize {
-        self.count(CellWord::Passed)
-    }
-
-    /// Returns the number of pictures with this verdict.
-    fn count(&self, word: CellWord) -> usize {
-        self.0.iter().zip(CellWord::COUNTED).find(|(_, other)| *other == word).map_or(0, |(count, _)| *count)
+    /// Returns the number of pictures that pass: the points.
+    pub fn points(&self) -> usize {
+        self.counts[0]
     }
 
     /// Returns the number of pictures that have a reference.
     pub fn graded(&self) -> usize {
-        self.0.iter().sum()
+        self.counts.iter().sum()
     }
 
     /// Returns the percentage of pictures that pass, rounded down. 0 if no picture has a reference.
-    pub fn points(&self) -> usize {
-        100 * self.passed() / self.graded().max(1)
+    pub fn percent(&self) -> usize {
+        100 * self.points() / self.graded().max(1)
     }
 }
 
 impl fmt::Display for Score {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} of {}, {} points", self.passed(), self.graded(), self.points())?;
-        let mut rest = self.0.iter().zip(CellWord::COUNTED).skip(1).filter(|(count, _)| **count > 0);
-        rest.try_for_each(|(count, word)| write!(f, ", {count} {}", word.word()))
+        write!(f, "{} of {}, {} percent", self.points(), self.graded(), self.percent())?;
+        let rest = self.counts.iter().zip(CellWord::COUNTED.map(CellWord::word)).skip(1);
+        let mut rest = [(&self.by_rounding, "by rounding")].into_iter().chain(rest);
+        rest.try_for_each(|(count, word)| if *count > 0 { write!(f, ", {count} {word}") } else { Ok(()) })
     }
 }
 
@@ -82,26 +120,8 @@ impl Table {
         Score::of(self.columns.iter().flat_map(|column| &column.cells))
     }
 
-    /// Returns how many of the failed pictures pass with the usual tolerance of one level and 50 pixels, if any does.
-    pub fn tolerance_hint(&self) -> Option<String> {
-        let cells = || self.columns.iter().flat_map(|column| &column.cells);
-        let passes = |cell: &&Cell| match cell {
-            // In a tiny picture, 50 pixels may be all that it shows.
-            Cell::Different { comparison, passes: false, .. } => {
-                USUAL_TOLERANCE.accepts(comparison) && comparison.pixels() >= 200 * USUAL_TOLERANCE.pixels
-            }
-            _ => false,
-        };
-        let failed = self.score().count(CellWord::Failed);
-        let passing = cells().filter(passes).count();
-        let Tolerance { levels, pixels } = USUAL_TOLERANCE;
-        (passing > 0).then(|| {
-            format!("{passing} of the {failed} failed pictures pass with `-tolerance {levels} {pixels}`")
-        })
-    }
-
     /// Returns true if all pictures have a reference and pass.
     pub fn passes(&self) -> bool {
-        self.score().passed() == self.names.len() * self.columns.len()
+        self.score().points() == self.names.len() * self.columns.len()
     }
 }

@@ -1,11 +1,13 @@
 //! The page of a grading: a single self-contained file. Its text is in `templates/grade.html`.
 
+use super::reference::{Reference, Rule};
 use super::{Cell, Column, Score, Table};
-use crate::picture::Picture;
-use crate::tools::compare::{Comparison, Tolerance};
+use crate::picture::{BadSize, Picture, Pixels};
+use crate::tools::compare::{Difference, Scale};
 use crate::tools::embedded::{Embedded, file, thumbnail_file};
 use askama::Template;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// A page under construction. Columns are added one after the other.
 #[derive(Debug, Default)]
@@ -21,28 +23,52 @@ pub struct Page {
 struct Shown {
     /// The thumbnail of the reference.
     thumbnail: Option<usize>,
-    /// The reference, if any picture differs from it.
-    reference: Option<usize>,
-    /// The indices of each different picture's thumbnail and of the picture.
-    different: Vec<[usize; 2]>,
+    different: Vec<DifferentPicture>,
+}
+
+/// A picture that differs from the reference.
+#[derive(Clone, Copy, Debug)]
+struct DifferentPicture {
+    thumbnail: usize,
+    picture: usize,
+    reference: usize,
+    /// The scale on which numbers are drawn.
+    scale: Option<Scale>,
 }
 
 impl Page {
     /// Adds a column that has a reference.
-    pub fn add_column(&mut self, reference: &Picture) {
-        let thumbnail = Some(self.thumbnails.add(thumbnail_file(reference)));
+    pub fn add_column(&mut self, reference: &Reference) -> Result<(), BadSize> {
+        let shown = drawn(&reference.pixels, reference.scale(&reference.pixels))?;
+        let thumbnail = Some(self.thumbnails.add(thumbnail_file(&shown)));
         self.columns.push(Shown { thumbnail, ..Shown::default() });
+        Ok(())
     }
 
     /// Adds more pictures that differ from the reference to the last column.
-    pub fn add_different(&mut self, reference: &Picture, different: &[Picture]) {
-        let files: Vec<[String; 2]> =
-            different.par_iter().map(|picture| [thumbnail_file(picture), file(picture)]).collect();
-        let Some(shown) = self.columns.last_mut() else { return };
-        shown.reference = Some(self.pictures.add(file(reference)));
-        for [small, whole] in files {
-            shown.different.push([self.thumbnails.add(small), self.pictures.add(whole)]);
+    pub fn add_different(&mut self, reference: &Reference, different: &[Pixels]) -> Result<(), BadSize> {
+        let files = |picture: &Pixels| -> Result<[String; 2], BadSize> {
+            let shown = drawn(picture, reference.scale(picture))?;
+            Ok([thumbnail_file(&shown), file(&shown)])
+        };
+        let files: Vec<[String; 2]> = different.par_iter().map(files).collect::<Result<_, _>>()?;
+        let Some(shown) = self.columns.last_mut() else { return Ok(()) };
+        // A picture of bytes stands beside the bytes of a reference of numbers.
+        let (mut own, mut last_scale) = (None, None);
+        for (picture, [thumbnail, whole]) in different.iter().zip(files) {
+            let scale = reference.scale(picture);
+            if own.is_none() || last_scale != scale {
+                own = Some(self.pictures.add(file(&*drawn(&reference.pixels, scale)?)));
+                last_scale = scale;
+            }
+            shown.different.push(DifferentPicture {
+                thumbnail: self.thumbnails.add(thumbnail),
+                picture: self.pictures.add(whole),
+                reference: own.unwrap_or_default(),
+                scale,
+            });
         }
+        Ok(())
     }
 
     /// Adds a column without a reference.
@@ -72,46 +98,70 @@ impl<'p> Filled<'p> {
     }
 
     /// Describes the measures of a difference.
-    fn details(&self, column: &Column, comparison: &Comparison) -> String {
-        let largest = comparison.largest.map_or(String::new(), |largest| largest.to_string());
-        format!(
-            "{}: {} of {} pixels differ, {} by more than one level. Largest difference {largest}. Root mean square \
-             error {:.3} levels.",
+    fn details(&self, column: &Column, difference: &Difference, shown: &DifferentPicture) -> String {
+        let differ = format!(
+            "{}: {} of {} pixels differ",
             column.picture,
-            comparison.pixels_that_differ(),
-            comparison.pixels(),
-            comparison.pixels_differing_by_more_than(1),
-            comparison.root_mean_square_error
-        )
+            difference.pixels_that_differ(),
+            difference.pixels()
+        );
+        match difference {
+            Difference::Levels(levels) => {
+                let largest = levels.largest.map_or(String::new(), |largest| largest.to_string());
+                let more = levels.pixels_differing_by_more_than(1);
+                let error = levels.root_mean_square_error;
+                format!(
+                    "{differ}, {more} by more than one level. Largest difference {largest}. Root mean square error \
+                     {error:.3} levels."
+                )
+            }
+            Difference::Numbers(numbers) => {
+                let largest = numbers.largest.map_or("0".into(), |largest| largest.to_string());
+                let in_one = numbers.pixels_not_finite_in_one();
+                let scale = shown.scale.map_or(String::new(), |scale| format!(" Shown {scale}."));
+                format!(
+                    "{differ}. Largest difference {largest}. NaN or infinite in one of them: {in_one}.{scale}"
+                )
+            }
+        }
+    }
+}
+
+/// Returns a picture as it is shown: its bytes, or its numbers on a scale.
+fn drawn(picture: &Pixels, scale: Option<Scale>) -> Result<Cow<'_, Picture>, BadSize> {
+    match (picture, scale) {
+        (Pixels::Numbers(numbers), Some(scale)) => scale.draw(numbers).map(Cow::Owned),
+        _ => Ok(picture.bytes()),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tools::grade::Submission;
+    use crate::tools::grade::{ColumnGrader, NotGraded, Reason, Remark, Submission};
 
     #[test]
     fn a_picture_is_embedded_once_and_an_equal_one_not_at_all() {
         let picture = |level: u8| Picture::from_rgb(1, 1, vec![level; 3]);
-        let submissions = [0, 9, 9].map(|level| Ok::<_, ()>(Submission::Picture(picture(level))));
-        let tolerance = Default::default();
+        let reference = Reference::of_file(Pixels::Bytes(picture(0)));
         let mut page = Page::default();
-        page.add_column(&picture(0));
-        let show = |wrong: &[Picture], _: &[bool]| {
-            page.add_different(&picture(0), wrong);
-            Vec::new()
-        };
-        let column = Column::graded("<p>".into(), &picture(0), submissions, tolerance, show).unwrap();
+        let mut grader = ColumnGrader::new(&reference, Rule::Equal, false, Some(&mut page)).unwrap();
+        for level in [0, 9, 9] {
+            grader.add(Submission::Picture(Pixels::Bytes(picture(level)))).unwrap();
+        }
+        let column = grader.finish("<p>".into(), vec![Remark::default(); 3]).unwrap();
         page.add_ungraded();
         let missing = Column::ungraded("q".into(), "none".into(), 3);
         let names = ["<b>", "\"", "c"].map(str::to_owned).to_vec();
-        let table = Table { tolerance, names, columns: vec![column, missing], notes: vec!["<i>".into()] };
+        let not_graded =
+            NotGraded { name: None, file: "<i>".into(), reason: Reason::OutsideFolders, meant_for: None };
+        let columns = vec![column, missing];
+        let table = Table { rule: Rule::Equal, names, columns, not_graded: vec![not_graded] };
         let html = page.finish(&table);
         assert_eq!(html.matches(&file(&picture(9))).count(), 2, "a thumbnail and the picture");
         assert_eq!(html.matches("data-a=").count(), 2);
         for text in
-            ["&lt;b&gt;", "&lt;p&gt;", "<li>&lt;i&gt;</li>", "no reference: none", "1 of 3 pictures pass"]
+            ["&lt;b&gt;", "&lt;p&gt;", "<li>&lt;i&gt;: ", "no reference: none", "1 of 3 pictures pass"]
         {
             assert!(html.contains(text), "{text}");
         }

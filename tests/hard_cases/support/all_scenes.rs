@@ -171,7 +171,7 @@ pub fn translated(named: &Named, shift: DVec3) -> Named {
         }
     }
     let (matrix, at) = (DAffine3::from_translation(shift).into(), Position { line: 1, column: 1 });
-    scene.objects.push(Object::Transform { matrix, child: scene.root, at });
+    scene.objects.push(Object::Transform { matrix, factors: Box::default(), child: scene.root, at });
     scene.root = scene.objects.len() - 1;
     moved
 }

@@ -2,7 +2,7 @@
 //! with exact decisions, by this program, and by a textbook's tracer in single precision.
 
 mod brute_force;
-pub(super) mod single;
+mod single;
 
 use super::plan::brute_force_tests;
 use crate::math::ray::Ray;
@@ -10,7 +10,7 @@ use crate::picture::{BadSize, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Window};
 use crate::sampling::sampler::{Pattern, Sampler};
-use crate::tools::causes::paint::colors;
+use crate::tools::causes::paint::Painter;
 use crate::tools::causes::student::{Hits, MAX_BOUNCES, Student};
 use brute_force::BruteForce;
 use glam::DVec2;
@@ -57,8 +57,8 @@ pub fn measure(
     let world = renderer.world();
     let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
     let exact = Student::new(renderer, &brute_force, request.effects);
-    let rough = Student { hits: &single, is_single: true, ..exact };
-    let [exact, rough] = [exact, rough].map(|student| colors(&student, &request, &|| false));
+    let rough = Student { hits: &single, ..exact };
+    let [exact, rough] = [exact, rough].map(|student| Painter::new(&student, &request, &|| false).picture());
     let (exact, rough) = (exact?, rough?);
     let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
     let departure = |picture, hits: &dyn Hits| Departure {

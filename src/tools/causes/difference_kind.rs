@@ -1,0 +1,275 @@
+//! The kind of a difference that no known mistake explains.
+//!
+//! The largest connected region of wrong pixels is compared with pictures in which one thing is changed there: without
+//! the object that is seen, without a light, without shadows, without highlights.
+
+use super::Original;
+use super::changes::Part;
+use super::made::MadePixel;
+use super::mistakes::Mistake;
+use super::regions::{largest_region, window_around};
+use super::variant::{Rough, Variant, colors_at};
+use crate::picture::Window;
+use crate::render::Layer;
+use crate::scene::Position;
+use crate::tools::compare::{Rgb, largest_channel_difference};
+use crate::world::Objects;
+use glam::DVec2;
+use serde::Serialize;
+use std::fmt;
+
+/// The number of pixels of a region that are traced.
+const SAMPLED: usize = 256;
+/// The smallest share of these for which a changed picture must be right.
+const MOST: f64 = 0.75;
+/// The smallest share of a region beside other objects if it is an outline.
+const OUTLINE: f64 = 0.6;
+/// The largest share of an object's pixels that are wrong outside of its highlights.
+const FEW: f64 = 0.05;
+/// The largest difference of a pixel that is right, in levels.
+const CLOSE: u8 = 2;
+
+/// The kind of a difference. `Display` writes it in a sentence.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DifferenceKind {
+    /// The number of pixels in the largest connected region that differs.
+    pub pixels: usize,
+    /// The smallest window around it.
+    pub window: Window,
+    /// Column and row of its pixel with the largest difference.
+    pub worst: [usize; 2],
+    /// That difference, in levels.
+    pub levels: u8,
+    /// The subject.
+    #[serde(flatten)]
+    pub what: What,
+}
+
+/// The subject of a difference in a region.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "what", rename_all = "snake_case")]
+pub enum What {
+    /// The background.
+    Background,
+    /// The outline of an object.
+    Outline {
+        /// The object that is seen.
+        object: NamedObject,
+    },
+    /// An object, in whose place others are seen.
+    Missing {
+        /// The object that is missing.
+        object: NamedObject,
+    },
+    /// The shadow of a light.
+    Shadow {
+        /// The object on which it falls.
+        object: NamedObject,
+        /// The line of the light, unless all lights cast wrong shadows.
+        light: Option<u32>,
+    },
+    /// The highlights of an object.
+    Highlight {
+        /// The object.
+        object: NamedObject,
+    },
+    /// The diffuse or ambient light of an object.
+    Diffuse {
+        /// The object.
+        object: NamedObject,
+    },
+    /// Reflected or refracted light.
+    Secondary,
+    /// Distances or normals of an object.
+    Measure {
+        /// The object.
+        object: NamedObject,
+    },
+}
+
+/// An object of the scene's text.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedObject {
+    /// Its keyword.
+    pub name: &'static str,
+    /// Its line.
+    pub line: u32,
+}
+
+impl fmt::Display for NamedObject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the {} in line {}", self.name, self.line)
+    }
+}
+
+impl fmt::Display for DifferenceKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.what {
+            What::Background => f.write_str("the background differs"),
+            What::Outline { object } => write!(f, "the outline of {object} is elsewhere"),
+            What::Missing { object } => write!(f, "{object} is missing"),
+            What::Shadow { object, light: Some(line) } => {
+                write!(f, "the shadow of the light in line {line} differs on {object}")
+            }
+            What::Shadow { object, light: None } => write!(f, "shadows differ on {object}"),
+            What::Highlight { object } => write!(f, "the highlights of {object} differ"),
+            What::Diffuse { object } => {
+                write!(f, "the shading of {object} differs, also outside of highlights")
+            }
+            What::Secondary => f.write_str("only what is reflected or refracted differs"),
+            What::Measure { object } => write!(f, "the surface of {object} differs"),
+        }?;
+        let Window { x, y, width, height } = self.window;
+        let [worst_x, worst_y] = self.worst;
+        write!(
+            f,
+            ": the largest region has {} pixels in {width} x {height} at ({x}, {y}), the worst by {} levels at \
+             ({worst_x}, {worst_y})",
+            self.pixels, self.levels
+        )
+    }
+}
+
+/// A region of wrong pixels.
+struct Region<'o> {
+    original: &'o Original<'o>,
+    picture: &'o [Rgb],
+    objects: Objects,
+    /// The pixels that are traced.
+    sample: Vec<usize>,
+    size: [usize; 2],
+}
+
+/// Returns the kind of a difference with these wrong pixels, in ascending order. `None` if there are none, or if the
+/// picture is reduced.
+pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option<DifferenceKind> {
+    let size = original.colors.size;
+    let renderer = original.renderer();
+    let objects = Objects::new(&renderer.scene, renderer.meshes(), renderer.world())?;
+    let region = largest_region(wrong, size);
+    if region.is_empty() || original.request.is_reduced {
+        return None;
+    }
+    let own: Vec<Rgb> = original.colors.colors.iter().map(|&color| MadePixel::new(color).bytes).collect();
+    let levels = |at: &usize| largest_channel_difference(picture[*at], own[*at]);
+    let worst = region.iter().copied().max_by_key(levels)?;
+    let sample = region.iter().copied().step_by(region.len().div_ceil(SAMPLED)).collect();
+    let what = Region { original, picture, objects, sample, size }.what(wrong)?;
+    Some(DifferenceKind {
+        pixels: region.len(),
+        window: window_around(&region, size[0]),
+        worst: [worst % size[0], worst / size[0]],
+        levels: levels(&worst),
+        what,
+    })
+}
+
+impl Region<'_> {
+    /// Returns what differs in the region.
+    fn what(&self, wrong: &[usize]) -> Option<What> {
+        let seen: Vec<Option<usize>> = self.sample.iter().map(|&at| self.object_at(at)).collect();
+        let count = |id: &Option<usize>| seen.iter().filter(|other| *other == id).count();
+        let Some(id) = *seen.iter().max_by_key(|id| count(id))? else { return Some(What::Background) };
+        let object = self.named(id);
+        if self.is_right_with(&[Mistake::without("object_missing", "", String::new(), Part::Object(id))]) {
+            return Some(What::Missing { object });
+        }
+        let neighbours = self.sample.iter().filter(|&&at| self.is_beside_another(at)).count();
+        if neighbours as f64 >= OUTLINE * self.sample.len() as f64 {
+            return Some(What::Outline { object });
+        }
+        if self.original.layer() != Layer::Color {
+            return Some(What::Measure { object });
+        }
+        if self.is_secondary(wrong) {
+            return Some(What::Secondary);
+        }
+        if let Some(light) = self.shadow() {
+            return Some(What::Shadow { object, light });
+        }
+        let is_highlight = self.is_highlight(id, wrong);
+        Some(if is_highlight { What::Highlight { object } } else { What::Diffuse { object } })
+    }
+
+    fn named(&self, id: usize) -> NamedObject {
+        let scene = &self.original.renderer().scene;
+        NamedObject { name: scene.objects[id].name(), line: line(&scene.positions.objects, id) }
+    }
+
+    /// Returns the object that is seen through the centre of a pixel.
+    fn object_at(&self, at: usize) -> Option<usize> {
+        let primitive = self.original.primitive_at(at)?;
+        Some(self.objects.of(primitive).id)
+    }
+
+    /// Returns true if another object is seen beside a pixel, or if the object there ends.
+    fn is_beside_another(&self, at: usize) -> bool {
+        let [width, height] = self.size;
+        let (x, y, own) = (at % width, at / width, self.object_at(at));
+        let columns = x.saturating_sub(1)..(x + 2).min(width);
+        let mut rows = y.saturating_sub(1)..(y + 2).min(height);
+        rows.any(|row| columns.clone().any(|column| self.object_at(row * width + column) != own))
+    }
+
+    /// Returns true if these mistakes make most of the region right.
+    fn is_right_with(&self, mistakes: &[Mistake]) -> bool {
+        let Some(colors) = self.colors_with(mistakes, &self.sample) else { return false };
+        let is_right =
+            |(at, pixel): (&usize, &Rgb)| largest_channel_difference(self.picture[*at], *pixel) <= CLOSE;
+        let right = self.sample.iter().zip(&colors).filter(|pair| is_right(*pair)).count();
+        right as f64 >= MOST * self.sample.len() as f64
+    }
+
+    fn colors_with(&self, mistakes: &[Mistake], pixels: &[usize]) -> Option<Vec<Rgb>> {
+        let variant = Variant::new(self.original, mistakes)?;
+        let colors = variant
+            .with_painter(Rough::default(), |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
+        Some(colors.into_iter().map(|color| MadePixel::new(color).bytes).collect())
+    }
+
+    /// Returns true if all wrong pixels show surfaces that reflect or refract.
+    fn is_secondary(&self, wrong: &[usize]) -> bool {
+        let (world, effects) = (self.original.renderer().world(), self.original.request.effects);
+        let splits = |at: &usize| {
+            let primitive = self.original.primitive_at(*at);
+            primitive.is_some_and(|id| world.materials[world.material_of(id)].has_secondary_rays())
+        };
+        let sample: Vec<usize> = wrong.iter().copied().step_by(wrong.len().div_ceil(SAMPLED)).collect();
+        let others = sample.iter().filter(|at| !splits(at)).count();
+        effects.bounces > 0 && others as f64 <= FEW * sample.len() as f64
+    }
+
+    /// Returns the line of the light whose shadow differs, if one does, or `Some(None)` if the shadows of all lights do.
+    fn shadow(&self) -> Option<Option<u32>> {
+        let lights = &self.original.renderer().scene.positions.lights;
+        let without = |light: &usize| {
+            self.is_right_with(&[Mistake::without("light_missing", "", String::new(), Part::Light(*light))])
+        };
+        if let Some(light) = (0..lights.len()).find(without) {
+            return Some(Some(line(lights, light)));
+        }
+        let no_shadows = Mistake::all().find(|mistake| mistake.name == "no_shadows")?;
+        self.is_right_with(&[no_shadows]).then(|| (lights.len() == 1).then(|| line(lights, 0)))
+    }
+
+    /// Returns true if the object is wrong only where it has a highlight.
+    fn is_highlight(&self, id: usize, wrong: &[usize]) -> bool {
+        let on_object: Vec<usize> =
+            (0..self.picture.len()).step_by(7).filter(|&at| self.object_at(at) == Some(id)).collect();
+        let Some(no_highlights) = Mistake::all().find(|mistake| mistake.name == "no_highlights") else {
+            return false;
+        };
+        let Some(plain) = self.colors_with(&[no_highlights], &on_object) else { return false };
+        let own = &self.original.colors.colors;
+        let is_plain = |(at, plain): &(&usize, &Rgb)| {
+            largest_channel_difference(MadePixel::new(own[**at]).bytes, **plain) == 0
+        };
+        let outside: Vec<usize> = on_object.iter().zip(&plain).filter(is_plain).map(|(&at, _)| at).collect();
+        let wrong_outside = outside.iter().filter(|at| wrong.binary_search(at).is_ok()).count();
+        outside.len() < on_object.len() && wrong_outside as f64 <= FEW * outside.len() as f64
+    }
+}
+
+fn line(positions: &[Position], index: usize) -> u32 {
+    positions.get(index).copied().unwrap_or_default().line
+}

@@ -1,0 +1,221 @@
+//! Rounding, shown pixel by pixel.
+//!
+//! A tracer in single precision decides otherwise at edges, where a neighbouring ray decides otherwise, too. So a pixel
+//! is explained by rounding if its colour is one that this program sees along a ray moved by at most a tenth of a pixel,
+//! and if the moved views differ from the right one by about as much. Smaller differences, of one level, are rounding if
+//! they have both signs and are not in most pixels.
+
+use super::made::{Made, MadePixel};
+use super::self_hits::is_made;
+use super::student::Departure;
+use super::variant::{Rough, Variant, colors_at};
+use crate::picture::Color;
+use crate::tools::compare::{Rgb, largest_channel_difference};
+use crate::world::SurfacePoint;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// The distances of the moved views from the centre along each axis, in pixels.
+const MOVES: [f64; 4] = [-0.075, -0.025, 0.025, 0.075];
+/// The largest difference of a pixel from a moved view, in levels of each channel.
+const CLOSE: u8 = 2;
+/// The epsilons of the course's own programs.
+const COURSE_EPSILONS: [f64; 2] = [0.0001, 0.001];
+/// The largest share of all pixels that rounding changes by one level.
+const MOST_BY_A_LEVEL: f64 = 0.5;
+/// The smallest share of these with the rarer sign, and the number of pixels that may all have the same.
+const RARER_SIGN: f64 = 0.1;
+const FEW: usize = 8;
+/// The number of pixels that are examined one by one, and of those that are sampled if more differ.
+const MOST_EXAMINED: usize = 1 << 12;
+const SAMPLED: usize = 1 << 7;
+/// The number of camera rays of one view of the pixels that are examined.
+const MOST_RAYS: usize = 1 << 16;
+/// The relative rounding of a ray's weight in single precision.
+const WEIGHT_ROUNDING: f64 = 1e-5;
+
+/// The pixels in which a picture differs from one that this program makes, and which of them rounding explains.
+#[derive(Clone, Debug, Default)]
+pub struct Rest {
+    /// The number of pixels whose bytes differ.
+    pub differing: usize,
+    /// The pixels that rounding does not explain, in ascending order.
+    pub unexplained: Vec<usize>,
+    /// The pixels that differ by more than a level, in ascending order.
+    pub visible: Vec<usize>,
+    /// The course's own epsilon, if it explains some pixels.
+    pub epsilon: Option<f64>,
+}
+
+/// Finds out what rounding explains of the difference between a picture and a variant, whose picture is `made`. Without
+/// a variant no pixel can be seen again, so rounding explains one level only.
+pub fn rest(picture: &[Rgb], made: &Made, variant: Option<&Variant>) -> Rest {
+    let pairs = || picture.iter().zip(&made.pixels).enumerate();
+    let differing = pairs().filter(|(_, (pixel, made))| **pixel != made.bytes).count();
+    let visible: Vec<usize> =
+        pairs().filter(|(_, (pixel, made))| made.differs_visibly(**pixel)).map(|(at, _)| at).collect();
+    let is_by_a_level = |at: &usize| {
+        let (pixel, made) = (picture[*at], &made.pixels[*at]);
+        made.levels(pixel) > 0 && !made.differs_visibly(pixel)
+    };
+    let by_a_level: Vec<usize> = (0..picture.len()).filter(is_by_a_level).collect();
+    let mut rest = Rest { differing, visible, ..Rest::default() };
+    let Some(variant) = variant else {
+        rest.unexplained = rest.visible.clone();
+        if !is_balanced(picture, made, &by_a_level) {
+            rest.unexplained.extend(by_a_level);
+            rest.unexplained.sort_unstable();
+        }
+        return rest;
+    };
+    rest.unexplained = rest.examine(picture, made, variant, rest.visible.clone());
+    if !is_balanced(picture, made, &by_a_level) {
+        // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
+        let left = rest.examine_grazing(picture, made, variant, by_a_level);
+        if !is_balanced(picture, made, &left) {
+            rest.unexplained.extend(left);
+            rest.unexplained.sort_unstable();
+        }
+    }
+    rest
+}
+
+/// Returns true if rounding may change these pixels by one level: in both directions, and not most pixels.
+fn is_balanced(picture: &[Rgb], made: &Made, by_a_level: &[usize]) -> bool {
+    let above = by_a_level.iter().filter(|&&at| made.pixels[at].is_below(picture[at])).count();
+    let rarer = above.min(by_a_level.len() - above) as f64;
+    let has_both_signs = by_a_level.len() < FEW || rarer >= RARER_SIGN * by_a_level.len() as f64;
+    has_both_signs && by_a_level.len() as f64 <= MOST_BY_A_LEVEL * picture.len() as f64
+}
+
+impl Rest {
+    /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
+    fn examine(&mut self, picture: &[Rgb], made: &Made, variant: &Variant, pixels: Vec<usize>) -> Vec<usize> {
+        let views = Views { picture, made, variant };
+        let most = (MOST_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MOST_EXAMINED);
+        if pixels.len() > SAMPLED {
+            let step = pixels.len() / SAMPLED;
+            let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
+            let left = views.unexplained(&sample, Rough::default());
+            if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
+                return pixels;
+            }
+        }
+        let mut left = views.unexplained(&pixels, Rough::default());
+        if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
+            return left;
+        }
+        if variant.weighs_rays() {
+            for weight in [1.0 - WEIGHT_ROUNDING, 1.0 + WEIGHT_ROUNDING] {
+                left = views.unexplained(&left, Rough { epsilon: None, weight });
+            }
+        }
+        let by_epsilon = |epsilon| {
+            let left = views.unexplained(&left, Rough { epsilon: Some(epsilon), weight: 1.0 });
+            let moves: Vec<[f64; 2]> = moves(true).collect();
+            views.unexplained_by_grazing(left, epsilon, &moves)
+        };
+        self.better_epsilon(left.len(), by_epsilon)
+    }
+
+    /// Returns which of these pixels, which differ by one level, no ray explains that grazes a surface.
+    fn examine_grazing(
+        &mut self,
+        picture: &[Rgb],
+        made: &Made,
+        variant: &Variant,
+        pixels: Vec<usize>,
+    ) -> Vec<usize> {
+        if pixels.len() > MOST_EXAMINED || !variant.has_secondary_rays() {
+            return pixels;
+        }
+        let views = Views { picture, made, variant };
+        let by_epsilon = |epsilon| views.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]]);
+        self.better_epsilon(pixels.len(), by_epsilon)
+    }
+
+    /// Returns the pixels that the better one of the course's epsilons leaves, of this number of pixels.
+    fn better_epsilon(&mut self, pixels: usize, left: impl Fn(f64) -> Vec<usize>) -> Vec<usize> {
+        let [one, other] = COURSE_EPSILONS.map(left);
+        let (epsilon, left) =
+            if one.len() <= other.len() { (COURSE_EPSILONS[0], one) } else { (COURSE_EPSILONS[1], other) };
+        if left.len() < pixels {
+            self.epsilon = Some(epsilon);
+        }
+        left
+    }
+}
+
+/// A picture, and the variant from which it differs.
+struct Views<'v> {
+    picture: &'v [Rgb],
+    made: &'v Made,
+    variant: &'v Variant<'v>,
+}
+
+impl Views<'_> {
+    /// Returns true if a view explains a pixel.
+    fn explains(&self, at: usize, view: Color) -> bool {
+        let view = self.variant.finish().color(view, at, self.variant.size());
+        is_explained(self.picture[at], self.made.colors[at], view)
+    }
+
+    /// Returns which of these pixels no moved view of a rough tracer explains.
+    fn unexplained(&self, pixels: &[usize], rough: Rough) -> Vec<usize> {
+        let left = self.variant.with_painter(rough, |painter| {
+            let mut left = pixels.to_vec();
+            for [x, y] in moves(rough != Rough::default()) {
+                let views = colors_at(painter, self.variant, &left, DVec2::new(x, y));
+                let pairs = left.iter().zip(views);
+                left = pairs.filter(|(at, view)| !self.explains(**at, *view)).map(|(&at, _)| at).collect();
+                if left.is_empty() {
+                    break;
+                }
+            }
+            left
+        });
+        left.unwrap_or_else(|| pixels.to_vec())
+    }
+
+    /// Returns which of these pixels are not explained by rays that graze the surface that they leave. In single
+    /// precision such a ray may start below the surface, and hit it beyond the epsilon. A pixel with several samples
+    /// has too many of them.
+    fn unexplained_by_grazing(&self, pixels: Vec<usize>, epsilon: f64, moves: &[[f64; 2]]) -> Vec<usize> {
+        if self.variant.rays_per_pixel() > 1 {
+            return pixels;
+        }
+        let largest_cosine = self.variant.depth() / epsilon;
+        let grazes = |why, surface: &SurfacePoint, direction: DVec3| {
+            why != Departure::Onwards && surface.normal.dot(direction).abs() <= largest_cosine
+        };
+        let rough = Rough { epsilon: Some(epsilon), weight: 1.0 };
+        let left = self.variant.with_painter(rough, |painter| {
+            let is_left = |at: &usize| {
+                let source = self.variant.finish().source(*at, self.variant.size());
+                let accepts = |view| self.explains(*at, view);
+                !moves.iter().any(|&[x, y]| is_made(painter, source, DVec2::new(x, y), &grazes, &accepts))
+            };
+            pixels.par_iter().copied().filter(is_left).collect()
+        });
+        left.unwrap_or(pixels)
+    }
+}
+
+/// Returns the moves of the views, along x and y.
+fn moves(with_centre: bool) -> impl Iterator<Item = [f64; 2]> {
+    let around = MOVES.into_iter().flat_map(|x| MOVES.map(|y| [x, y]));
+    with_centre.then_some([0.0; 2]).into_iter().chain(around)
+}
+
+/// Returns true if a moved view explains why a pixel differs from the right colour.
+fn is_explained(pixel: Rgb, right: Color, view: Color) -> bool {
+    let (right_pixel, view_pixel) = (MadePixel::new(right), MadePixel::new(view));
+    let difference = largest_channel_difference(pixel, right_pixel.bytes);
+    let shown = |color: Color| (255.0 * color).clamp(Color::ZERO, Color::splat(255.0));
+    let moved = (shown(view) - shown(right)).abs().max_element();
+    let is_close = match difference {
+        0..=1 => view_pixel.levels(pixel) == 0,
+        _ => largest_channel_difference(pixel, view_pixel.bytes) <= CLOSE,
+    };
+    is_close && moved >= if difference > 1 { 0.5 * f64::from(difference) } else { 0.0 }
+}

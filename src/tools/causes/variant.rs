@@ -1,0 +1,260 @@
+//! Variants of a picture: with some mistakes, whole or at some pixels.
+
+use super::Original;
+use super::changes::{Part, has_secondary_rays, leave_out};
+use super::mistakes::{Make, Mistake};
+use super::paint::{Move, Painter};
+use super::rules::Rules;
+use super::student::{MAX_BOUNCES, Student};
+use super::wrong_hits::{EXHAUSTIVE, MAX_TESTS, WrongHits};
+use crate::caster::choose::Rays;
+use crate::picture::{Color, FloatPicture};
+use crate::render::renderer::{Prepared, Renderer};
+use crate::render::{Layer, Request};
+use crate::scene::Camera;
+use crate::tools::compare::color_of;
+use crate::trace::Shadows;
+use crate::world::{Objects, PlacedObject};
+use glam::DVec2;
+
+/// Numbers that differ in a tracer in single precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rough {
+    /// An epsilon in place of the scene's.
+    pub epsilon: Option<f64>,
+    /// The factor of the smallest weight of a ray that is traced.
+    pub weight: f64,
+}
+
+impl Default for Rough {
+    fn default() -> Self {
+        Self { epsilon: None, weight: 1.0 }
+    }
+}
+
+/// A picture with some mistakes, ready to be rendered.
+pub struct Variant<'o> {
+    original: &'o Original<'o>,
+    /// The renderer of another scene.
+    renderer: Option<Renderer>,
+    request: Request,
+    rules: Rules,
+    moves: Vec<Move>,
+    /// A part of the scene that is left out.
+    without: Option<Part>,
+    finish: Finish,
+}
+
+impl<'o> Variant<'o> {
+    /// Returns the picture with these mistakes. `None` if it cannot be made.
+    pub fn new(original: &'o Original, mistakes: &[Mistake]) -> Option<Self> {
+        let own = original.renderer();
+        let (mut scene, mut request) = (own.scene.clone(), original.request.clone());
+        let (mut rules, mut moves, mut without) = (Rules::default(), vec![], None);
+        for mistake in mistakes {
+            match mistake.make {
+                Make::Colors(_) | Make::Flip(_) | Make::Unset(_) => {}
+                Make::Points(shift) => moves.push(shift),
+                Make::Request(change) => change(&mut request, &scene),
+                Make::Scene(change) => change(&mut scene),
+                Make::Without(part) => {
+                    leave_out(&mut scene, part);
+                    without = Some(part);
+                }
+                Make::Rule(rule) => rules.add(rule),
+            }
+        }
+        // The scene's own camera is none of the request's.
+        if request.camera == Some(own.scene.camera) {
+            request.camera = original.request.camera;
+        }
+        let is_student = !rules.is_empty() || !moves.is_empty();
+        let is_deep = is_student && request.effects.bounces > MAX_BOUNCES && has_secondary_rays(&scene);
+        let is_large =
+            rules.has_any(&EXHAUSTIVE) && own.world().ids().len() * request.camera_rays() > MAX_TESTS;
+        if is_deep || is_large {
+            return None;
+        }
+        let renderer = (scene != own.scene).then(|| own.with_scene(scene)).transpose().ok()?;
+        let finish = Finish::new(mistakes);
+        Some(Self { original, renderer, request, rules, moves, without, finish })
+    }
+
+    /// Returns true if the tracer and its scene are the original's, so that only the finished picture changes.
+    pub fn is_traced_as_original(&self) -> bool {
+        let is_same = self.renderer.is_none() && self.rules.is_empty() && self.moves.is_empty();
+        is_same && !self.hides_triangles() && self.request == self.original.request
+    }
+
+    /// Returns true if rays leave surfaces, so that an epsilon may show.
+    pub fn has_secondary_rays(&self) -> bool {
+        let scene =
+            self.renderer.as_ref().map_or(&self.original.renderer().scene, |renderer| &renderer.scene);
+        let effects = self.request.effects;
+        let leaves = effects.shadows != Shadows::None || effects.bounces > 0 && has_secondary_rays(scene);
+        self.request.layers.first() == Some(&Layer::Color) && leaves
+    }
+
+    /// Returns true if the weights of rays decide which ones are traced.
+    pub fn weighs_rays(&self) -> bool {
+        self.request.effects.bounces > 0 && self.request.effects.min_weight > 0.0
+    }
+
+    /// Returns the number of camera rays on which a pixel depends.
+    pub fn rays_per_pixel(&self) -> usize {
+        let is_color = self.request.layers.first() == Some(&Layer::Color);
+        let Request { sampler, filter, .. } = self.request;
+        let side = 2 * filter.support() + 1;
+        if is_color { sampler.count() as usize * side * side } else { 1 }
+    }
+
+    /// Returns the width and height of the picture.
+    pub fn size(&self) -> [usize; 2] {
+        self.request.layer_size(&self.original.layer())
+    }
+
+    /// Returns the changes of the finished picture.
+    pub fn finish(&self) -> &Finish {
+        &self.finish
+    }
+
+    /// Returns the whole picture. `None` if it is cancelled, or memory is too small.
+    pub fn picture(&self) -> Option<FloatPicture> {
+        let mut picture = if self.is_traced_as_original() {
+            self.original.colors.clone()
+        } else if self.rules.is_empty() && self.moves.is_empty() && !self.hides_triangles() {
+            let rendered =
+                |prepared: &Prepared| prepared.render_layer(&self.request, self.original.watch).ok();
+            self.with_prepared(rendered)??.0
+        } else {
+            self.with_painter(Rough::default(), |painter| painter.picture().ok())??
+        };
+        if self.original.is_cancelled() {
+            return None;
+        }
+        self.finish.apply(&mut picture);
+        Some(picture)
+    }
+
+    /// Calls `work` with the prepared scene.
+    fn with_prepared<T>(&self, work: impl FnOnce(&Prepared) -> T) -> Option<T> {
+        match &self.renderer {
+            Some(renderer) => Some(work(&prepared(renderer, &self.request)?)),
+            None => Some(work(&self.original.prepared)),
+        }
+    }
+
+    /// Calls `work` with a student's tracer that paints the picture before it is finished. `None` if memory is too small.
+    pub fn with_painter<T>(&self, rough: Rough, work: impl FnOnce(&Painter) -> T) -> Option<T> {
+        let paint = |prepared: &Prepared| {
+            let (renderer, caster) = (prepared.renderer(), prepared.caster());
+            let objects = Objects::new(&renderer.scene, self.original.renderer().meshes(), caster.world)?;
+            let wrong = WrongHits::new(caster, &objects, self.rules, self.hidden(&objects));
+            let mut effects = self.request.effects;
+            effects.min_weight *= rough.weight;
+            let student = if wrong.is_needed() {
+                Student::new(renderer, &wrong, effects)
+            } else {
+                Student::new(renderer, caster, effects)
+            };
+            let student =
+                Student { rules: self.rules, objects: Some(&objects), epsilon: rough.epsilon, ..student };
+            let is_over = || self.original.is_cancelled();
+            Some(work(&Painter::new(&student, &self.request, &is_over).with_moves(&self.moves)))
+        };
+        self.with_prepared(paint)?
+    }
+
+    /// Returns true if triangles are left out of the world.
+    fn hides_triangles(&self) -> bool {
+        !matches!(self.without, None | Some(Part::Object(_) | Part::Light(_)))
+    }
+
+    /// Returns the primitives that are left out of the world.
+    fn hidden(&self, objects: &Objects) -> Vec<u32> {
+        let Some(part) = self.without else { return vec![] };
+        let scene = &self.original.renderer().scene;
+        let of = |object: &PlacedObject| Some(object.primitives.start + part.triangle(object, scene)?);
+        objects.iter().filter_map(of).collect()
+    }
+
+    /// Returns the depth below a surface at which rays in single precision may start by rounding.
+    pub fn depth(&self) -> f64 {
+        let (world, scene) = (self.original.renderer().world(), &self.original.renderer().scene);
+        let camera = self.request.camera.as_ref().unwrap_or(&scene.camera);
+        let (Camera::Orthographic { center, .. } | Camera::Perspective { center, .. }) = camera;
+        DEPTH * (world.max_abs_coord + center.abs().max_element())
+    }
+}
+
+/// The depth below a surface at which rays in single precision may start, as a part of the largest coordinates.
+const DEPTH: f64 = 1.0 / (1u64 << 19) as f64;
+
+/// Returns the colours of a variant at some pixels, before they are finished, with all points moved.
+pub fn colors_at(painter: &Painter, variant: &Variant, pixels: &[usize], moved: DVec2) -> Vec<Color> {
+    let size = variant.size();
+    let sources: Vec<[usize; 2]> = pixels.iter().map(|&at| variant.finish.source(at, size)).collect();
+    painter.pixels(&sources, moved)
+}
+
+/// Changes of a finished picture: flips, and changes of colours in their order.
+#[derive(Clone, Debug, Default)]
+pub struct Finish {
+    /// Left to right, and upside down.
+    flips: [bool; 2],
+    changes: Vec<Make>,
+}
+
+impl Finish {
+    /// Returns the changes that these mistakes make.
+    pub fn new(mistakes: &[Mistake]) -> Self {
+        let mut finish = Self::default();
+        for mistake in mistakes {
+            match mistake.make {
+                Make::Flip([across, down]) => {
+                    finish.flips = [finish.flips[0] ^ across, finish.flips[1] ^ down];
+                }
+                make @ (Make::Colors(_) | Make::Unset(_)) => finish.changes.push(make),
+                _ => {}
+            }
+        }
+        finish
+    }
+
+    /// Returns the column and row of the pixel that is moved to this index by the flips.
+    pub fn source(&self, at: usize, [width, height]: [usize; 2]) -> [usize; 2] {
+        let [x, y] = [at % width, at / width];
+        let [across, down] = self.flips;
+        [if across { width - 1 - x } else { x }, if down { height - 1 - y } else { y }]
+    }
+
+    /// Returns the finished colour of the pixel with this index in the finished picture.
+    pub fn color(&self, color: Color, at: usize, size: [usize; 2]) -> Color {
+        self.changes.iter().fold(color, |color, change| match change {
+            Make::Colors(change) => change(color),
+            Make::Unset(unset) if unset.has([at % size[0], at / size[0]]) => color_of(unset.color),
+            _ => color,
+        })
+    }
+
+    /// Finishes a whole picture.
+    pub fn apply(&self, picture: &mut FloatPicture) {
+        let size = picture.size;
+        if self.flips[0] {
+            picture.colors.chunks_exact_mut(size[0]).for_each(<[Color]>::reverse);
+        }
+        if self.flips[1] {
+            let rows = picture.colors.chunks_exact(size[0]).rev();
+            picture.colors = rows.flatten().copied().collect();
+        }
+        if !self.changes.is_empty() {
+            let colors = picture.colors.iter_mut().enumerate();
+            colors.for_each(|(at, color)| *color = self.color(*color, at, size));
+        }
+    }
+}
+
+/// Prepares a scene for a tracer that casts all rays, even those that the renderer can skip.
+pub fn prepared<'r>(renderer: &'r Renderer, request: &Request) -> Option<Prepared<'r>> {
+    renderer.prepare_for(request, Rays::cast(request.camera_rays())).ok()
+}

@@ -1,0 +1,227 @@
+//! Verdicts on the pictures of a student's ray tracer.
+//!
+//! [`single`] is such a tracer, in single precision, with a switch for each [`Mistake`]. It shares the reader of scenes
+//! with this program, and nothing else.
+//!
+//! `VERDICTS_DIR=folder cargo test --test verdicts dump` writes its pictures of all cases and mistakes to a folder.
+
+mod cases;
+mod mistake;
+mod names;
+mod objects;
+mod single;
+mod textures;
+
+use cases::{CASES, Opened};
+use mistake::Mistake;
+use names::name_of;
+use raytracer::image_io::OutputFile;
+use raytracer::picture::Picture;
+use raytracer::render::Request;
+use raytracer::render::renderer::{Meshes, Renderer};
+use raytracer::tools::causes::{Finding, MAX_UNEXPLAINED, Mistake as Named, Original};
+use std::fmt::Write;
+use std::path::Path;
+use std::{env, fs};
+
+/// Pairs of mistakes, at least one of them in the finished picture.
+const PAIRS: &[[Mistake; 2]] = &[
+    [Mistake::UpsideDown, Mistake::RedAndBlueSwapped],
+    [Mistake::Gamma, Mistake::RedAndBlueSwapped],
+    [Mistake::Gamma, Mistake::OneBounceFewer],
+    [Mistake::Mirrored, Mistake::Rounded],
+    [Mistake::Times256, Mistake::UpsideDown],
+];
+
+/// The number of pixels in which a mistake shows at least.
+const VISIBLE: usize = 4;
+
+/// Renders the picture of a case by the student's tracer.
+fn render(case: &Opened, mistakes: &[Mistake]) -> Picture {
+    single::render(&case.scene, &case.options, case.layer, mistakes)
+}
+
+/// Returns for each pixel, row by row from the top, if a channel differs by more than this number of levels.
+fn differing(a: &Picture, b: &Picture, levels: u8) -> Vec<bool> {
+    let channels: Vec<bool> =
+        a.pixels().iter().zip(b.pixels()).map(|(a, b)| a.abs_diff(*b) > levels).collect();
+    channels.chunks(3).map(|pixel| pixel.contains(&true)).collect()
+}
+
+fn count(pixels: &[bool]) -> usize {
+    pixels.iter().filter(|&&differs| differs).count()
+}
+
+/// Returns true if there is a square of 3 x 3 pixels that all differ.
+fn has_block(pixels: &[bool], width: usize) -> bool {
+    let rows: Vec<&[bool]> = pixels.chunks(width).collect();
+    let differs_at = |x: usize, rows: &[&[bool]]| rows.iter().all(|row| row[x..x + 3] == [true; 3]);
+    rows.windows(3).any(|rows| (0..width - 2).any(|x| differs_at(x, rows)))
+}
+
+#[test]
+fn the_student_s_pictures_are_right_but_for_rounding() {
+    for case in CASES {
+        let opened = case.open();
+        let pixels = differing(&render(&opened, &[]), &opened.render(), 1);
+        assert!(count(&pixels) <= pixels.len() / 100, "{}: {} pixels", case.name, count(&pixels));
+        assert!(!has_block(&pixels, opened.options.size[0]), "{}", case.name);
+    }
+}
+
+#[test]
+fn every_mistake_shows_in_a_case() {
+    let mut hidden = Mistake::ALL.to_vec();
+    for case in CASES {
+        let mut opened = case.open();
+        opened.options.size = opened.options.size.map(|side| side / 4);
+        let right = render(&opened, &[]);
+        hidden.retain(|&mistake| right == render(&opened, &[mistake]));
+    }
+    assert_eq!(hidden, []);
+}
+
+/// One of this many pictures is judged, at half the size, unless `VERDICTS=all` is set.
+const STEP: usize = 8;
+
+/// The verdict on a picture with mistakes that show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// All mistakes are named, or others that give the same picture.
+    Right,
+    /// Only some of the mistakes are named, or none.
+    Unnamed,
+    /// Another mistake is named.
+    Wrong,
+    /// No mistake is there.
+    Acquitted,
+}
+
+/// Judges a finding on a picture with these mistakes.
+fn judge(original: &Original, found: &Finding, mistakes: &[Mistake]) -> Verdict {
+    let is_meant = |named: &Named| {
+        mistakes
+            .iter()
+            .filter_map(|&mistake| name_of(mistake))
+            .any(|[name, detail]| named.name == name && (detail.is_empty() || named.detail == detail))
+    };
+    // Whatever else gives the same picture is right, too.
+    let known: Option<Vec<Named>> = mistakes
+        .iter()
+        .map(|&mistake| {
+            let [name, detail] = name_of(mistake)?;
+            Named::all().find(|named| named.name == name && (detail.is_empty() || named.detail == detail))
+        })
+        .collect();
+    let is_same = |named: &[Named]| {
+        let known = known.as_ref().and_then(|known| original.picture(known));
+        known.is_some() && original.picture(named) == known
+    };
+    match found {
+        Finding::Equal { cause, also, .. } => {
+            let named: Vec<Named> = std::iter::once(cause).chain(also).cloned().collect();
+            match named.iter().all(&is_meant) {
+                true if named.len() == mistakes.len() => Verdict::Right,
+                true => Verdict::Unnamed,
+                false if is_same(&named) => Verdict::Right,
+                false => Verdict::Wrong,
+            }
+        }
+        Finding::Part { cause, .. } if is_meant(cause) => Verdict::Unnamed,
+        Finding::Part { .. } => Verdict::Wrong,
+        Finding::Speckles { .. } if mistakes == [Mistake::EpsilonZero] => Verdict::Right,
+        Finding::Speckles { .. } => Verdict::Wrong,
+        Finding::Rounding { rest } if rest.unexplained == 0 => Verdict::Acquitted,
+        Finding::Rounding { .. } | Finding::Unknown { .. } => Verdict::Unnamed,
+    }
+}
+
+#[test]
+fn mistakes_are_named_and_none_is_acquitted() {
+    let is_whole = env::var_os("VERDICTS").is_some_and(|value| value == "all");
+    let step = if is_whole { 1 } else { STEP };
+    let (mut counts, mut wrong, mut unnamed) = ([0; 4], vec![], vec![]);
+    for (place, case) in CASES.iter().enumerate() {
+        let mut opened = case.open();
+        if !is_whole {
+            opened.options.size = opened.options.size.map(|side| side / 2);
+        }
+        let renderer = Renderer::new(opened.scene.clone(), Meshes::Kept).unwrap();
+        let request = Request { layers: vec![opened.layer], ..opened.options.request() };
+        let original = Original::new(&renderer, &request).unwrap();
+        let (own, right) = (original.own(), render(&opened, &[]));
+        let found = original.explain(&right);
+        let is_rounding = match &found {
+            Finding::Rounding { rest } => rest.unexplained <= MAX_UNEXPLAINED,
+            Finding::Equal { cause, .. } => cause.is_unchanged(),
+            _ => false,
+        };
+        assert!(is_rounding, "{}: {found}", case.name);
+        let all: Vec<Vec<Mistake>> = Mistake::ALL.iter().map(|&mistake| vec![mistake]).collect();
+        let pairs = PAIRS.iter().map(|pair| pair.to_vec());
+        for mistakes in all.into_iter().chain(pairs).skip(place % step).step_by(step) {
+            let picture = render(&opened, &mistakes);
+            // A mistake may also hide the tracer's own rounding.
+            let more = count(&differing(&picture, &own, 1)) >= count(&differing(&right, &own, 1)) + VISIBLE;
+            let is_single =
+                mistakes.len() > 1 && mistakes.iter().any(|&one| render(&opened, &[one]) == picture);
+            if !more || is_single || count(&differing(&right, &picture, 1)) < VISIBLE {
+                continue;
+            }
+            let found = original.explain(&picture);
+            let names: Vec<String> = mistakes.iter().map(|mistake| mistake.name()).collect();
+            let line = format!("{} {}: {found}", case.name, names.join("+"));
+            let verdict = judge(&original, &found, &mistakes);
+            match verdict {
+                Verdict::Right => {}
+                Verdict::Unnamed if mistakes.iter().all(|&mistake| name_of(mistake).is_none()) => continue,
+                Verdict::Unnamed => unnamed.push(line),
+                Verdict::Wrong | Verdict::Acquitted => wrong.push(format!("{verdict:?}: {line}")),
+            }
+            counts[verdict as usize] += 1;
+        }
+    }
+    let all: usize = counts.iter().sum();
+    println!("{} of {all} visible mistakes are named; not named:\n{}", counts[0], unnamed.join("\n"));
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(100 * counts[0] >= 90 * all && all > 50, "{counts:?}\n{unnamed:#?}");
+}
+
+/// Writes pictures to the folder `VERDICTS_DIR`: the right one of each case, those of the mistakes that are visible in
+/// it, those of pairs, and a list of them.
+#[test]
+fn dump() {
+    let Some(folder) = env::var_os("VERDICTS_DIR") else { return };
+    let folder = Path::new(&folder);
+    fs::create_dir_all(folder).unwrap();
+    let write = |name: String, picture: &Picture| {
+        OutputFile::prepare(&folder.join(name + ".tga")).unwrap().write(picture).unwrap();
+    };
+    let mut manifest = String::from("case\tflags\tmistake\tpixels\n");
+    for case in CASES {
+        let opened = case.open();
+        let right = render(&opened, &[]);
+        write(format!("{}.right", case.name), &right);
+        let mut shown = vec![];
+        let singles = Mistake::ALL.iter().map(|&mistake| vec![mistake]);
+        for mistakes in singles.chain(PAIRS.iter().map(|pair| pair.to_vec())) {
+            let is_pair = mistakes.len() > 1;
+            if is_pair && !mistakes.iter().all(|mistake| shown.contains(mistake)) {
+                continue;
+            }
+            let picture = render(&opened, &mistakes);
+            let pixels = count(&differing(&right, &picture, 1));
+            if pixels >= VISIBLE {
+                let names: Vec<String> = mistakes.iter().map(|mistake| mistake.name()).collect();
+                let name = names.join("+");
+                write(format!("{}.{name}", case.name), &picture);
+                writeln!(manifest, "{}\t{}\t{name}\t{pixels}", case.name, case.flags).unwrap();
+            }
+            // In a pair, a mistake may show by a single level, as rounding does.
+            if count(&differing(&right, &picture, 0)) >= VISIBLE {
+                shown.extend(mistakes);
+            }
+        }
+    }
+    fs::write(folder.join("manifest.tsv"), manifest).unwrap();
+}
