@@ -74,9 +74,9 @@ impl Renderer {
     }
 
     /// Returns a renderer of another scene that names the same meshes in the same order. This renderer must have kept
-    /// the meshes. The new one does not keep them.
-    pub fn with_scene(&self, scene: Scene) -> Result<Self, Diagnostic> {
-        let world = World::new(&scene, &self.meshes)?;
+    /// the meshes. The new one does not keep them. Fails also if the patience is over.
+    pub(crate) fn with_scene(&self, scene: Scene, patience: &dyn Patience) -> Result<Self, Diagnostic> {
+        let world = World::copying(&scene, &self.meshes, patience)?;
         Ok(Self { scene, source: self.source.clone(), world, meshes: vec![] })
     }
 

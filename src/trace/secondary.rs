@@ -7,7 +7,9 @@ use super::{Arrival, Hints, Tracer};
 use crate::caster::RayOrigin;
 use crate::math::ray::Ray;
 use crate::picture::Color;
+use crate::sampling::sample_packet::SamplePacket;
 use crate::scene::limits::BRIGHTEST;
+use crate::scene::material::Material;
 use crate::scene::model::Split;
 use crate::shading::phong::Mixture;
 use crate::world::{SurfacePoint, World};
@@ -44,6 +46,10 @@ const RAYS_AT_ONCE: usize = 1 << 9;
 /// take less than a second.
 const TESTS_AT_ONCE: usize = 1 << 24;
 
+/// The number of octaves of noise between two calls of [`IsOver`], if each ray evaluates all textures. They take some
+/// hundredths of a second.
+const OCTAVES_AT_ONCE: usize = 1 << 20;
+
 /// The approximate number of secondary rays of one camera ray that may wait at once. They take about 30 MB per thread.
 /// Each bounce adds at most one ray to the stack, so only rays that split that many times reach this limit.
 pub const MOST_WAITING: usize = 1 << 18;
@@ -67,10 +73,11 @@ pub struct Memory<'a> {
 
 impl<'a> Memory<'a> {
     /// Returns a memory whose secondary rays are traced until `is_over` returns true. Each ray may cause a shadow ray
-    /// to each light of the world, and may be tested against all primitives.
+    /// to each light of the world, may be tested against all primitives, and may evaluate all textures.
     pub fn until(is_over: IsOver<'a>, world: &World) -> Self {
         let tested = RAYS_AT_ONCE.min(TESTS_AT_ONCE / world.ids().len().max(1));
-        let at_once = (tested / (1 + world.lights.len())).max(1) as u32;
+        let at_once = tested / (1 + world.lights.len());
+        let at_once = at_once.min(OCTAVES_AT_ONCE / octaves(&world.materials).max(1)).max(1) as u32;
         let (pending, mixture) = Default::default();
         Self { pending, mixture, is_over, at_once, left: at_once, is_cut: false }
     }
@@ -78,6 +85,12 @@ impl<'a> Memory<'a> {
     /// Returns true if rays were left out.
     pub(crate) fn is_cut(&self) -> bool {
         self.is_cut
+    }
+
+    /// Returns true if a packet of rays takes so long that `is_over` is to be called within it.
+    #[inline(always)]
+    pub(super) fn asks_within_packets(&self) -> bool {
+        self.at_once < SamplePacket::SIZE as u32
     }
 
     /// Notes that this number of rays was traced. Returns true if no more are to be traced.
@@ -93,6 +106,15 @@ impl<'a> Memory<'a> {
         self.left = if self.is_cut { 1 } else { self.at_once };
         self.is_cut
     }
+}
+
+/// Returns the number of octaves of all textures. A texture without noise counts as one.
+fn octaves(materials: &[Material]) -> usize {
+    let of = |material: &Material| match material {
+        Material::Texture(texture) => texture.pattern.octaves() as usize + 1,
+        Material::Phong(_) | Material::Painted(..) => 0,
+    };
+    materials.iter().map(of).sum()
 }
 
 impl Default for Memory<'_> {

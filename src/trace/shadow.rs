@@ -150,7 +150,9 @@ impl<H: Hints> Tracer<'_, H> {
             ray = self.shadow_ray(&surface, ray.direction, ray.t_max - hit.t, index);
             origin = self.origin(&surface);
         }
-        let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));
+        let goes_on = |&(place, _): &(usize, _)| place == 0 || !self.caster.is_over();
+        let tints = at_light.iter().enumerate().take_while(goes_on);
+        let tints = tints.map(|(_, place)| self.tint_at_light(place.primitive, index));
         match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {
             Some(Color::ZERO) => Color::ZERO,
             Some(tint) if is_within => through(passed, tint, way + ray.t_max.max(0.0)),

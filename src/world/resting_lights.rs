@@ -43,8 +43,9 @@ impl RestingPlace {
     }
 }
 
-/// Upper bound on the pairs of a light and a transparent surface on which it lies, which bounds their memory.
-const MOST_TRANSPARENT: usize = 1 << 20;
+/// Upper bound on the pairs of a light and a surface that is within some roundings of it and does not block it alone.
+/// It bounds their memory and the time to find them.
+const MOST_NEAR: usize = 1 << 20;
 
 impl World {
     /// Returns the surfaces on which the light with this index lies, in the order of their ids. The list ends with the
@@ -63,20 +64,21 @@ impl World {
         let points: Vec<(usize, DVec3)> = self.lights.iter().enumerate().filter_map(point_of).collect();
         let is_opaque = opaque(&self.materials);
         let mut search = Search::new(self, points.iter().map(|&(_, point)| point));
-        let (mut near, mut transparent) = (vec![], 0);
+        let (mut near, mut pairs) = (vec![], 0);
         for id in search.ids() {
             steps.take(search.find_near(id, &mut near))?;
             for &index in &near {
                 let (light, point) = points[index as usize];
-                let Some(place) = self.place_at(point, id) else { continue };
-                places[light].push(place);
-                if is_opaque.get(self.material_of(id)) == Some(&true) {
+                let place = self.place_at(point, id);
+                places[light].extend(place);
+                if place.is_some() && is_opaque.get(self.material_of(id)) == Some(&true) {
                     search.leave_out(index);
                     continue;
                 }
-                transparent += 1;
-                if transparent > MOST_TRANSPARENT {
-                    let message = "too many lights lie on transparent surfaces: more than a million pairs";
+                pairs += 1;
+                if pairs > MOST_NEAR {
+                    let message =
+                        "too many lights lie on surfaces, or within rounding of them: a million pairs";
                     return Err(Diagnostic::error(message));
                 }
             }

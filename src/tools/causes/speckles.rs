@@ -57,9 +57,10 @@ pub fn speckles(original: &Original, picture: &[Rgb], before: &Rest) -> Option<F
     }
     let step = differing.len().div_ceil(MAX_PIXELS).max(1);
     let examined: Vec<usize> = differing.iter().copied().step_by(step).collect();
-    let student = &Student::new(renderer, original.prepared.caster(), request.effects);
-    let is_over = || original.is_cancelled();
-    let painter = Painter::new(student, request, &is_over);
+    let patience = &original.patience;
+    let caster = &original.prepared.caster().patient(patience);
+    let student = &Student { patience, ..Student::new(renderer, caster, request.effects) };
+    let painter = Painter::new(student, request);
     let count = |rays: SelfHitting| {
         let may_hit = |why, _: &SurfacePoint, _| rays.has(why);
         let is_made = |&&at: &&usize| {
@@ -69,7 +70,7 @@ pub fn speckles(original: &Original, picture: &[Rgb], before: &Rest) -> Option<F
                 let bytes = bytes_of(color);
                 bytes != bytes_of(right) && nearly(bytes, picture[at])
             };
-            !is_over() && is_made(&painter, source, DVec2::ZERO, &may_hit, &accepts)
+            !original.is_cancelled() && is_made(&painter, source, DVec2::ZERO, &may_hit, &accepts)
         };
         examined.par_iter().filter(is_made).count()
     };

@@ -6,6 +6,7 @@
 
 use super::rules::{Rule, Rules};
 use super::wrong_textures::first_weight;
+use crate::base::patience::{Endless, Patience};
 use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
@@ -118,6 +119,8 @@ pub struct Student<'a> {
     pub hits_itself: Option<HitsItself<'a>>,
     /// An epsilon in place of the scene's.
     pub epsilon: Option<f64>,
+    /// Ends the work early. Colours are unspecified then.
+    pub patience: &'a dyn Patience,
 }
 
 /// A ray and its history since the camera.
@@ -143,7 +146,8 @@ impl<'a> Student<'a> {
     /// Returns a tracer that breaks no rule.
     pub fn new(renderer: &'a Renderer, hits: &'a dyn Hits, effects: Effects) -> Self {
         let rules = Rules::default();
-        Self { renderer, hits, effects, rules, objects: None, hits_itself: None, epsilon: None }
+        let (objects, hits_itself, epsilon, patience) = (None, None, None, &Endless);
+        Self { renderer, hits, effects, rules, objects, hits_itself, epsilon, patience }
     }
 
     fn breaks(&self, rule: Rule) -> bool {
@@ -168,6 +172,10 @@ impl<'a> Student<'a> {
 
     /// Returns the colour along a ray: the surface's own colour, plus the colours of the refracted and mirrored rays.
     fn trace(&self, way: &Way) -> Color {
+        // One camera ray may cause more rays than can ever be traced.
+        if self.patience.is_over() {
+            return Color::ZERO;
+        }
         let color = match self.hits.nearest(&way.ray, way.leaves) {
             Some(visible) => {
                 let surface = &self.surface(&way.ray, visible);
@@ -299,6 +307,9 @@ impl<'a> Student<'a> {
         let is_overwritten =
             self.rules.has_any(&[Rule::LightsOverwritten, Rule::LightsAndAmbientOverwritten]);
         for index in 0..self.world().lights.len() {
+            if self.patience.is_over() {
+                break;
+            }
             let light = self.incident(index, surface.position);
             let cosine = normal.dot(light.direction);
             let shows = self.shows(material, &light, cosine);
@@ -433,7 +444,7 @@ impl<'a> Student<'a> {
     fn passed_of_all(&self, arrival: &Arrival) -> Color {
         let lights = 0..self.world().lights.len();
         let passed = |index| self.passed(arrival, &self.incident(index, arrival.surface.position), index);
-        lights.map(passed).fold(Color::ONE, Color::min)
+        lights.take_while(|_| !self.patience.is_over()).map(passed).fold(Color::ONE, Color::min)
     }
 
     /// Returns the fraction of a light that reaches a surface, per channel.
@@ -494,7 +505,8 @@ impl<'a> Student<'a> {
         // The distance from the last surface to the current start of the ray.
         let mut way = 0.0;
         for _ in 0..self.world().most_crossings() {
-            let Some(visible) = self.hits.nearest(&ray, leaves) else { break };
+            let visible = if self.patience.is_over() { None } else { self.hits.nearest(&ray, leaves) };
+            let Some(visible) = visible else { break };
             let (t, crossed) = (self.hits.distance(&ray, visible), self.surface(&ray, visible));
             let is_left = crossed.normal.dot(ray.direction) >= 0.0;
             if at_light.iter().any(|place| place.is_crossed(visible.primitive, ray.direction, is_left)) {
