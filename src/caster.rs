@@ -24,10 +24,11 @@ mod query;
 mod structure;
 #[doc(hidden)]
 pub use crate::math::instructions::Level;
-pub use lattice::GridTooLarge;
+pub use lattice::NotBuilt;
 pub use query::RayOrigin;
 pub use structure::{Fullness, StructureSize};
 
+use crate::base::patience::{Endless, Patience, Steps};
 use crate::caster::block::NONE;
 use crate::caster::bounds::Entry;
 use crate::caster::choose::{Layout, Rays};
@@ -51,22 +52,41 @@ pub struct Caster<'w> {
     pub level: Level,
     /// Contains every finite primitive; `None` if the world has no finite primitives.
     structure: Option<Arc<AccelerationStructure>>,
+    /// Ends the search along a ray that takes long. The result is not used then.
+    patience: &'w dyn Patience,
     /// The structure for many rays, if [`Caster::for_rays`] may build it. Copies of the caster share it.
     for_many_rays: Option<Arc<OnceLock<Arc<AccelerationStructure>>>>,
 }
 
 impl<'w> Caster<'w> {
     /// Returns a caster with a grid of this number of cells along each axis, or without a grid.
-    pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, GridTooLarge> {
+    pub fn new(world: &'w World, cells: Option<[usize; 3]>) -> Result<Self, NotBuilt> {
         Self::with(world, cells.map_or(Layout::List, Layout::Grid), instructions::available()[0])
     }
 
     /// Returns a caster with this acceleration structure, which uses these instructions.
-    pub fn with(world: &'w World, layout: Layout, level: Level) -> Result<Self, GridTooLarge> {
-        let finite = world.finite_count() > 0;
-        let structure =
-            finite.then(|| AccelerationStructure::new(world, layout).map(Arc::new)).transpose()?;
-        Ok(Self { world, level, structure, for_many_rays: None })
+    pub fn with(world: &'w World, layout: Layout, level: Level) -> Result<Self, NotBuilt> {
+        Self::within(world, layout, level, &Endless)
+    }
+
+    /// Returns a caster like [`Caster::with`], which is built as long as there is patience.
+    pub fn within(
+        world: &'w World,
+        layout: Layout,
+        level: Level,
+        patience: &dyn Patience,
+    ) -> Result<Self, NotBuilt> {
+        let build = || AccelerationStructure::new(world, layout, patience).map(Arc::new);
+        let structure = (world.finite_count() > 0).then(build).transpose()?;
+        Ok(Self { world, level, structure, patience: &Endless, for_many_rays: None })
+    }
+
+    /// Returns this caster, which searches and builds as long as there is patience.
+    pub fn patient<'a>(&self, patience: &'a dyn Patience) -> Caster<'a>
+    where
+        'w: 'a,
+    {
+        Caster { patience, ..self.clone() }
     }
 
     /// Lets [`Caster::for_rays`] replace a list by a grid or a tree.
@@ -82,7 +102,7 @@ impl<'w> Caster<'w> {
         let layout = if shared.get().is_none() { Layout::chosen(self.world, rays) } else { Layout::List };
         // Threads do not wait for each other, since the build itself runs on them. So two may build the structure.
         if layout != Layout::List
-            && let Ok(structure) = AccelerationStructure::new(self.world, layout)
+            && let Ok(structure) = AccelerationStructure::new(self.world, layout, self.patience)
         {
             let _ = shared.set(Arc::new(structure));
         }
@@ -202,6 +222,7 @@ impl<'w> Caster<'w> {
         // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
         let stored = ray;
         let mut query = Query::<P, ANY>::new(self.world, &stored, probe);
+        query.patience = self.patience;
         self.search(simd, &ray, origin, &entry, &mut query);
         let (best, is_undecided) = (query.best, query.is_undecided);
         if !ANY && is_undecided { self.foremost(simd, &stored, origin, best) } else { best }
@@ -244,9 +265,17 @@ impl<'w> Caster<'w> {
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
         let (mut probe, mut hits) = (Quiet, vec![]);
         let mut query = Query::<_, false>::for_all(self.world, &ray_to_there, &mut probe, &mut hits);
+        query.patience = self.patience;
         self.search(simd, &ray_to_there, origin, &self.entry(simd, &ray_to_there), &mut query);
-        let foremost = self.world.foremost(ray, hits);
+        let foremost = self.world.foremost(ray, hits, &mut Steps::new(self.patience));
         foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })
+    }
+}
+
+/// The patience of its searches.
+impl Patience for Caster<'_> {
+    fn is_over(&self) -> bool {
+        self.patience.is_over()
     }
 }
 

@@ -4,6 +4,7 @@
 //! of each source that nothing blocks, and the colours along the reflected and the refracted ray. These secondary rays
 //! wait on a stack. An [`Observer`] counts or records the steps. [`Hints`] spare rays and never change a colour.
 
+use crate::base::patience::Patience;
 use crate::caster::{Caster, RayOrigin};
 use crate::math::ray::{Ray, Visible};
 use crate::math::robust::offset_origin;
@@ -32,6 +33,7 @@ pub(crate) use optics::{mirrored_part, refracted_between};
 pub(crate) use secondary::MOST_WAITING;
 pub use secondary::{IsOver, Memory};
 use secondary::{Path, SecondaryRay};
+pub(crate) use shadow::ending_at_light;
 
 /// The objects that cast shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -69,6 +71,9 @@ pub struct Effects {
     /// The minimum weight. Only secondary rays above it are traced.
     pub min_weight: f64,
 }
+
+/// The number of lights between two questions whether the work should end.
+const LIGHTS_AT_ONCE: usize = 16;
 
 /// Traces rays one at a time.
 #[derive(Clone, Copy, Debug)]
@@ -231,7 +236,11 @@ impl<'a, H: Hints> Tracer<'a, H> {
         let to_viewer = -ray.direction;
         let mut color = world.ambient * world.ambient_color(surface, material.phong.diffuse);
         observer.observe(|| Event::Ambient(color));
+        let has_many_lights = world.lights.len() >= LIGHTS_AT_ONCE;
         for (index, light) in world.lights.iter().enumerate() {
+            if has_many_lights && index.is_multiple_of(LIGHTS_AT_ONCE) && self.caster.is_over() {
+                break;
+            }
             let light = incident(light, surface.position);
             let view = View { cosine: normal.dot(light.direction), normal, to_viewer };
             let shows = material.shows(highlight, &light, view.cosine);

@@ -12,6 +12,7 @@ pub mod triangle;
 mod appearance;
 mod builder;
 mod coincidence;
+mod coplanar;
 mod objects;
 mod placement;
 mod point_error;
@@ -21,6 +22,7 @@ mod surface;
 pub(crate) mod triangle4;
 
 use crate::base::memory;
+use crate::base::patience::{Endless, Patience};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Hit, Ray, Visible};
@@ -60,6 +62,8 @@ pub struct World {
     pub planes: Vec<Plane>,
     /// The placements of the planes. May be shorter than `planes`.
     placed_planes: Vec<PlacedPlane>,
+    /// The places of the shapes in the scene, for runs of shapes. May be empty.
+    shape_places: Runs<PlaceInScene>,
     /// The flattening errors of triangles and shapes.
     placement_errors: Runs<PlacementError>,
     boundary_width: BoundaryWidth,
@@ -98,6 +102,20 @@ pub struct World {
     cube_map: Option<[Arc<Texels>; 6]>,
 }
 
+/// The place of a shape or a plane among the primitives of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PlaceInScene {
+    /// The number of triangles before it.
+    triangles: u32,
+    /// The number of primitives of the other of these two kinds before it.
+    others: u32,
+}
+
+impl PlaceInScene {
+    /// The place of a primitive that no scene placed.
+    const LAST: Self = Self { triangles: u32::MAX, others: 0 };
+}
+
 /// A primitive by its kind and its index in the world's list of that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Primitive {
@@ -112,13 +130,23 @@ pub enum Primitive {
 impl World {
     /// Builds the world of a scene as [`World::of_meshes`] does, and keeps the meshes.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, Diagnostic> {
+        Self::copying(scene, meshes, &Endless)
+    }
+
+    /// Builds the world of a scene as [`World::new`] does, as long as there is patience.
+    pub fn copying(scene: &Scene, meshes: &[Mesh], patience: &dyn Patience) -> Result<Self, Diagnostic> {
         memory::ask(meshes.iter().map(Mesh::bytes).sum())?;
-        Self::of_meshes(scene, meshes.to_vec())
+        Self::within(scene, meshes.to_vec(), patience)
     }
 
     /// Builds the world of a scene. `meshes` are the meshes that the scene names, in its order. Returns an error if an
     /// object cannot be placed in world space, or if there is too little memory for the copies of the meshes.
     pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, Diagnostic> {
+        Self::within(scene, meshes, &Endless)
+    }
+
+    /// Builds the world of a scene as [`World::of_meshes`] does, as long as there is patience.
+    pub fn within(scene: &Scene, meshes: Vec<Mesh>, patience: &dyn Patience) -> Result<Self, Diagnostic> {
         limits::check(scene)?;
         let world = Self {
             materials: scene.materials.clone(),
@@ -132,9 +160,9 @@ impl World {
             cube_map: scene.cube_map.map(|faces| faces.map(|face| scene.images[face].texels.clone())),
             ..Self::default()
         };
-        let mut builder = Builder::new(world, scene, meshes)?;
+        let mut builder = Builder::new(world, scene, meshes, patience)?;
         placements(scene).try_for_each(|placement| builder.place(&placement))?;
-        Ok(builder.finish())
+        builder.finish()
     }
 
     /// Returns the ids of all primitives.
@@ -220,17 +248,20 @@ impl World {
     }
 
     /// Returns true if `one` comes before `other`. Primitives are ordered by the positions of their objects in the
-    /// scene, and triangles of one object by their ids. Spheres and ellipsoids, which lie in no plane, come last.
+    /// scene, and triangles of one object by their ids.
     #[cold]
     pub fn comes_first(&self, one: u32, other: u32) -> bool {
-        let place = |id: u32| match self.primitive(id) {
-            Primitive::Plane(k) => {
-                (self.placed_planes.get(k).map_or(u32::MAX, |plane| plane.triangles_before), 0, id)
-            }
-            Primitive::Triangle(_) => (id, 1, id),
-            Primitive::Shape(_) => (u32::MAX, 1, id),
+        // The number of triangles before a primitive, and the number of shapes and planes before it.
+        let place = |id: u32| {
+            let (found, index) = match self.primitive(id) {
+                Primitive::Triangle(_) => return (id, u32::MAX),
+                Primitive::Shape(k) => (self.shape_places.get(k as u32), k as u32),
+                Primitive::Plane(k) => (self.placed_planes.get(k).map(|plane| &plane.place), k as u32),
+            };
+            let PlaceInScene { triangles, others } = found.copied().unwrap_or(PlaceInScene::LAST);
+            (triangles, others.saturating_add(index))
         };
-        place(one) < place(other)
+        (place(one), one) < (place(other), other)
     }
 
     /// Returns the nearest t at which a ray hits a primitive.
@@ -334,8 +365,8 @@ mod tests {
     fn the_nearer_of_two_hits_precedes_and_at_the_same_t_the_lower_object() {
         let world = world();
         let precedes = |t: f64, one: u32, other: u32| world.precedes((t, one), (2.0, other));
-        // The objects of triangles and planes are in the order of their materials, and shapes come last.
-        let rank = |id| ((6..10).contains(&id), world.material_of(id));
+        // The objects are in the order of their materials.
+        let rank = |id| world.material_of(id);
         for (one, other) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
             assert!(precedes(1.0, one, other) && !precedes(3.0, one, other));
             assert_eq!(precedes(2.0, one, other), rank(one) < rank(other), "{one} {other}");

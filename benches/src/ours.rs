@@ -2,7 +2,7 @@
 
 use crate::contestant::{Cast, FlatRay};
 use raytracer::caster::choose::{Layout, Rays};
-use raytracer::caster::{Caster, GridTooLarge, RayOrigin};
+use raytracer::caster::{Caster, NotBuilt, RayOrigin};
 use raytracer::math::instructions;
 use raytracer::stats::Quiet;
 use raytracer::world::World;
@@ -27,6 +27,6 @@ impl Cast for Caster<'_> {
 const RAYS: usize = 1 << 30;
 
 /// The caster that `-grid auto` chooses.
-pub fn caster(world: &World) -> Result<Caster<'_>, GridTooLarge> {
+pub fn caster(world: &World) -> Result<Caster<'_>, NotBuilt> {
     Caster::with(world, Layout::chosen(world, Rays::cast(RAYS)), instructions::available()[0])
 }

@@ -2,5 +2,6 @@
 
 pub mod escape;
 pub mod memory;
+pub mod patience;
 pub mod shell;
 pub mod shortcut;

@@ -6,9 +6,10 @@
 //! them on all threads.
 
 use crate::base::memory;
+use crate::base::patience::{Ended, Patience};
 use crate::caster::block::{Block, Frame, LANES, NONE};
 use crate::caster::insertion::Reference;
-use crate::caster::lattice::{GridTooLarge, Lattice};
+use crate::caster::lattice::{Lattice, NotBuilt};
 use crate::world::World;
 use rayon::prelude::*;
 
@@ -24,6 +25,10 @@ pub const EMPTY: u32 = 0;
 const BORDER: u32 = u32::MAX;
 /// The bit that [`BORDER`] has and the entry of a cell with blocks never has.
 pub const NO_BLOCKS: u32 = 1 << 31;
+
+/// The numbers of cells and of blocks between two questions whether the work should end.
+const CELLS_AT_ONCE: usize = 1 << 16;
+const BLOCKS_AT_ONCE: usize = 1 << 16;
 
 /// The contents of all cells or leaves.
 #[derive(Debug)]
@@ -78,8 +83,8 @@ impl Contents {
     }
 
     /// Returns no contents, and reserves memory for this number of blocks.
-    pub fn with_capacity(blocks: usize) -> Result<Self, GridTooLarge> {
-        memory::ask((blocks * size_of::<Block>()) as u64).map_err(|_| GridTooLarge)?;
+    pub fn with_capacity(blocks: usize) -> Result<Self, NotBuilt> {
+        memory::ask((blocks * size_of::<Block>()) as u64).map_err(|_| NotBuilt::TooLarge)?;
         Ok(Self { blocks: Vec::with_capacity(blocks), non_triangles: vec![] })
     }
 
@@ -89,15 +94,19 @@ impl Contents {
         world: &World,
         lattice: &Lattice,
         references: Vec<Vec<Reference>>,
-    ) -> Result<(Self, Vec<u32>), GridTooLarge> {
+        patience: &dyn Patience,
+    ) -> Result<(Self, Vec<u32>), NotBuilt> {
         // The references have taken some memory since the last check.
         lattice.ask_for_entries()?;
         // Each entry is first a count, then the start and finally the end of the cell's ids.
         let mut entries = vec![0u32; lattice.index_count()];
-        references.iter().flatten().for_each(|&[cell, _]| entries[cell as usize] += 1);
+        for references in &references {
+            patience.check()?;
+            references.iter().for_each(|&[cell, _]| entries[cell as usize] += 1);
+        }
         let blocks = entries.iter().map(|count| count.div_ceil(LANES as u32) as usize).sum();
         if blocks > (NO_BLOCKS >> COUNT_BITS) as usize {
-            return Err(GridTooLarge);
+            return Err(NotBuilt::TooLarge);
         }
         let mut cells = Self::with_capacity(blocks)?;
         let mut total = 0;
@@ -105,16 +114,22 @@ impl Contents {
             total += std::mem::replace(entry, total);
         }
         let mut ids = vec![0; total as usize];
-        for [cell, id] in references.into_iter().flatten() {
-            let place = &mut entries[cell as usize];
-            ids[*place as usize] = id;
-            *place += 1;
+        for references in references {
+            patience.check()?;
+            for [cell, id] in references {
+                let place = &mut entries[cell as usize];
+                ids[*place as usize] = id;
+                *place += 1;
+            }
         }
         let mut start = 0;
-        for entry in &mut entries {
-            let end = *entry as usize;
-            *entry = if start == end { EMPTY } else { cells.push(world, &ids[start..end]) };
-            start = end;
+        for part in entries.chunks_mut(CELLS_AT_ONCE) {
+            patience.check()?;
+            for entry in part {
+                let end = *entry as usize;
+                *entry = if start == end { EMPTY } else { cells.push(world, &ids[start..end]) };
+                start = end;
+            }
         }
         let mut end = 0;
         for run in lattice.x_runs() {
@@ -147,13 +162,22 @@ impl Contents {
     }
 
     /// Fills the blocks. Each frame comes with the index of the first block that uses its coordinates.
-    pub fn fill(&mut self, world: &World, frames: &[(usize, Frame)]) {
+    pub fn fill(
+        &mut self,
+        world: &World,
+        frames: &[(usize, Frame)],
+        patience: &dyn Patience,
+    ) -> Result<(), Ended> {
         let ends = frames.iter().skip(1).map(|(start, _)| *start).chain([self.blocks.len()]);
         for ((start, frame), end) in frames.iter().zip(ends.collect::<Vec<_>>()) {
             let all_in_frame = frame.holds(&world.bounds);
-            let blocks = self.blocks[*start..end].par_iter_mut();
-            blocks.for_each(|block| block.fill(world, frame, all_in_frame));
+            let fill = |block: &mut Block| block.fill(world, frame, all_in_frame);
+            for part in self.blocks[*start..end].chunks_mut(BLOCKS_AT_ONCE) {
+                patience.check()?;
+                part.par_iter_mut().for_each(fill);
+            }
         }
+        Ok(())
     }
 }
 

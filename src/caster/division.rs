@@ -5,6 +5,7 @@
 //! 2007). For a node with eight branches, the half with the largest surface area is divided again until there are eight
 //! (Wald, Benthin and Boulos, "Getting Rid of Packets", IEEE Symposium on Interactive Ray Tracing 2008).
 
+use crate::base::patience::{Ended, Patience};
 use crate::caster::block::{Frame, LANES};
 use crate::caster::bounds::{Region, widened};
 use crate::caster::box8::PADDING;
@@ -38,11 +39,16 @@ pub enum Division {
 }
 
 impl Division {
-    /// Divides primitives in the coordinates of a frame, below this number of levels.
-    pub fn new(world: &World, ids: Vec<u32>, frame: &Frame, level: usize) -> Self {
+    /// Divides primitives in the coordinates of a frame, below this number of levels, as long as there is patience.
+    pub fn new(
+        (world, patience): (&World, &dyn Patience),
+        ids: Vec<u32>,
+        frame: &Frame,
+        level: usize,
+    ) -> Result<Self, Ended> {
         let item = |id: u32| Item::new(frame, &world.box_of(id), id);
         let mut items: Vec<Item> = ids.into_par_iter().map(item).collect();
-        Self::of(world, ItemRun::new(&mut items), level)
+        Self::of((world, patience), ItemRun::new(&mut items), level)
     }
 
     /// Returns the number of leaves.
@@ -54,25 +60,26 @@ impl Division {
         }
     }
 
-    fn of(world: &World, run: ItemRun, level: usize) -> Self {
+    fn of((world, patience): (&World, &dyn Patience), run: ItemRun, level: usize) -> Result<Self, Ended> {
         let ids = run.items.iter().map(|item| item.id);
         if run.items.len() <= LANES {
             let mut ids: ArrayVec<u32, LANES> = ids.collect();
             ids.sort_unstable();
-            Self::Leaf(ids)
+            Ok(Self::Leaf(ids))
         } else if run.is_small && level < HEURISTIC_LEVELS {
             let boxes = ids.clone().map(|id| world.box_of(id));
             let bounds = widened(boxes.fold(Aabb::EMPTY, |all, bounds| all.union(bounds)));
             let region = Region::new(&bounds, f64::INFINITY);
-            let inner = Self::new(world, ids.collect(), &region.frame, level + LEVELS_OF_SMALL);
-            Self::Small(Box::new((region, inner)))
+            let ids = ids.collect();
+            let inner = Self::new((world, patience), ids, &region.frame, level + LEVELS_OF_SMALL)?;
+            Ok(Self::Small(Box::new((region, inner))))
         } else {
-            Self::node(world, run, level)
+            Self::node((world, patience), run, level)
         }
     }
 
     /// Divides more than [`LANES`] items into the branches of a node.
-    fn node(world: &World, run: ItemRun, level: usize) -> Self {
+    fn node((world, patience): (&World, &dyn Patience), run: ItemRun, level: usize) -> Result<Self, Ended> {
         let by_number = level >= HEURISTIC_LEVELS;
         let count = run.items.len();
         let mut runs = vec![run];
@@ -84,14 +91,18 @@ impl Division {
             let Some(largest) = divisible.max_by(|&a, &b| size(&runs[a]).total_cmp(&size(&runs[b]))) else {
                 break;
             };
+            if runs[largest].items.len() >= PARALLEL_ITEMS {
+                patience.check()?;
+            }
             let halves = runs.swap_remove(largest).halves(by_number);
             runs.extend(halves);
         }
-        let divide = |run: ItemRun| (run.bounds, Self::of(world, run, level + 1));
-        Self::Node(match count {
+        let divide = |run: ItemRun| Ok((run.bounds, Self::of((world, patience), run, level + 1)?));
+        let branches: Result<_, Ended> = match count {
             PARALLEL_ITEMS.. => runs.into_par_iter().map(divide).collect(),
             _ => runs.into_iter().map(divide).collect(),
-        })
+        };
+        Ok(Self::Node(branches?))
     }
 }
 

@@ -5,9 +5,10 @@
 //! Parallel Surface and Solid Voxelization on GPUs", SIGGRAPH Asia 2010). `proofs/needles.g` proves the error bound of
 //! the plane.
 
+use crate::base::patience::{Ended, Patience, Steps};
 use crate::caster::bounds::widened;
 use crate::caster::dda::face_error_bound;
-use crate::caster::lattice::{GridTooLarge, Lattice};
+use crate::caster::lattice::{Lattice, NotBuilt};
 use crate::math::aabb::Aabb;
 use crate::math::extremes::{box_corners, max3, min3};
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -31,27 +32,31 @@ const PRIMS_PER_CHUNK: usize = 4096;
 
 /// Returns the references of all finite primitives, in ascending order of the primitives. They are to the cells that
 /// the primitives touch or, with `as_course`, to the cells into which the course's program inserts them, so that the
-/// counts are comparable. The work is done on all threads, and the result does not depend on their number.
+/// counts are comparable. The work is done on all threads, as long as there is patience. The result does not depend on
+/// their number.
 pub fn references(
     world: &World,
     lattice: &Lattice,
     as_course: bool,
-) -> Result<Vec<Vec<Reference>>, GridTooLarge> {
+    patience: &dyn Patience,
+) -> Result<Vec<Vec<Reference>>, NotBuilt> {
     lattice.ask_for_entries()?;
     let (count, padding) = (world.finite_count() as u32, padding(lattice));
     let chunk = |first: u32| {
         let (mut cells, mut references) = (vec![], Vec::with_capacity(4 * PRIMS_PER_CHUNK));
+        let mut steps = Steps::new(patience);
         for id in first..count.min(first + PRIMS_PER_CHUNK as u32) {
             cells.clear();
             insert(world, id, lattice, as_course, padding, &mut cells);
             references.extend(cells.iter().map(|&cell| [cell, id]));
+            steps.take(1 + cells.len())?;
         }
-        references
+        Ok(references)
     };
     let firsts = (0..count).into_par_iter().step_by(PRIMS_PER_CHUNK);
-    let references: Vec<_> = firsts.map(chunk).collect();
+    let references: Vec<_> = firsts.map(chunk).collect::<Result<_, Ended>>()?;
     let total: usize = references.iter().map(Vec::len).sum();
-    if total <= u32::MAX as usize { Ok(references) } else { Err(GridTooLarge) }
+    if total <= u32::MAX as usize { Ok(references) } else { Err(NotBuilt::TooLarge) }
 }
 
 /// Returns an upper bound on the number of references: the number of cells that the primitives' boxes touch.

@@ -2,23 +2,38 @@
 //! does not depend on primitives.
 
 use crate::base::memory;
+use crate::base::patience::Ended;
 use crate::caster::bounds::SimdAabb;
 use crate::math::aabb::Aabb;
 use glam::DVec3;
 use std::fmt;
 use std::ops::Range;
 
-/// The error of building a grid: its cells or their contents do not fit into memory or into their indices.
+/// The reason why a structure was not built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GridTooLarge;
+pub enum NotBuilt {
+    /// The cells of a grid or their contents do not fit into memory or into their indices.
+    TooLarge,
+    /// The patience was over.
+    Ended,
+}
 
-impl fmt::Display for GridTooLarge {
+impl fmt::Display for NotBuilt {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "the grid does not fit into memory: use fewer cells")
+        match self {
+            Self::TooLarge => f.write_str("the grid does not fit into memory: use fewer cells"),
+            Self::Ended => Ended.fmt(f),
+        }
     }
 }
 
-impl std::error::Error for GridTooLarge {}
+impl std::error::Error for NotBuilt {}
+
+impl From<Ended> for NotBuilt {
+    fn from(_: Ended) -> Self {
+        Self::Ended
+    }
+}
 
 /// The division of a box into cells.
 ///
@@ -85,16 +100,16 @@ impl Lattice {
     }
 
     /// Returns an error if the indices, including the border, do not fit into 32 bits.
-    fn fits(&self) -> Result<(), GridTooLarge> {
+    fn fits(&self) -> Result<(), NotBuilt> {
         let sides = self.cells.map(|n| n as u128 + 2);
-        if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(GridTooLarge) }
+        if sides.iter().product::<u128>() < u32::MAX as u128 { Ok(()) } else { Err(NotBuilt::TooLarge) }
     }
 
     /// Returns an error if the indices do not fit into 32 bits, or if there is not enough memory for an entry per
     /// index.
-    pub fn ask_for_entries(&self) -> Result<(), GridTooLarge> {
+    pub fn ask_for_entries(&self) -> Result<(), NotBuilt> {
         self.fits()?;
-        memory::ask((self.index_count() * size_of::<u32>()) as u64).map_err(|_| GridTooLarge)
+        memory::ask((self.index_count() * size_of::<u32>()) as u64).map_err(|_| NotBuilt::TooLarge)
     }
 
     /// Returns the index difference between neighbouring cells along each axis.
@@ -154,7 +169,7 @@ mod tests {
     #[test]
     fn indices_must_be_less_than_the_largest_number_of_32_bits() {
         // 255 * 257 * 65537 = 2^32 - 1.
-        assert_eq!(lattice([253, 255, 65535]).fits(), Err(GridTooLarge));
+        assert_eq!(lattice([253, 255, 65535]).fits(), Err(NotBuilt::TooLarge));
         assert_eq!(lattice([253, 255, 65534]).fits(), Ok(()));
     }
 

@@ -2,6 +2,7 @@
 //!
 //! The filter tests eight triangles at a time. The triangles that it cannot decide are tested exactly, one by one.
 
+use crate::base::patience::{Endless, Patience};
 use crate::caster::block::{Block, NONE};
 use crate::caster::contents::Contents;
 use crate::caster::filter::{self, FilterState, Verdict};
@@ -57,10 +58,16 @@ pub struct Query<'a, P, const ANY: bool> {
     /// list, a primitive that spans many cells and that the filter does not reject would be tested in each of them.
     tested: [u32; MAX_TESTED],
     next: usize,
+    /// Ends the search. Its result is not used then.
+    pub patience: &'a dyn Patience,
 }
 
 /// The number of primitives in [`Query::tested`].
 const MAX_TESTED: usize = 4;
+
+/// The number of exact tests between two questions whether the search should end. Tests that need exact arithmetic take
+/// up to some microseconds.
+const TESTS_AT_ONCE: usize = 128;
 
 impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
     #[inline(always)]
@@ -77,6 +84,7 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
             left_out: NONE,
             tested: [NONE; MAX_TESTED],
             next: 0,
+            patience: &Endless,
         }
     }
 
@@ -230,7 +238,11 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
     /// Tests the primitives that were not among the last to be tested.
     #[inline(never)]
     fn test_new(&mut self, ids: &[u32]) -> bool {
-        ids.iter().fold(false, |changed, &id| (self.is_new(id) && self.test_exactly(id)) | changed)
+        let mut changed = false;
+        for &id in ids {
+            changed |= self.is_new(id) && (self.ends_early() || self.test_exactly(id));
+        }
+        changed
     }
 
     /// Decides which of the triangles that the filter does not reject are hit, and takes these hits. Returns true if
@@ -269,7 +281,7 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
     /// Tests a triangle exactly, unless it was one of the last to be tested.
     #[inline(never)]
     fn test_triangle(&mut self, triangle: u32) -> bool {
-        self.is_new(triangle) && self.test_triangle_exactly(triangle)
+        self.is_new(triangle) && (self.ends_early() || self.test_triangle_exactly(triangle))
     }
 
     /// Returns true if the primitive is left out, or was among the last to be tested.
@@ -288,6 +300,23 @@ impl<'a, P: Probe, const ANY: bool> Query<'a, P, ANY> {
             self.next += 1;
         }
         is_new
+    }
+
+    /// Asks now and then if the search should end. If so, returns true, and nothing is near enough from then on.
+    #[inline(always)]
+    fn ends_early(&mut self) -> bool {
+        self.next.is_multiple_of(TESTS_AT_ONCE) && self.ends_now()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn ends_now(&mut self) -> bool {
+        let is_over = self.patience.is_over();
+        if is_over {
+            self.best = Visible { primitive: NONE, t_bound: f64::MIN };
+            (self.t_lower_bound, self.is_undecided) = (f64::MIN, false);
+        }
+        is_over
     }
 
     /// Counts and tests primitives without the filter. Returns true if that changes the rest of the search.

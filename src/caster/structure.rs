@@ -3,6 +3,7 @@
 //! A ray is tested against the whole list, the cells of the grid in order, or the boxes of the tree from the nearest on.
 //! The search ends when no nearer hit can follow. A [`Query`] tests the primitives.
 
+use crate::base::patience::Patience;
 use crate::caster::block::LANES;
 use crate::caster::bounds::{Entry, Region};
 use crate::caster::box8::{BoxRay, Meeting, meet};
@@ -12,7 +13,7 @@ use crate::caster::dda::Dda;
 use crate::caster::division::MAX_LEVELS;
 use crate::caster::filter::FilterState;
 use crate::caster::insertion::{bounds_of, references};
-use crate::caster::lattice::{GridTooLarge, Lattice};
+use crate::caster::lattice::{Lattice, NotBuilt};
 use crate::caster::query::Query;
 use crate::caster::tree::{Branch, LEAF, SMALL, Small, Tree};
 use crate::math::instructions::prefetch;
@@ -72,15 +73,16 @@ pub struct Fullness {
 }
 
 impl AccelerationStructure {
-    /// Builds the structure of all finite primitives of a world. Returns an error if it does not fit into memory.
-    pub fn new(world: &World, layout: Layout) -> Result<Self, GridTooLarge> {
+    /// Builds the structure of all finite primitives of a world. Returns an error if it does not fit into memory, or if
+    /// the patience is over.
+    pub fn new(world: &World, layout: Layout, patience: &dyn Patience) -> Result<Self, NotBuilt> {
         let bounds = bounds_of(world);
         let grid = |cells: [usize; 3], as_course| {
             let lattice = Lattice::new(bounds, cells);
-            let references = references(world, &lattice, as_course)?;
-            let (contents, entries) = Contents::of_cells(world, &lattice, references)?;
+            let references = references(world, &lattice, as_course, patience)?;
+            let (contents, entries) = Contents::of_cells(world, &lattice, references, patience)?;
             let smallest = lattice.cell_size.min_element();
-            Ok((Order::Grid(lattice, entries), contents, smallest))
+            Ok::<_, NotBuilt>((Order::Grid(lattice, entries), contents, smallest))
         };
         let all = 0..world.finite_count() as u32;
         let hittable = || all.clone().filter(|&id| world.may_be_hit(id)).collect();
@@ -88,12 +90,12 @@ impl AccelerationStructure {
             let triangles = ids.partition_point(|&id| world.is_triangle(id));
             let mut contents = Contents::with_capacity(triangles.div_ceil(LANES).max(1))?;
             contents.push(world, &ids);
-            Ok((Order::List, contents, f64::INFINITY))
+            Ok::<_, NotBuilt>((Order::List, contents, f64::INFINITY))
         };
         let (order, mut contents, min_cell_size) = match layout {
             Layout::Tree => {
                 let region = Region::new(&bounds, f64::INFINITY);
-                let (tree, contents) = Tree::new(world, hittable(), region.frame)?;
+                let (tree, contents) = Tree::new(world, hittable(), region.frame, patience)?;
                 return Ok(Self { region, order: Order::Tree(tree), contents });
             }
             Layout::List => list(hittable())?,
@@ -102,7 +104,7 @@ impl AccelerationStructure {
             Layout::Course(Some(cells)) => grid(cells, true)?,
         };
         let region = Region::new(&bounds, min_cell_size);
-        contents.fill(world, &[(0, region.frame)]);
+        contents.fill(world, &[(0, region.frame)], patience)?;
         Ok(Self { region, order, contents })
     }
 

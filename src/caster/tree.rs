@@ -4,12 +4,13 @@
 //! A branch whose primitives are too small for the coordinates of the frame gets a frame of its own.
 
 use crate::base::memory;
+use crate::base::patience::Patience;
 use crate::caster::block::{Frame, LANES};
 use crate::caster::bounds::Region;
 use crate::caster::box8::Box8;
 use crate::caster::contents::Contents;
 use crate::caster::division::{Division, Item};
-use crate::caster::lattice::GridTooLarge;
+use crate::caster::lattice::NotBuilt;
 use crate::world::World;
 use std::ops::Range;
 
@@ -45,16 +46,21 @@ pub struct Small {
 impl Tree {
     /// Builds the tree of these primitives, and the contents of its leaves. The coordinates are in a frame whose box
     /// contains the primitives.
-    pub fn new(world: &World, ids: Vec<u32>, frame: Frame) -> Result<(Self, Contents), GridTooLarge> {
-        memory::ask(least_bytes(ids.len())).map_err(|_| GridTooLarge)?;
-        let division = Division::new(world, ids, &frame, 0);
+    pub fn new(
+        world: &World,
+        ids: Vec<u32>,
+        frame: Frame,
+        patience: &dyn Patience,
+    ) -> Result<(Self, Contents), NotBuilt> {
+        memory::ask(least_bytes(ids.len())).map_err(|_| NotBuilt::TooLarge)?;
+        let division = Division::new((world, patience), ids, &frame, 0)?;
         let contents = Contents::with_capacity(division.leaves())?;
         let mut growing = Growing { world, tree: Self::default(), contents, frames: vec![(0, frame)] };
         growing.tree.root = growing.add(division, frame);
         let Growing { tree, mut contents, frames, .. } = growing;
-        contents.fill(world, &frames);
+        contents.fill(world, &frames, patience)?;
         let fits = tree.nodes.len() <= SMALL as usize && contents.blocks.len() <= SMALL as usize;
-        if fits { Ok((tree, contents)) } else { Err(GridTooLarge) }
+        if fits { Ok((tree, contents)) } else { Err(NotBuilt::TooLarge) }
     }
 }
 

@@ -24,6 +24,9 @@ pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer
     Some(Part { whole: pixels(request.size), at: pixels([window.x, window.y]), fingerprint })
 }
 
+/// Raised if the same command line draws other bytes than before, within one version of the program.
+const PICTURES: &[u8] = b"2";
+
 /// Returns a hash of everything that the bytes of a layer's whole picture depend on: the version of the program, the
 /// text and the model of the scene, its meshes and pictures, and the flags that change the layer.
 ///
@@ -43,6 +46,7 @@ fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
         hasher.write(bytes);
     };
     write(env!("CARGO_PKG_VERSION").as_bytes());
+    write(PICTURES);
     write(prepared.renderer().source.text.as_bytes());
     write(&flags);
     let rules = (scene.screen, scene.lighting, scene.mesh_normals, scene.measure_colors, scene.shows);

@@ -115,8 +115,10 @@ impl<'r> Products<'r> {
         let keep =
             |(product, &layer): (Product, &Layer)| match (product, part(prepared, request, upper, layer)) {
                 (Product::File(writer), Some(part)) => Ok(writer.write_part(&part)?),
-                // The picture of a filter is complete before the first row is rendered. A pipe may have no reader.
-                (Product::File(writer), None) if matches!(layer, Layer::Filter { .. }) => {
+                // The picture of a filter is drawn before the first row is rendered. A pipe may have no reader.
+                (Product::File(writer), None)
+                    if matches!(layer, Layer::Filter { .. }) && writer.has_all_rows() =>
+                {
                     let file = writer.complete()?;
                     if !file.is_stream() {
                         file.put_in_place()?;

@@ -9,6 +9,7 @@
 //! * It does not leave through its own triangle, which is not tested: its direction points inwards.
 //! * The light is outside: it is beyond the mesh's box.
 
+use crate::base::patience::Patience;
 use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 use crate::math::robust::unit;
@@ -55,13 +56,14 @@ const LEAST_COSINE: f64 = 1.0 / (1 << 20) as f64;
 const MARGIN: f64 = 1.0 / (1u64 << 38) as f64;
 
 impl ClosedMeshes {
-    pub fn new(world: &World) -> Self {
+    /// Returns the meshes that are found while there is patience.
+    pub fn new(world: &World, patience: &dyn Patience) -> Self {
         let is_transparent = |id: u32| match world.materials.get(world.material_of(id)) {
             Some(Material::Phong(phong) | Material::Painted(phong, _)) => phong.transparent != DVec3::ZERO,
             _ => false,
         };
         let (mut meshes, mut start, count) = (vec![], 0, world.triangles.len() as u32);
-        while start < count {
+        while start < count && !patience.is_over() {
             let end = (start..count).find(|&id| world.material_of(id) != world.material_of(start));
             let ids = start..end.unwrap_or(count);
             start = ids.end;
@@ -171,6 +173,7 @@ fn gap(axis: DVec3, one: &[DVec3; 3], other: &[DVec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
     use crate::caster::{Caster, RayOrigin};
     use crate::scene::parser::parse;
     use crate::stats::Quiet;
@@ -204,7 +207,7 @@ mod tests {
             direction in prop::array::uniform3(-1.0..1.0),
         ) {
             let world = world(scale, angle, OCTAHEDRON);
-            let (meshes, caster) = (ClosedMeshes::new(&world), Caster::new(&world, None).unwrap());
+            let (meshes, caster) = (ClosedMeshes::new(&world, &Endless), Caster::new(&world, None).unwrap());
             prop_assert!(meshes.0[0].faces.iter().all(Option::is_some));
             prop_assert_eq!(&meshes.0[0].has_outside, &[false, true, true]);
             let [u, v] = weights.map(|exponent: f64| 0.5 * 10f64.powf(exponent));
@@ -225,7 +228,7 @@ mod tests {
     #[test]
     fn most_points_of_a_closed_mesh_are_known_and_none_of_an_open_one() {
         let known = |mesh: &str| {
-            let ClosedMeshes(meshes) = ClosedMeshes::new(&world("", 20.0, mesh));
+            let ClosedMeshes(meshes) = ClosedMeshes::new(&world("", 20.0, mesh), &Endless);
             meshes.iter().flat_map(|mesh| &mesh.faces).flatten().count()
         };
         assert_eq!(known(OCTAHEDRON), 8);

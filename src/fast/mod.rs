@@ -8,6 +8,7 @@ mod raster;
 #[cfg(test)]
 mod tests;
 
+use crate::base::patience::Patience;
 use crate::camera::Camera;
 use crate::caster::Caster;
 use crate::math::ray::Ray;
@@ -71,14 +72,14 @@ pub fn finds_first_hits(camera: &Camera, world: &World, size: [usize; 2]) -> boo
 }
 
 impl RasterHints {
-    /// Returns hints about shadows.
-    pub fn new(world: &World, demand: Demand) -> Self {
-        let shadow_maps = Arc::new(ShadowMaps::new(world, demand.shadow_rays));
+    /// Returns hints about shadows. There are fewer of them if the patience is over.
+    pub fn new(world: &World, demand: Demand, patience: &dyn Patience) -> Self {
+        let shadow_maps = Arc::new(ShadowMaps::new(world, demand.shadow_rays, patience));
         let is_worth = demand.shadow_rays > 0 && demand.enters_objects;
         // The bounds hold for rays that start off the triangle along its own normal.
         let is_certain = world.lighting.epsilon.is_none() && !world.has_smooth_normals();
         let closed_meshes =
-            if is_worth && is_certain { ClosedMeshes::new(world) } else { ClosedMeshes::default() };
+            if is_worth && is_certain { ClosedMeshes::new(world, patience) } else { ClosedMeshes::default() };
         Self { demand, shadow_maps, closed_meshes: Arc::new(closed_meshes), visibility: None }
     }
 

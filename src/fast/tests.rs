@@ -1,4 +1,5 @@
 use super::*;
+use crate::base::patience::Endless;
 use crate::caster::choose::Layout;
 use crate::math::instructions;
 use crate::sampling::sample_packet::{SamplePacket, Stage};
@@ -76,7 +77,7 @@ fn compared(
         // Enough shadow rays that there are shadow maps.
         let demand =
             Demand { size, columns: 0..size[0], footprint, enters_objects: false, shadow_rays: 1 << 20 };
-        let hints = RasterHints::new(world, demand).in_rows(camera, &caster, 0..size[1]);
+        let hints = RasterHints::new(world, demand, &Endless).in_rows(camera, &caster, 0..size[1]);
         let unsure = hints.visibility.as_ref().map_or(size[0] * size[1], |buffer| buffer.unsure(0..size[0]));
         found[0] = size[0] * size[1] - unsure;
         let (fast, tracer) = (Tracer::with_hints(&caster, effects, &hints), Tracer::new(&caster, effects));

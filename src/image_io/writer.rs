@@ -200,6 +200,11 @@ impl PictureWriter {
         to.complete()?.put_in_place().map(|()| Some(path_of_part))
     }
 
+    /// Returns true if all rows were taken.
+    pub fn has_all_rows(&self) -> bool {
+        self.rows == self.size[1]
+    }
+
     /// Takes this number of rows from a file.
     fn copy(&mut self, from: &mut Rows, rows: usize) -> Result<(), Diagnostic> {
         let mut row = vec![];

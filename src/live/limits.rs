@@ -30,11 +30,14 @@ pub const STACK: u64 = 1 << 21;
 /// The bytes that a request takes besides, where the address space is limited.
 pub const BYTES_PER_REQUEST: u64 = 1 << 22;
 /// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is
-/// built for each primitive in a cell, and of reading a picture, with something to spare.
+/// built for each primitive in a cell, of reading a picture, and of reading a scene's text for each byte and its meshes,
+/// with something to spare.
 pub const BYTES_PER_PIXEL: u64 = 32;
 pub const BYTES_PER_PRIMITIVE: u64 = 256;
 pub const BYTES_PER_REFERENCE: u64 = 64;
 pub const BYTES_OF_READING: u64 = 100_000_000;
+pub const BYTES_PER_CHARACTER: u64 = 40;
+pub const BYTES_OF_MESHES: u64 = 200_000_000;
 
 /// The longer side of a picture in pixels.
 pub const MAX_SIDE: usize = 2048;
@@ -46,8 +49,6 @@ pub const MAX_CAUSE_RAYS: usize = 1 << 22;
 /// The triangles, shapes and planes of a scene that is typed in, including its meshes, and of all such scenes together
 /// that are open or prepared.
 pub const MAX_PRIMITIVES: usize = 1_000_000;
-/// The lights of such a scene times its primitives. Each pair is tested for a light that lies on a primitive.
-pub const MAX_LIGHT_PAIRS: usize = 1 << 24;
 /// The bytes of the mesh files that it names: reading them takes about a second.
 pub const MAX_MESH_BYTES: u64 = 1 << 26;
 /// Scenes that were typed in and stay open, so that each of a few pages has its own, and scenes that stay prepared.

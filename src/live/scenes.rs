@@ -4,6 +4,7 @@ use super::limits::*;
 use super::lock;
 use super::view::{Preparation, Ready};
 use crate::base::memory;
+use crate::base::patience::{Endless, Patience};
 use crate::caster::choose::Structure;
 use crate::cli::Options;
 use crate::diagnostic::Diagnostic;
@@ -21,6 +22,7 @@ use crate::scene::{MeshFile, Object, TRIANGLES_OF_BOX};
 use std::cell::Cell;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// A scene that can be rendered.
@@ -38,9 +40,15 @@ pub struct OpenScene {
 }
 
 impl OpenScene {
-    fn new(revision: u64, named: Option<Edition>, loaded: LoadedScene) -> Result<Self, Diagnostic> {
+    fn new(
+        revision: u64,
+        named: Option<Edition>,
+        loaded: LoadedScene,
+        patience: &dyn Patience,
+    ) -> Result<Self, Diagnostic> {
         let (choice, files) = (loaded.choice.clone(), loaded.files());
-        Ok(Self { revision, named, choice, files, renderer: Renderer::new(loaded, Meshes::Kept)? })
+        let renderer = Renderer::within(loaded, Meshes::Kept, patience)?;
+        Ok(Self { revision, named, choice, files, renderer })
     }
 
     pub fn primitives(&self) -> usize {
@@ -56,8 +64,8 @@ pub struct Scenes {
     pub first: Arc<OpenScene>,
     /// In the order of their last use.
     typed: Mutex<Vec<Arc<OpenScene>>>,
-    /// The last revision. Locked while a scene is read, so that only one scene at a time takes memory for reading.
-    reading: Mutex<u64>,
+    /// The last revision.
+    last: AtomicU64,
     /// The last scenes that were prepared, the newest last.
     pub ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
 }
@@ -66,10 +74,10 @@ impl Scenes {
     /// Opens the scene of the command line.
     pub fn open(line: &Options, path: &Path) -> Result<Self, Diagnostic> {
         let hints = line.hints();
-        let first = OpenScene::new(0, hints.edition, load::load_with(path, &hints)?)?;
+        let first = OpenScene::new(0, hints.edition, load::load_with(path, &hints)?, &Endless)?;
         let (path, structure, first) = (path.to_owned(), line.structure, Arc::new(first));
-        let (typed, reading, ready) = Default::default();
-        Ok(Self { path, hints, structure, first, typed, reading, ready })
+        let (typed, last, ready) = Default::default();
+        Ok(Self { path, hints, structure, first, typed, last, ready })
     }
 
     /// Returns the scene of this revision, if it is open.
@@ -91,11 +99,6 @@ impl Scenes {
         named: Option<Edition>,
         stop: &Stop,
     ) -> Result<Arc<OpenScene>, Diagnostic> {
-        let mut last = lock(&self.reading);
-        // The page has sent a newer text while this one waited.
-        if stop.is_over() {
-            return Err(Diagnostic::error("the page no longer waits for this text"));
-        }
         let left = Cell::new(MAX_MESH_BYTES);
         let read = |file: &MeshFile, _, is_textured| match self.known_mesh(&file.name) {
             Some(known) => Ok(known),
@@ -109,21 +112,15 @@ impl Scenes {
         };
         let hints = Hints { edition: named, ..self.hints.clone() };
         let readers = Readers { mesh: &read, image: &read_image };
-        let loaded = load::load_text(Source { path: self.path.clone(), text }, &hints, readers)?;
-        let (primitives, lights) = (primitives(&loaded), loaded.scene.lights.len());
+        let loaded = load::load_text_within(Source { path: self.path.clone(), text }, &hints, readers, stop)?;
+        let primitives = primitives(&loaded);
         if primitives > MAX_PRIMITIVES {
             let most = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
             return Err(Diagnostic::error(most));
         }
-        if lights.saturating_mul(primitives) > MAX_LIGHT_PAIRS {
-            let too_many = format!(
-                "a page opens at most {MAX_LIGHT_PAIRS} lights times primitives, not {lights} times {primitives}"
-            );
-            return Err(Diagnostic::error(too_many));
-        }
         memory::ask(primitives as u64 * BYTES_PER_PRIMITIVE)?;
-        let scene = Arc::new(OpenScene::new(*last + 1, named, loaded)?);
-        *last += 1;
+        let revision = 1 + self.last.fetch_add(1, Ordering::Relaxed);
+        let scene = Arc::new(OpenScene::new(revision, named, loaded, stop)?);
         let mut typed = lock(&self.typed);
         typed.push(scene.clone());
         while typed.len() > MAX_SCENES || is_too_large(typed.iter()) {
@@ -173,7 +170,8 @@ impl Scenes {
         left.set(rest.ok_or_else(|| refused("it is no file, or too large"))?);
         memory::ask(memory_for(found.len()))?;
         let bytes = fs::read(&file).map_err(failed)?;
-        let content = read_obj(&bytes, is_textured).map_err(|error| in_mesh(error, *at, name, &bytes))?;
+        let content =
+            read_obj(&bytes, is_textured, stop).map_err(|error| in_mesh(error, *at, name, &bytes))?;
         Ok((ObjFile { doubts: vec![], ..content }, file))
     }
 }

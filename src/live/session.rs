@@ -126,7 +126,11 @@ impl Session {
         let sketch = question.sketch.filter(|_| path == "/picture");
         let view = question.view.map(|shown| self.view(shown, sketch)).transpose()?;
         let of_view = view.as_ref().map_or(0, |view| view.bytes(pictures, copies));
-        let bytes = if is_file { BYTES_OF_READING } else { of_view };
+        let bytes = match &question.text {
+            _ if is_file => BYTES_OF_READING,
+            Some(text) => bytes_of_scene(text),
+            None => of_view,
+        };
         self.workers.run(bytes, stop, has_left, || match (path, view, question.pixel, question.text) {
             ("/start", ..) => Ok(self.start()),
             ("/reference", ..) => self.take_reference(query, body),
@@ -241,7 +245,7 @@ impl Session {
 
     fn objects(&self, view: &View, stop: &Stop) -> Found {
         let size = clipped(view.options.picture_size());
-        let ready = self.scenes.ready(view, false, false)?;
+        let ready = self.scenes.ready(view, false, false, stop)?;
         let (objects, places) = object_map(ready.borrow_dependent(), view.camera, size, stop)?;
         Ok(Answer::described(&json!({ "size": size, "objects": objects }), &[&places]))
     }
@@ -250,7 +254,7 @@ impl Session {
         if view.options.reduced {
             return Err(Answer::text(422, "the pixels of a picture that is reduced are not traced"));
         }
-        let ready = self.scenes.ready(view, true, false)?;
+        let ready = self.scenes.ready(view, true, false, stop)?;
         let prepared = ready.borrow_dependent();
         let tree = Explainer::new(prepared)?.pixel(&view.request(Layer::Color), pixel, stop)?;
         let rays = Rays::of(&tree, view.scene.renderer.bounds(), prepared.cells());
@@ -335,6 +339,12 @@ fn description(OpenScene { revision, choice, renderer, .. }: &OpenScene) -> Valu
 
 fn summary(reference: &Reference) -> Value {
     json!({ "name": reference.name, "size": picture_size(&reference.picture) })
+}
+
+/// Returns the memory in bytes of reading the text of a scene, with the meshes that it names.
+fn bytes_of_scene(text: &str) -> u64 {
+    let of_meshes = if text.contains("TriangleMesh") { BYTES_OF_MESHES } else { 0 };
+    of_meshes + text.len() as u64 * BYTES_PER_CHARACTER
 }
 
 fn picture_size(picture: &Picture) -> [usize; 2] {

@@ -130,14 +130,20 @@ impl Scenes {
         stop: &Stop,
         take_row: TakeRow,
     ) -> Result<(Arc<Ready>, Vec<u64>), Answer> {
-        let ready = self.ready(view, matches!(layer, Layer::Cost(_)), view.options.visualize_grid)?;
+        let ready = self.ready(view, matches!(layer, Layer::Cost(_)), view.options.visualize_grid, stop)?;
         let watch = |progress: Progress| stop.watch(progress);
         let rendered = ready.borrow_dependent().render_rows(&view.request(layer), &watch, take_row)?;
         Ok((ready, rendered.costs))
     }
 
     /// Prepares the scene of a view, unless it is prepared already: to count the work, or to show the grid's cells.
-    pub fn ready(&self, view: &View, counts: bool, shows_cells: bool) -> Result<Arc<Ready>, Answer> {
+    pub fn ready(
+        &self,
+        view: &View,
+        counts: bool,
+        shows_cells: bool,
+        stop: &Stop,
+    ) -> Result<Arc<Ready>, Answer> {
         let (scene, structure) = (&view.scene, view.options.structure);
         let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
         let (layers, draws_cells) = (vec![Layer::Color], shows_cells);
@@ -158,9 +164,10 @@ impl Scenes {
             memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
         }
         // Without the lock, so that others need not wait. Two requests may prepare the same.
-        let ready = Arc::new(Ready::try_new(scene.clone(), |scene| match counts || shows_cells {
-            true => scene.renderer.prepare(&whole),
-            false => scene.renderer.prepare_for(&whole, Rays::cast(MANY_RAYS)),
+        let ready = Arc::new(Ready::try_new(scene.clone(), |scene| {
+            let is_turned = !counts && !shows_cells;
+            let rays = if is_turned { Rays::cast(MANY_RAYS) } else { scene.renderer.rays(&whole) };
+            scene.renderer.prepare_within(&whole, rays, stop)
         })?);
         let mut all = lock(&self.ready);
         all.push((preparation, ready.clone()));

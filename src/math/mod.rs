@@ -1,6 +1,7 @@
 //! Boxes, rays, arithmetic with bounded or no rounding error, and SIMD lanes. All other modules build on these.
 
 pub mod aabb;
+pub(crate) mod box_tree;
 pub mod ray;
 pub mod extremes;
 pub mod instructions;

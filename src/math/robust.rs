@@ -12,6 +12,13 @@ pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// The distance from the surface at which a secondary ray starts, in roundings of the largest coordinate involved.
 const OFFSET_ROUNDINGS: f64 = 32.0;
 
+/// Up to this cosine between a ray and the normal, the ray starts along the normal.
+const GRAZING_COSINE: f64 = 0.25;
+
+/// The part of a shadow ray that is left out at its end, in roundings of its length: five for the light's distance
+/// along the ray, five for the unit direction, and the rest for the t of the hits that it is compared with.
+const END_ROUNDINGS: f64 = 16.0;
+
 /// The least offset, which a surface at the origin needs. It is large enough that products with it do not underflow.
 const MIN_OFFSET: f64 = 1e-290;
 
@@ -28,7 +35,6 @@ const MIN_OFFSET: f64 = 1e-290;
 /// with its bounces. At grazing angles this distance would be long, so the point moves along the normal instead.
 #[inline(always)]
 pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, extent: f64) -> DVec3 {
-    const GRAZING_COSINE: f64 = 0.25;
     let distance = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * (point.abs().max_element() + extent);
     let distance = distance.max(MIN_OFFSET);
     let cosine = direction.dot(unit_normal);
@@ -37,6 +43,19 @@ pub fn offset_origin(point: DVec3, unit_normal: DVec3, direction: DVec3, extent:
     }
     let signed_distance = if cosine < 0.0 { -distance } else { distance };
     point + signed_distance * unit_normal
+}
+
+/// Returns the end and the direction of a ray from `origin` to `target`, if [`offset_origin`] has moved the origin off a
+/// surface. The end is before the target by the rounding error of its distance.
+///
+/// A ray that was moved along the normal would pass beside the target, so it is aimed again.
+#[inline(always)]
+pub fn end_at(target: DVec3, origin: DVec3, unit_normal: DVec3, direction: DVec3) -> (f64, DVec3) {
+    const PART: f64 = 1.0 - END_ROUNDINGS * UNIT_ROUNDOFF;
+    let way = target - origin;
+    let direction =
+        if direction.dot(unit_normal).abs() > GRAZING_COSINE { direction } else { way.normalize_or_zero() };
+    ((PART * way.dot(direction)).max(0.0), direction)
 }
 
 /// Returns `v` scaled to unit length, even if the square of its length overflows or underflows. The result is NaN for a

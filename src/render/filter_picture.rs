@@ -1,6 +1,6 @@
 //! The picture of a reconstruction filter.
 
-use super::{Color, Stopped};
+use super::{Color, Progress, Stopped, Watch};
 use crate::sampling::filter::Filter;
 use glam::DVec2;
 use std::ops::ControlFlow;
@@ -13,6 +13,7 @@ pub fn render_filter(
     filter: Filter,
     [width, height]: [usize; 2],
     zoom: usize,
+    watch: Watch,
     take_row: &mut dyn FnMut(&[Color]) -> ControlFlow<()>,
 ) -> Result<(), Stopped> {
     let middle = width / 2;
@@ -20,6 +21,9 @@ pub fn render_filter(
     // The offset from the middle pixel's centre, in pixels.
     let offset = |k: usize| k as f64 / zoom as f64 - (middle as f64 + 0.5);
     for y in (0..=height * zoom).rev() {
+        if watch(Progress { done: 0, rows: height, rays: 0 }).is_break() {
+            return Err(Stopped::Cancelled { rows: 0 });
+        }
         let color = |x: usize| {
             if x.is_multiple_of(zoom) || y.is_multiple_of(zoom) {
                 Color::Z

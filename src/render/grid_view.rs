@@ -4,7 +4,8 @@
 //! spheres by a coarser rule and has a tolerance at the faces of cells. So this module counts the primitives of each
 //! cell.
 
-use crate::caster::GridTooLarge;
+use crate::base::patience::{Ended, Patience, Steps};
+use crate::caster::NotBuilt;
 use crate::caster::dda::Dda;
 use crate::caster::insertion;
 use crate::caster::lattice::Lattice;
@@ -52,13 +53,14 @@ impl Face {
 
 impl Occupancy {
     /// Counts the primitives in each cell. `bounds` is the world's box. If it is empty, every ray misses. Fails if the
-    /// grid is too large for the memory.
+    /// grid is too large for the memory, or if the patience is over.
     pub fn new(
         scene: &Scene,
         meshes: &[Mesh],
         bounds: Aabb,
         cells: [usize; 3],
-    ) -> Result<Self, GridTooLarge> {
+        patience: &dyn Patience,
+    ) -> Result<Self, NotBuilt> {
         let lattice = Lattice::new(bounds, cells);
         lattice.ask_for_entries()?;
         let mut counts = vec![BORDER; lattice.index_count()];
@@ -68,41 +70,49 @@ impl Occupancy {
         }
         let mut occupancy = Self { lattice, counts };
         if !bounds.is_empty() {
-            placements(scene).for_each(|placement| occupancy.insert(&placement, meshes));
+            let mut steps = Steps::new(patience);
+            placements(scene).try_for_each(|placement| occupancy.insert(&placement, meshes, &mut steps))?;
         }
         Ok(occupancy)
     }
 
-    fn insert(&mut self, placement: &Placement, meshes: &[Mesh]) {
+    fn insert(&mut self, placement: &Placement, meshes: &[Mesh], steps: &mut Steps) -> Result<(), Ended> {
         let map = |p: DVec3| placement.matrix.transform_point3(p);
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
                 let mut touched = vec![];
                 insertion::of_ball_by_centers(&self.lattice, center, radius, 0.0, &mut touched);
                 touched.iter().for_each(|&index| self.counts[index as usize] += 1);
+                steps.take(touched.len())
             }
-            Object::Triangle { vertices, .. } => self.insert_box(Aabb::around(vertices.map(map))),
-            Object::Box { min, max, .. } => self.insert_box(placement.course_box(Aabb { min, max })),
-            Object::Grid { ref surface, .. } => self.insert_mesh(surface, map),
-            Object::Mesh { mesh, .. } => self.insert_mesh(&meshes[mesh], map),
-            _ => {
-                if let Some(of_object) = placement.object.shape_box() {
-                    self.insert_box(placement.course_box(of_object));
-                }
-            }
+            Object::Triangle { vertices, .. } => self.insert_box(Aabb::around(vertices.map(map)), steps),
+            Object::Box { min, max, .. } => self.insert_box(placement.course_box(Aabb { min, max }), steps),
+            Object::Grid { ref surface, .. } => self.insert_mesh(surface, map, steps),
+            Object::Mesh { mesh, .. } => self.insert_mesh(&meshes[mesh], map, steps),
+            _ => match placement.object.shape_box() {
+                Some(of_object) => self.insert_box(placement.course_box(of_object), steps),
+                None => Ok(()),
+            },
         }
     }
 
-    fn insert_mesh(&mut self, Mesh { vertices, triangles }: &Mesh, map: impl Fn(DVec3) -> DVec3) {
+    fn insert_mesh(
+        &mut self,
+        Mesh { vertices, triangles }: &Mesh,
+        map: impl Fn(DVec3) -> DVec3,
+        steps: &mut Steps,
+    ) -> Result<(), Ended> {
         let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
-        triangles.iter().for_each(|triangle| self.insert_box(Aabb::around(corners(triangle))));
+        triangles.iter().try_for_each(|triangle| self.insert_box(Aabb::around(corners(triangle)), steps))
     }
 
-    fn insert_box(&mut self, bounds: Aabb) {
+    fn insert_box(&mut self, bounds: Aabb, steps: &mut Steps) -> Result<(), Ended> {
         // A list of the cells would take as much memory as all counts.
         for run in insertion::runs_of_box(&self.lattice, &bounds, TOUCH) {
+            steps.take(1 + run.len() / 8)?;
             self.counts[run].iter_mut().for_each(|count| *count += 1);
         }
+        Ok(())
     }
 
     /// Returns the colour that a camera ray sees: the face of the first occupied cell in the ambient and diffuse light
@@ -188,6 +198,7 @@ fn count_color(count: u32) -> Color {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
     use crate::scene::parser::parse;
 
     /// Returns the occupancy of the box from (0, 0, 0) to (4, 4, 2) with unit cells. The given cells are occupied.
@@ -195,7 +206,7 @@ mod tests {
         let scene =
             "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 0 }";
         let bounds = Aabb { min: DVec3::ZERO, max: DVec3::new(4.0, 4.0, 2.0) };
-        let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 4, 2]).unwrap();
+        let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 4, 2], &Endless).unwrap();
         for &cell in cells {
             occupancy.counts[occupancy.lattice.index(cell)] += 1;
         }
@@ -224,7 +235,7 @@ mod tests {
         let vertices = corners.map(DVec3::from_array).to_vec();
         let mesh = Mesh { vertices, triangles: vec![[0, 1, 2], [3, 1, 2]] };
         let bounds = Aabb { min: DVec3::ZERO, max: DVec3::new(4.0, 4.0, 2.0) };
-        let occupancy = Occupancy::new(&parse(&text).unwrap(), &[mesh], bounds, [4, 4, 2]).unwrap();
+        let occupancy = Occupancy::new(&parse(&text).unwrap(), &[mesh], bounds, [4, 4, 2], &Endless).unwrap();
         let boxes = [
             [[2.2, 2.2, 0.5], [3.5, 2.8, 0.6]],
             [[1.5, 0.5, 0.5], [3.5, 1.5, 0.5]],
@@ -255,7 +266,8 @@ mod tests {
     fn an_empty_world_shows_no_face() {
         let scene = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
             Group { numObjects 1 Material { } Plane { normal 0 1 0 offset 0 } }";
-        let occupancy = Occupancy::new(&parse(scene).unwrap(), &[], Aabb::EMPTY, [2, 2, 2]).unwrap();
+        let occupancy =
+            Occupancy::new(&parse(scene).unwrap(), &[], Aabb::EMPTY, [2, 2, 2], &Endless).unwrap();
         assert_eq!(occupancy.first_face(&ray([0.5, 0.5, -1.0], [0.1, 0.2, 1.0])), None);
     }
 
@@ -343,7 +355,7 @@ mod tests {
         let scene =
             "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 0 }";
         let bounds = Aabb { min: DVec3::new(1.0, 2.0, 3.0), max: DVec3::new(3.0, 8.0, 4.0) };
-        let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 2, 1]).unwrap();
+        let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 2, 1], &Endless).unwrap();
         for cell in [[0, 0, 0], [2, 1, 0]] {
             occupancy.counts[occupancy.lattice.index(cell)] += 1;
         }

@@ -120,7 +120,8 @@ pub fn render(
 ) -> Result<Rendered, Stopped> {
     for (k, layer) in request.layers.iter().enumerate() {
         if let Layer::Filter { zoom } = *layer {
-            render_filter(request.filter, request.window_size(), zoom, &mut |row| take_row(k, row))?;
+            let size = request.window_size();
+            render_filter(request.filter, size, zoom, watch, &mut |row| take_row(k, row))?;
         }
     }
     // Reduce the colours of layers that are reduced.

@@ -1,9 +1,10 @@
 //! The library's main interface. Open a scene once, prepare it once for each grid, and render it any number of times.
 
 use crate::base::memory::with_room;
+use crate::base::patience::{Endless, Patience};
 use crate::camera::Camera;
 use crate::caster::choose::{Layout, Rays, Structure};
-use crate::caster::{Caster, Fullness, GridTooLarge};
+use crate::caster::{Caster, Fullness, NotBuilt};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::instructions;
@@ -52,10 +53,19 @@ impl Renderer {
 
     /// Returns a renderer of a scene that has been read. Fails if an object cannot be placed in world space.
     pub fn new(loaded: LoadedScene, kept: Meshes) -> Result<Self, Diagnostic> {
+        Self::within(loaded, kept, &Endless)
+    }
+
+    /// Returns a renderer like [`Renderer::new`], as long as there is patience.
+    pub(crate) fn within(
+        loaded: LoadedScene,
+        kept: Meshes,
+        patience: &dyn Patience,
+    ) -> Result<Self, Diagnostic> {
         let LoadedScene { scene, meshes, source, .. } = loaded;
         let world = match kept {
-            Meshes::Moved => World::of_meshes(&scene, meshes).map(|world| (world, vec![])),
-            Meshes::Kept => World::new(&scene, &meshes).map(|world| (world, meshes)),
+            Meshes::Moved => World::within(&scene, meshes, patience).map(|world| (world, vec![])),
+            Meshes::Kept => World::copying(&scene, &meshes, patience).map(|world| (world, meshes)),
         };
         match world {
             Ok((world, meshes)) => Ok(Self { scene, source, world, meshes }),
@@ -64,9 +74,9 @@ impl Renderer {
     }
 
     /// Returns a renderer of another scene that names the same meshes in the same order. This renderer must have kept
-    /// the meshes. The new one does not keep them.
-    pub fn with_scene(&self, scene: Scene) -> Result<Self, Diagnostic> {
-        let world = World::new(&scene, &self.meshes)?;
+    /// the meshes. The new one does not keep them. Fails also if the patience is over.
+    pub(crate) fn with_scene(&self, scene: Scene, patience: &dyn Patience) -> Result<Self, Diagnostic> {
+        let world = World::copying(&scene, &self.meshes, patience)?;
         Ok(Self { scene, source: self.source.clone(), world, meshes: vec![] })
     }
 
@@ -88,17 +98,32 @@ impl Renderer {
     /// Prepares the scene for a request: builds the structure that it asks for, or counts the primitives in each cell of
     /// the grid that is drawn in place of the scene. For the latter the renderer must have kept the scene's meshes. The
     /// result renders other requests, too.
-    pub fn prepare(&self, request: &Request) -> Result<Prepared<'_>, GridTooLarge> {
-        let cast = request.cast_rays(&self.camera(request), &self.world);
-        self.prepare_for(request, Rays { camera: request.camera_rays(), cast })
+    pub fn prepare(&self, request: &Request) -> Result<Prepared<'_>, NotBuilt> {
+        self.prepare_within(request, self.rays(request), &Endless)
     }
 
     /// Prepares the scene like [`Renderer::prepare`], but for about this number of rays.
-    pub fn prepare_for(&self, request: &Request, rays: Rays) -> Result<Prepared<'_>, GridTooLarge> {
+    pub fn prepare_for(&self, request: &Request, rays: Rays) -> Result<Prepared<'_>, NotBuilt> {
+        self.prepare_within(request, rays, &Endless)
+    }
+
+    /// Returns the approximate number of rays of a request.
+    pub(crate) fn rays(&self, request: &Request) -> Rays {
+        let cast = request.cast_rays(&self.camera(request), &self.world);
+        Rays { camera: request.camera_rays(), cast }
+    }
+
+    /// Prepares the scene for about this number of rays, as long as there is patience.
+    pub(crate) fn prepare_within(
+        &self,
+        request: &Request,
+        rays: Rays,
+        patience: &dyn Patience,
+    ) -> Result<Prepared<'_>, NotBuilt> {
         let Request { structure, tracing, .. } = *request;
         let draws_cells = request.draws_cells && matches!(structure, Structure::Grid(_));
         let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
-        let build = |layout| Caster::with(&self.world, layout, instructions::available()[0]);
+        let build = |layout| Caster::within(&self.world, layout, instructions::available()[0], patience);
         let caster = match build(if draws_cells { Layout::List } else { layout }) {
             Ok(caster) if structure == Structure::Any && tracing == Tracing::Fast => Ok(caster.replaceable()),
             // The user did not request the structure that does not fit into memory, so use a list instead.
@@ -106,7 +131,7 @@ impl Renderer {
             caster => caster,
         }?;
         let cells = layout.cells();
-        let count = |cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells);
+        let count = |cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells, patience);
         let occupancy = cells.filter(|_| draws_cells).map(count).transpose()?;
         Ok(Prepared { renderer: self, caster, occupancy, cells })
     }

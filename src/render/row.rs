@@ -122,7 +122,7 @@ impl PictureTracer<'_> {
         };
         let mut painter = Painter {
             tracer: self,
-            memory: Memory::until(&is_over, self.caster.world.lights.len()),
+            memory: Memory::until(&is_over, self.caster.world),
             is_shown,
             shown: request.columns(),
             center_weight: request.filter.weight(DVec2::ZERO),
@@ -150,14 +150,15 @@ impl PictureTracer<'_> {
             }
             painter.row.counts = before.merge(counts);
         }
-        Some(painter.row)
+        // The last search may have ended early.
+        Some(painter.row).filter(|_| !self.tally.is_cancelled())
     }
 
     /// Casts rays through these columns of row `j`, at these offsets from their pixels' centres. Returns `None` if the
     /// render is cancelled meanwhile.
     pub fn look(&self, j: usize, mut places: impl Iterator<Item = (usize, DVec2)>) -> Option<Looked> {
         let is_over = |waiting| self.tally.asks(waiting);
-        let mut memory = Memory::until(&is_over, self.caster.world.lights.len());
+        let mut memory = Memory::until(&is_over, self.caster.world);
         let mut looked = Looked { colors: vec![], counts: Counts::default(), costs: vec![] };
         // In a tuple, the packet would be copied.
         let mut packet = SamplePacket::default();
@@ -167,7 +168,7 @@ impl PictureTracer<'_> {
             places.by_ref().take(at_once).for_each(|(column, offset)| packet.push(column, offset, false));
             let count = packet.samples().len();
             if count == 0 {
-                return Some(looked);
+                return Some(looked).filter(|_| !self.tally.is_cancelled());
             }
             let mut counts = Counts { non_shadow_rays: count as u64, ..Counts::default() };
             self.trace(j, Stage::Rays, true, &mut packet, &mut memory, &mut counts);

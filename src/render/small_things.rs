@@ -5,6 +5,7 @@
 //! pixel gets a point there. A probe through this point finds out if the thing is visible, and how much it differs
 //! from its surroundings.
 
+use crate::base::patience::{Ended, Patience, Steps};
 use crate::camera::{Camera, Projection};
 use crate::world::World;
 use glam::Vec2;
@@ -32,6 +33,8 @@ struct Specks {
     columns: Range<usize>,
     rows: Range<usize>,
     specks: Vec<Speck>,
+    /// The points since the last thing.
+    points: usize,
 }
 
 /// Things narrower than this number of pixels are small.
@@ -54,12 +57,19 @@ impl<'a> SmallThings<'a> {
         Self { world, projection, vertices }
     }
 
-    /// Returns the specks in these pixels, row by row.
-    pub fn specks(&self, columns: &Range<usize>, rows: &Range<usize>) -> Vec<Speck> {
+    /// Returns the specks in these pixels, row by row, unless the work should end.
+    pub fn specks(
+        &self,
+        columns: &Range<usize>,
+        rows: &Range<usize>,
+        patience: &dyn Patience,
+    ) -> Result<Vec<Speck>, Ended> {
+        let mut steps = Steps::new(patience);
         let specks = vec![Speck::default(); columns.len() * rows.len()];
-        let mut found = Specks { columns: columns.clone(), rows: rows.clone(), specks };
+        let mut found = Specks { columns: columns.clone(), rows: rows.clone(), specks, points: 0 };
         let band = [rows.start as f32 - 1.0, rows.end as f32 + 1.0];
         for (id, triangle) in self.world.triangles.iter().enumerate() {
+            steps.take(1 + std::mem::take(&mut found.points))?;
             let [a, b, c] = triangle.map(|vertex| self.vertices[vertex as usize]);
             let (min, max) = (a.min(b).min(c), a.max(b).max(c));
             let is_ahead = (a + b + c).is_finite();
@@ -88,6 +98,7 @@ impl<'a> SmallThings<'a> {
             }
         }
         for shape in &self.world.shapes {
+            steps.take(1 + std::mem::take(&mut found.points))?;
             let corners =
                 shape.form().bounds().corners().map(|corner| self.projection.place(corner).as_vec2());
             let [min, max] =
@@ -100,7 +111,7 @@ impl<'a> SmallThings<'a> {
                 found.add_box(min, max, 0.8 * size.element_product());
             }
         }
-        found.specks
+        Ok(found.specks)
     }
 }
 
@@ -121,6 +132,7 @@ impl Specks {
         let steps = if length < THIN { 0.0 } else { (2.0 * length).ceil().clamp(2.0, MOST_STEPS) };
         let across = if width < THIN { [0.5].as_slice() } else { &[0.5, 0.02, 0.98] };
         let part = area / ((steps + 1.0) * across.len() as f32);
+        self.points += (steps as usize + 1) * across.len();
         for k in 0..=steps as u32 {
             // Go from the ends to the middle, which is the surest point.
             let k = if k % 2 == 0 { k / 2 } else { steps as u32 - k / 2 };
@@ -152,6 +164,7 @@ impl Speck {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
     use crate::scene::parser::parse;
 
     const ABOVE: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 8 }";
@@ -170,9 +183,9 @@ mod tests {
         let world = World::new(&scene, &[]).unwrap();
         let camera = Camera::new(&scene.camera, [8, 8]);
         let things = SmallThings::new(&camera, &world);
-        let all = things.specks(&(0..8), &(0..8));
+        let all = things.specks(&(0..8), &(0..8), &Endless).unwrap();
         // A part of the picture has the same specks as the whole picture.
-        let part = things.specks(&(2..7), &(3..5));
+        let part = things.specks(&(2..7), &(3..5), &Endless).unwrap();
         assert!((0..2).all(|y| part[5 * y..][..5] == all[8 * (y + 3) + 2..][..5]));
         let places = (0..64).map(|k| [k % 8, k / 8]);
         places.zip(all).filter(|(_, speck)| speck.part > 0.0).collect()

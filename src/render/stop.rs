@@ -1,6 +1,7 @@
 //! Ends work that takes too long.
 
 use super::Progress;
+use crate::base::patience::Patience;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -40,5 +41,11 @@ impl Stop {
     /// Ends a render after the deadline. This is a [`Watch`](super::Watch).
     pub fn watch(&self, _: Progress) -> ControlFlow<()> {
         if self.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+impl Patience for Stop {
+    fn is_over(&self) -> bool {
+        Self::is_over(self)
     }
 }

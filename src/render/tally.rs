@@ -1,6 +1,7 @@
 //! The progress of a render, and the threads that trace its rows.
 
 use super::{Progress, Stopped, Watch};
+use crate::base::patience::Patience;
 use crate::trace::MOST_WAITING;
 use rayon::iter::{ParallelBridge, ParallelIterator};
 use std::ops::Range;
@@ -75,7 +76,8 @@ impl<'a> Tally<'a> {
         results
     }
 
-    fn is_cancelled(&self) -> bool {
+    /// Returns true if the render is cancelled. Work in progress may be incomplete then.
+    pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
@@ -83,5 +85,11 @@ impl<'a> Tally<'a> {
         if (self.watch)(Progress { done, rows: self.rows, rays }).is_break() {
             self.cancel();
         }
+    }
+}
+
+impl Patience for Tally<'_> {
+    fn is_over(&self) -> bool {
+        self.asks(0)
     }
 }

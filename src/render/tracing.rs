@@ -41,10 +41,10 @@ impl<'a> PictureTracer<'a> {
         tally: &'a Tally<'a>,
     ) -> Self {
         #[cfg(feature = "fast")]
-        let hints = RasterHints::new(caster.world, demand(view, request));
+        let hints = RasterHints::new(caster.world, demand(view, request), tally);
         #[cfg(not(feature = "fast"))]
         let hints = NoHints;
-        Self { camera, caster: caster.clone(), view, request, tally, hints }
+        Self { camera, caster: caster.patient(tally), view, request, tally, hints }
     }
 
     /// Returns a tracer that is prepared for these rows, counted from the bottom.
@@ -137,6 +137,7 @@ fn demand(view: View, request: &Request) -> Demand {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
     use crate::render::grid_view::Occupancy;
     use crate::render::{Layer, Request};
     use crate::sampling::drand48::Drand48;
@@ -152,7 +153,7 @@ mod tests {
              Material { } Sphere { center 0 0 0 radius 1 } }";
         let scene = parse(text).unwrap();
         let world = World::new(&scene, &[]).unwrap();
-        let occupancy = Occupancy::new(&scene, &[], world.bounds, [1; 3]).unwrap();
+        let occupancy = Occupancy::new(&scene, &[], world.bounds, [1; 3], &Endless).unwrap();
         let (center, aside) = (Sampler::CENTER, Sampler::new(Pattern::Uniform, 4, Drand48::UNSEEDED));
         let cells = View::Cells(&occupancy);
         let depth = Layer::Depth { near: 1.0, far: 2.0 };

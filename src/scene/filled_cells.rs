@@ -1,12 +1,16 @@
 //! The `Grid` of the 2003 edition: the cells whose centres are in a sphere are filled.
 
 use super::mesh::Mesh;
-use crate::base::memory::{self, NoMemory};
+use crate::base::memory;
+use crate::base::patience::{Patience, Steps};
+use crate::diagnostic::Diagnostic;
 use glam::DVec3;
 use std::collections::HashMap;
 
 /// The largest number of cells along an axis.
 pub const MOST: u64 = 256;
+/// The largest number of cells of all grids of a scene: one grid of the largest size.
+pub const MOST_OF_SCENE: u64 = MOST * MOST * MOST;
 
 /// A box divided into cells, and the sphere that fills some of them.
 #[derive(Clone, Copy, Debug)]
@@ -20,14 +24,25 @@ pub struct FilledCells {
 }
 
 impl FilledCells {
-    /// Returns the faces between filled and empty cells, two triangles each. Fails if memory is too small.
-    pub fn surface(&self) -> Result<Mesh, NoMemory> {
+    /// Returns the number of cells.
+    pub fn count(&self) -> u64 {
+        self.counts.iter().map(|&count| count as u64).product()
+    }
+
+    /// Returns the faces between filled and empty cells, two triangles each. Fails if memory is too small, or if the
+    /// patience is over.
+    pub fn surface(&self, patience: &dyn Patience) -> Result<Mesh, Diagnostic> {
         memory::ask(self.most_bytes())?;
+        let mut steps = Steps::new(patience);
         let (mut mesh, mut known) = (Mesh::default(), HashMap::new());
         let [columns, rows, layers] = self.counts;
         let cells = (0..columns).flat_map(|i| (0..rows).map(move |j| [i, j]));
         let cells = cells.flat_map(|[i, j]| (0..layers).map(move |k| [i, j, k]));
-        for cell in cells.filter(|&cell| self.is_filled(cell)) {
+        for cell in cells {
+            steps.take(1)?;
+            if !self.is_filled(cell) {
+                continue;
+            }
             for (axis, is_upper) in (0..3).flat_map(|axis| [(axis, false), (axis, true)]) {
                 if self.neighbor(cell, axis, is_upper).is_some_and(|other| self.is_filled(other)) {
                     continue;
@@ -87,6 +102,7 @@ fn face(cell: [usize; 3], axis: usize, is_upper: bool) -> [[usize; 3]; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
 
     fn cells(count: usize, radius: f64) -> FilledCells {
         let corner = DVec3::splat(1.5);
@@ -115,7 +131,7 @@ mod tests {
     #[test]
     fn the_surface_is_closed_and_faces_outward() {
         for (cells, faces) in [(cells(1, 1.0), 6), (cells(3, 1.0), 30), (cells(5, 1.5), 54 + 6 * 12)] {
-            let Mesh { vertices, triangles } = cells.surface().unwrap();
+            let Mesh { vertices, triangles } = cells.surface(&Endless).unwrap();
             assert_eq!(triangles.len(), 2 * faces);
             // The volume equals the volume of the filled cells, and every edge is used once in each direction.
             let corners = |&[a, b, c]: &[u32; 3]| [a, b, c].map(|vertex| vertices[vertex as usize]);
@@ -135,8 +151,8 @@ mod tests {
                 }
             }
             assert!(ways.values().all(|&balance| balance == 0));
-            assert!(cells.surface().unwrap().bytes() < cells.most_bytes());
+            assert!(cells.surface(&Endless).unwrap().bytes() < cells.most_bytes());
         }
-        assert_eq!(cells(2, 0.1).surface().unwrap(), Mesh::default());
+        assert_eq!(cells(2, 0.1).surface(&Endless).unwrap(), Mesh::default());
     }
 }

@@ -3,6 +3,7 @@
 mod named_files;
 
 use crate::base::escape::quoted;
+use crate::base::patience::{Endless, Patience};
 use crate::diagnostic::{Diagnostic, limited};
 use crate::image_io::ReadFile;
 use crate::scene::edition::{Choice, Edition, newer_language};
@@ -12,7 +13,7 @@ use crate::scene::material::{Material, Paint};
 use crate::scene::mesh::{Mesh, NamedFile, ObjFile};
 use crate::scene::model::Shows;
 use crate::scene::obj;
-use crate::scene::parser::{Reading, read_in};
+use crate::scene::parser::{self, Reading, Unfinished};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position, Scene};
 pub use named_files::{Found, mesh_places};
@@ -131,7 +132,19 @@ pub struct Readers<'a> {
 
 /// Reads a scene from text, and the files that it names.
 pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<LoadedScene, Diagnostic> {
-    let (choice, reading) = read_words(&source.text, hints.edition).map_err(|error| source.locate(error))?;
+    load_text_within(source, hints, readers, &Endless)
+}
+
+/// Reads a scene like [`load_text`], as long as there is patience. The readers have patience of their own.
+pub(crate) fn load_text_within(
+    source: Source,
+    hints: &Hints,
+    readers: Readers,
+    patience: &dyn Patience,
+) -> Result<LoadedScene, Diagnostic> {
+    let words = read_words(&source.text, hints.edition, patience);
+    let read = words.and_then(|(choice, unfinished)| Ok((choice, unfinished.finish(patience)?)));
+    let (choice, reading) = read.map_err(|error| source.locate(error))?;
     let Reading { mut scene, unread, warnings } = reading;
     if hints.shows_places {
         scene.shows = Shows::Places;
@@ -146,23 +159,31 @@ pub fn load_text(source: Source, hints: &Hints, readers: Readers) -> Result<Load
 }
 
 /// Reads a scene in the language of an edition.
-fn read_words(text: &str, named: Option<Edition>) -> Result<(Choice, Reading), Diagnostic> {
-    read_in_some(text, named).map_err(|error| newer_language(text).unwrap_or(error))
+fn read_words(
+    text: &str,
+    named: Option<Edition>,
+    patience: &dyn Patience,
+) -> Result<(Choice, Unfinished), Diagnostic> {
+    read_in_some(text, named, patience).map_err(|error| newer_language(text).unwrap_or(error))
 }
 
 /// Reads a scene in the language of the named edition. Without a name, tries 2004 first, then the edition that its
 /// keywords identify.
-fn read_in_some(text: &str, named: Option<Edition>) -> Result<(Choice, Reading), Diagnostic> {
+fn read_in_some(
+    text: &str,
+    named: Option<Edition>,
+    patience: &dyn Patience,
+) -> Result<(Choice, Unfinished), Diagnostic> {
     let edition = named.unwrap_or_default();
-    let error = match read_in(edition, text) {
+    let error = match parser::read_words(edition, text, patience) {
         Ok(reading) => return Ok((Choice { edition, ..Choice::default() }, reading)),
         Err(error) => error,
     };
     let told = if named.is_none() { Edition::of_words(text) } else { None };
     let Some(mut choice) = told else { return Err(error) };
-    match read_in(choice.edition, text) {
+    match parser::read_words(choice.edition, text, patience) {
         Ok(reading) => {
-            choice.others.retain(|&other| read_in(other, text).is_ok());
+            choice.others.retain(|&other| parser::read_words(other, text, patience).is_ok());
             Ok((choice, reading))
         }
         Err(error) => {
@@ -198,8 +219,10 @@ pub fn named_files(scene: &Path, hints: &Hints) -> Vec<ReadFile> {
     let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
     let bytes = if is_file(scene) { fs::read(scene).ok() } else { None };
     let text = bytes.and_then(|bytes| decode(scene, bytes).ok());
-    let read = |text: String| read_words(&text, hints.edition);
-    let Some(Ok((Choice { edition, .. }, reading))) = text.map(read) else { return vec![] };
+    let read = |text: String| read_words(&text, hints.edition, &Endless);
+    let Some(Ok((Choice { edition, .. }, Unfinished { reading, .. }))) = text.map(read) else {
+        return vec![];
+    };
     let Reading { scene: named, unread, .. } = reading;
     let folder = directory_of(scene);
     let meshes = named.meshes.into_iter().map(|mesh| ("mesh", mesh.name));

@@ -86,6 +86,16 @@ pub enum Pattern {
     Wood { octaves: u32, frequency: f64, amplitude: f64 },
 }
 
+impl Pattern {
+    /// Returns the number of octaves of noise.
+    pub fn octaves(self) -> u32 {
+        match self {
+            Self::Checkerboard => 0,
+            Self::Noise { octaves } | Self::Marble { octaves, .. } | Self::Wood { octaves, .. } => octaves,
+        }
+    }
+}
+
 /// The source of a painted material's diffuse colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {

@@ -7,6 +7,7 @@ use super::mesh::{Mesh, NamedFile, ObjFile};
 pub use super::obj_lines::LIBRARY;
 pub use super::plain_obj::memory_for;
 use super::{obj_lines, obj_reader, plain_obj};
+use crate::base::patience::{Endless, Patience};
 use crate::base::shortcut::Shortcut;
 use crate::diagnostic::Diagnostic;
 use std::borrow::Cow;
@@ -14,20 +15,21 @@ use std::borrow::Cow;
 /// Reads a mesh from the bytes of an OBJ file, with its texture coordinates if `is_textured`.
 ///
 /// Polygons become triangles. Everything except positions and faces is ignored, such as points, lines and curves. Fails
-/// with the first error found.
-pub fn read_obj(bytes: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
+/// with the first error found, or when the patience is over.
+pub fn read_obj(bytes: &[u8], is_textured: bool, patience: &dyn Patience) -> Result<ObjFile, Diagnostic> {
     let text = without_mark(bytes);
     if Shortcut::PlainMeshes.is_taken()
-        && let Some((mesh, vertices)) = plain_obj::parse(text)
+        && let Some((mesh, vertices)) = plain_obj::parse(text, patience)
     {
         return Ok(ObjFile { mesh, vertices, ..ObjFile::default() });
     }
-    foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured), Err)
+    patience.check()?;
+    foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured, patience), Err)
 }
 
 /// Reads a mesh without texture coordinates.
 pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
-    read_obj(bytes, false).map(|file| file.mesh)
+    read_obj(bytes, false, &Endless).map(|file| file.mesh)
 }
 
 /// Returns the files that a mesh or a material library names.
@@ -52,6 +54,7 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::tests::Counted;
     use crate::diagnostic::Position;
     use glam::{DVec2, DVec3};
     use std::path::Path;
@@ -283,7 +286,7 @@ mod tests {
         ] {
             for end in ["\n", "\r", "\r\n"] {
                 let text = text.replace('\n', end);
-                let file = read_obj(text.as_bytes(), true).unwrap();
+                let file = read_obj(text.as_bytes(), true, &Endless).unwrap();
                 assert_eq!((&file.mesh, file.doubts), (&plain, vec![]), "{text:.200}");
                 assert_eq!(utf8(&text), plain, "{text:.200}");
             }
@@ -299,7 +302,7 @@ mod tests {
             "{SQUARE}F 1 2 3\nf 1 2 3\nface 1 2 3\n surf 0 1 0 1 1 2 3 4\nf 1 3 2 4\nf 4 2 3 1\n{}",
             "f 1 2 3 2\n".repeat(3)
         );
-        let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false).unwrap();
+        let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false, &Endless).unwrap();
         assert_eq!(mesh.triangles.len(), 1 + 1 + 1);
         let said: Vec<_> = doubts.iter().map(Diagnostic::headline).collect();
         assert_eq!(
@@ -326,6 +329,52 @@ mod tests {
         );
         let shown = error.in_text(Path::new("m"), &super::text(text)).to_string();
         assert!(shown.ends_with("\n    2 | v 0 \u{fffd} 0\n      |     ^"), "{shown}");
+    }
+
+    /// The corners of one face: periodic, a comb, random ones on a lattice, and random ones.
+    fn faces(count: usize) -> [String; 4] {
+        let mut seed = 1u64;
+        let mut random = |most: u64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) % most
+        };
+        let face = |count: usize| "f".to_owned() + &(1..=count).map(|k| format!(" {k}")).collect::<String>();
+        let mut points = |most: u64| {
+            let point = |_| format!("v {} {} 0\n", random(most), random(most));
+            (0..count).map(point).collect::<String>() + &face(count)
+        };
+        let (lattice, scattered) = (points(30), points(1 << 30));
+        let comb = (0..count - 2).map(|k| format!("v {k} {} 0\n", k % 2)).collect::<String>();
+        let comb = format!("{comb}v {} -1 0\nv 0 -1 0\n{}", count - 2, face(count));
+        let periodic = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {}3", "1 2 ".repeat((count - 1) / 2));
+        [periodic, comb, lattice, scattered]
+    }
+
+    #[test]
+    fn a_face_has_up_to_a_thousand_corners() {
+        for text in faces(999) {
+            assert!(read_obj(text.as_bytes(), false, &Endless).is_ok(), "{text:.60}");
+        }
+        for text in faces(1001) {
+            let error = refuse(&text);
+            assert_eq!(error.message, "a face has 1001 corners: 1000 are the most");
+            assert_eq!(
+                error.position().map(|at| (at.line as usize, at.column)),
+                Some((text.lines().count(), 1))
+            );
+        }
+    }
+
+    #[test]
+    fn reading_ends_at_any_question() {
+        let plain = format!("{SQUARE}{}", "f 1 2 3\n".repeat(40_000));
+        let quads = format!("{SQUARE}{}", "f 1 2 3 4\n".repeat(10_000));
+        for text in [plain, quads] {
+            let mut read = (0..)
+                .map(|most| read_obj(text.as_bytes(), false, &Counted::up_to(most)).map(|file| file.mesh));
+            let ended = read.by_ref().take_while(Result::is_err).count();
+            assert!(ended > 3, "{ended}");
+        }
     }
 
     #[test]
@@ -355,7 +404,7 @@ mod tests {
         let places = "vt 0.25 0.5 # one\nvt 1\nvt 0 1 7\n";
         let faces = "f 1/1 2/2/9 3/3/-9\nf 1/-1 2/-2/7 3/-3\nf 1 2 3\nf 1/ 2/1 3/1\nf 1//1 2/1 3/1\n";
         let expected = [Some([a, b, c]), Some([c, b, a]), None, None, None];
-        let read = |text: &str| read_obj(text.as_bytes(), true).unwrap();
+        let read = |text: &str| read_obj(text.as_bytes(), true, &Endless).unwrap();
         for text in [
             format!("{SQUARE}{places}{faces}"),
             format!("\u{feff}{places}{SQUARE}{faces}"),
@@ -363,7 +412,7 @@ mod tests {
             format!("{SQUARE}{places}{faces}").replace('\n', "\r\n").replace("vt 1", "vt \\\r\n1 \\\r\n0 "),
         ] {
             assert_eq!(read(&text).texture_coordinates, expected, "{text}");
-            assert_eq!(read_obj(text.as_bytes(), false).unwrap().texture_coordinates, []);
+            assert_eq!(read_obj(text.as_bytes(), false, &Endless).unwrap().texture_coordinates, []);
         }
         // Coordinates may come after the faces if no index is negative.
         let later = format!("{SQUARE}f 1/1 2/2 3/3\n{places}");
@@ -400,18 +449,18 @@ mod tests {
         ] {
             let (before, _) = marked.split_once('@').unwrap();
             let text = format!("{SQUARE}{PLACES}{}", marked.replace('@', ""));
-            let error = read_obj(text.as_bytes(), true).unwrap_err();
+            let error = read_obj(text.as_bytes(), true, &Endless).unwrap_err();
             let at = Position { line: 8, column: before.chars().count() as u32 + 1 };
             assert_eq!((error.position(), error.message), (Some(at), message), "{marked}");
             assert_eq!(error.hint.as_deref(), hint, "{marked}");
-            assert!(read_obj(text.as_bytes(), false).is_ok(), "{marked}");
+            assert!(read_obj(text.as_bytes(), false, &Endless).is_ok(), "{marked}");
         }
-        let missing = read_obj(format!("{SQUARE}f 1/1 2/2 3/3\n").as_bytes(), true).unwrap_err();
+        let missing = read_obj(format!("{SQUARE}f 1/1 2/2 3/3\n").as_bytes(), true, &Endless).unwrap_err();
         assert!(missing.message.ends_with("the mesh has 0"), "{}", missing.message);
         // One that no face uses may be anything.
         for unused in ["vt nan 0", "vt 0 inf", "vt 7 0"] {
             let text = format!("{SQUARE}{unused}\n{PLACES}f 1 2 3\nf 1/2 2/3 3/4\n");
-            assert_eq!(read_obj(text.as_bytes(), true).unwrap().doubts, [], "{unused}");
+            assert_eq!(read_obj(text.as_bytes(), true, &Endless).unwrap().doubts, [], "{unused}");
         }
     }
 
@@ -419,7 +468,7 @@ mod tests {
     fn texture_coordinates_beyond_the_picture_are_doubtful() {
         let said = |places: &str| {
             let text = format!("{SQUARE}{places}f 1/1 2/2 3/3 4/4\n");
-            let doubts = read_obj(text.as_bytes(), true).unwrap().doubts;
+            let doubts = read_obj(text.as_bytes(), true, &Endless).unwrap().doubts;
             doubts.iter().map(Diagnostic::headline).collect::<Vec<_>>()
         };
         // Exporters round.
@@ -462,7 +511,7 @@ mod tests {
                     .flat_map(|byte| if byte == b'@' { blank.to_vec() } else { vec![byte] })
                     .collect();
                 let text = [SQUARE.as_bytes(), &line, b"\nf 1 2 3\nf 1 2 5\n"].concat();
-                let error = read_obj(&text, true).unwrap_err();
+                let error = read_obj(&text, true, &Endless).unwrap_err();
                 assert_eq!(error.position().unwrap().line, 5, "{marked} {blank:?}");
                 let hint = error.hint.unwrap_or_default();
                 assert!(
@@ -473,7 +522,7 @@ mod tests {
         }
         // A comment, a name and a word that is no keyword may have them.
         let text = format!("{SQUARE}# a\u{a0}b\ng a\u{a0}b\nf 1 2 3 # f\u{a0}4\n");
-        assert_eq!(read_obj(text.as_bytes(), true).unwrap().doubts, []);
+        assert_eq!(read_obj(text.as_bytes(), true, &Endless).unwrap().doubts, []);
     }
 
     #[test]
@@ -481,9 +530,9 @@ mod tests {
         for extra in ["", "vn 0 0 1\n", "v 1 1 1 1\n"] {
             let text = format!("v 9 9 9\n{SQUARE}{extra}f 2 3 4\nv nan 0 0\n");
             let count = text.lines().filter(|line| line.starts_with("v ")).count();
-            let file = read_obj(text.replace("nan", "5").as_bytes(), false).unwrap();
+            let file = read_obj(text.replace("nan", "5").as_bytes(), false, &Endless).unwrap();
             assert_eq!((file.vertices, file.mesh.vertices.len()), (count, 3));
-            assert_eq!(read_obj(text.as_bytes(), false).unwrap().vertices, count);
+            assert_eq!(read_obj(text.as_bytes(), false, &Endless).unwrap().vertices, count);
         }
     }
 }

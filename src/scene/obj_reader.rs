@@ -9,20 +9,22 @@ use super::lexer::nearest;
 use super::mesh::{NamedFile, ObjFile};
 use super::obj_lines::{COMMON, files_of, is_keyword, next_statement, position};
 use super::plain_obj::{digits, keep_used};
-use super::polygon::{OutlineFault, triangulate};
+use super::polygon::{MOST_CORNERS, OutlineFault, triangulate};
 use crate::base::escape::quoted;
+use crate::base::patience::{Patience, Steps};
 use crate::diagnostic::{Diagnostic, Severity};
 use glam::{DVec2, DVec3};
 use std::collections::BTreeSet;
-use std::io::Write as _;
+use std::io::{self, BufRead, Read, Write as _};
 use tobj::{LoadError, LoadOptions, load_obj_buf};
 
 /// Reads a mesh from a text without a byte order mark, with texture coordinates if `is_textured`. Fails with the first
 /// error found.
-pub fn read(text: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
-    let read_with = |totals| read_normal(Normal { text, is_textured, totals, ..Normal::default() });
+pub fn read(text: &[u8], is_textured: bool, patience: &dyn Patience) -> Result<ObjFile, Diagnostic> {
+    let read_with = |totals| read_normal(Normal { text, is_textured, totals, ..Normal::new(patience) });
     // `tobj` checks numbers and indices but does not report where an error is. A second reading finds the position.
     read_with(None).or_else(|_| {
+        patience.check()?;
         let (mut rest, mut words, mut totals) = (text, vec![], [0; 2]);
         while next_statement(&mut rest, &mut words) {
             totals[0] += i64::from(words[0] == b"v");
@@ -35,7 +37,7 @@ pub fn read(text: &[u8], is_textured: bool) -> Result<ObjFile, Diagnostic> {
 fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
     normal.read()?;
     let text = normal.text;
-    let mut lines = normal.lines.as_slice();
+    let mut lines = PatientReader { rest: &normal.lines, patience: normal.patience };
     let read = load_obj_buf(&mut lines, &LoadOptions::default(), |_| Err(LoadError::OpenFileFailed));
     let (models, _) = read?;
     let found = models.into_iter().next().map(|model| model.mesh).unwrap_or_default();
@@ -64,6 +66,7 @@ fn read_normal(mut normal: Normal<'_>) -> Result<ObjFile, Diagnostic> {
     let (mut triangles, mut start) = (vec![], 0);
     let [mut crossing, mut empty, mut outside] = [Doubt::default(), Doubt::default(), Doubt::default()];
     for (statement, count) in normal.faces {
+        normal.steps.take(if count > 4 { STEPS_PER_CORNER * count } else { 1 })?;
         let first = start;
         start += count;
         if count == 3 {
@@ -139,8 +142,34 @@ impl Doubt {
     }
 }
 
+/// The steps of work that a corner of a polygon counts for.
+const STEPS_PER_CORNER: usize = 64;
+
+/// Hands out a text until the patience is over.
+struct PatientReader<'a> {
+    rest: &'a [u8],
+    patience: &'a dyn Patience,
+}
+
+impl Read for PatientReader<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.rest.read(buffer)
+    }
+}
+
+impl BufRead for PatientReader<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        const PART: usize = 1 << 16;
+        self.patience.check().map_err(io::Error::other)?;
+        Ok(&self.rest[..self.rest.len().min(PART)])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.rest = &self.rest[count..];
+    }
+}
+
 /// The statements of a text, normalised for `tobj`.
-#[derive(Default)]
 struct Normal<'a> {
     text: &'a [u8],
     is_textured: bool,
@@ -160,14 +189,36 @@ struct Normal<'a> {
     unknown: Doubt,
     surfaces: Doubt,
     commands: Doubt,
+    patience: &'a dyn Patience,
+    steps: Steps<'a>,
 }
 
 impl<'a> Normal<'a> {
+    fn new(patience: &'a dyn Patience) -> Self {
+        Self {
+            text: &[],
+            is_textured: false,
+            totals: None,
+            vertices: 0,
+            coordinates: vec![],
+            lines: vec![],
+            faces: vec![],
+            places: vec![],
+            files: vec![],
+            unknown: Doubt::default(),
+            surfaces: Doubt::default(),
+            commands: Doubt::default(),
+            patience,
+            steps: Steps::new(patience),
+        }
+    }
+
     fn read(&mut self) -> Result<(), Diagnostic> {
         let text = self.text;
         let (mut rest, mut words, mut has_lines) = (text, vec![], false);
         self.lines.reserve(text.len());
         while next_statement(&mut rest, &mut words) {
+            self.steps.take(words.len())?;
             self.files.extend(files_of(&words));
             match words[0] {
                 b"v" => self.vertex(&words)?,
@@ -342,8 +393,13 @@ impl<'a> Normal<'a> {
             let (last, hint) = (words[words.len() - 1], "a line between two vertices is written `l 1 2`");
             return Err(fault(self.text, last, "a face needs at least three vertices", Some(hint)));
         }
+        let count = words.len() - 1;
+        if count > MOST_CORNERS {
+            let message = format!("a face has {count} corners: {MOST_CORNERS} are the most");
+            return Err(fault(self.text, words[0], message, Some("export the mesh as triangles")));
+        }
         self.lines.push(b'\n');
-        self.faces.push((words[0], words.len() - 1));
+        self.faces.push((words[0], count));
         Ok(())
     }
 

@@ -200,9 +200,10 @@ fn parse_octaves(reader: &mut Reader<'_>) -> Parsed<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
 
     fn read(text: &str) -> Vec<Material> {
-        let materials = parse_materials(&mut Reader::new(Edition::Y2004, text)).unwrap();
+        let materials = parse_materials(&mut Reader::new(Edition::Y2004, text, &Endless)).unwrap();
         materials.into_iter().map(|(material, _)| material).collect()
     }
 

@@ -1,7 +1,7 @@
 //! Reads groups and their objects without recursion, so any depth of nesting works.
 
 use super::edition::Edition;
-use super::filled_cells::{FilledCells, MOST};
+use super::filled_cells::{FilledCells, MOST, MOST_OF_SCENE};
 use super::limits::SMALLEST_RADIUS;
 use super::material::Material;
 use super::parse_material::{PHONG_KINDS, parse_phong};
@@ -31,6 +31,10 @@ pub struct ObjectTree {
     /// The position of each object's keyword.
     pub positions: Vec<Position>,
     pub meshes: NamedFiles,
+    /// The cells of the objects that are grids, whose surfaces are not made yet.
+    pub grids: Vec<(ObjectId, FilledCells)>,
+    /// The number of these cells.
+    cells: u64,
     /// The declared materials, followed by those written inside groups.
     pub materials: Vec<Material>,
     /// The position of each material's keyword.
@@ -68,6 +72,7 @@ impl ObjectTree {
         let replaced = std::mem::take(&mut self.meshes).list.into_iter();
         reader.unread.extend(replaced.map(|(name, _)| ("mesh", name)));
         (self.objects, self.positions) = Default::default();
+        (self.grids, self.cells) = Default::default();
         let mut innermost = Open::group(reader)?;
         let mut ancestors = vec![];
         loop {
@@ -195,9 +200,25 @@ impl ObjectTree {
                     let [min, max] = parse_corners(reader, "must not be below `min`", f64::ge)?;
                     Object::Box { min, max, material }
                 }
-                _ => Object::Grid { surface: Arc::new(parse_cells(reader)?.surface()?), material },
+                _ => {
+                    self.add_cells(parse_cells(reader)?, word.at)?;
+                    Object::Grid { surface: Arc::default(), material }
+                }
             })
         })
+    }
+
+    /// Adds the cells of the next object, which is a grid.
+    fn add_cells(&mut self, cells: FilledCells, at: Position) -> Parsed<()> {
+        self.cells = self.cells.saturating_add(cells.count());
+        if self.cells > MOST_OF_SCENE {
+            let message = format!("up to here, the grids of the scene have {} cells", self.cells);
+            let hint =
+                format!("together they may have {MOST_OF_SCENE}, as many as one grid of 256 x 256 x 256");
+            return Err(Diagnostic::error(message).at(at).with_hint(hint));
+        }
+        self.grids.push((self.objects.len(), cells));
+        Ok(())
     }
 
     /// Reads `obj_file` and the file name. Returns the mesh's index.

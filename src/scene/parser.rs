@@ -1,6 +1,7 @@
 //! Parses scene text into a [`Scene`]: the course's grammar of 2004, with the variants of 2003.
 
 use super::edition::Edition;
+use super::filled_cells::FilledCells;
 use super::mesh::NamedFile;
 use super::model::Shows;
 use super::parse_material::parse_materials;
@@ -9,7 +10,9 @@ use super::parse_view::{self, parse_lights};
 use super::reader::{Parsed, Reader};
 use super::texels::{CubeFaces, FACES, ImageFile};
 use super::{Background, Camera, Light, MeshFile, Object, ObjectId, Position, Positions, Scene};
+use crate::base::patience::{Endless, Patience};
 use crate::diagnostic::Diagnostic;
+use std::sync::Arc;
 
 const BLOCKS: [&str; 6] =
     ["OrthographicCamera", "PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
@@ -38,19 +41,48 @@ pub fn parse(text: &str) -> Result<Scene, Diagnostic> {
 /// Blocks may come in any order, except that `Materials` must precede the `Group`. A later block replaces an earlier
 /// one of its kind. Fails at the first violation of the grammar or of a rule for values, and reports its position.
 pub fn read_in(edition: Edition, text: &str) -> Result<Reading, Diagnostic> {
-    let mut reader = Reader::new(edition, text);
+    read_words(edition, text, &Endless)?.finish(&Endless)
+}
+
+/// Reads the words of a scene like [`read_in`], but does not make the surfaces of its grids.
+pub(super) fn read_words(
+    edition: Edition,
+    text: &str,
+    patience: &dyn Patience,
+) -> Result<Unfinished, Diagnostic> {
+    let mut reader = Reader::new(edition, text, patience);
     let mut blocks = Blocks::default();
     while !reader.peek().is_end() {
         blocks.parse_block(&mut reader)?;
     }
+    let grids = std::mem::take(&mut blocks.tree.grids);
     let scene = blocks.into_scene(&mut reader)?;
     let unread = std::mem::take(&mut reader.unread);
-    Ok(Reading { scene, unread, warnings: reader.into_warnings() })
+    Ok(Unfinished { reading: Reading { scene, unread, warnings: reader.into_warnings() }, grids })
+}
+
+/// A scene whose words have been read, and the cells of its grids.
+#[derive(Debug)]
+pub(super) struct Unfinished {
+    pub reading: Reading,
+    grids: Vec<(ObjectId, FilledCells)>,
+}
+
+impl Unfinished {
+    /// Makes the surfaces of the grids.
+    pub fn finish(mut self, patience: &dyn Patience) -> Result<Reading, Diagnostic> {
+        for (id, cells) in self.grids {
+            if let Some(Object::Grid { surface, .. }) = self.reading.scene.objects.get_mut(id) {
+                *surface = Arc::new(cells.surface(patience)?);
+            }
+        }
+        Ok(self.reading)
+    }
 }
 
 /// Parses a text that consists of one camera block. Fails for any other text.
 pub fn parse_camera(text: &str) -> Result<Camera, Diagnostic> {
-    let mut reader = Reader::new(Edition::Y2004, text);
+    let mut reader = Reader::new(Edition::Y2004, text, &Endless);
     if !reader.is_at_any(&BLOCKS[..2]) {
         return Err(reader.unexpected("a camera", &BLOCKS[..2]));
     }

@@ -1,16 +1,18 @@
 //! A fast parser for OBJ texts that contain only positions and triangles. It scans chunks of the text in parallel.
 
 use super::mesh::Mesh;
+use crate::base::patience::Patience;
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// Parses a text of `v x y z` and `f i j k` lines, blank lines and comments. `None` if it contains anything else: the
-/// full parser then has to accept or reject it.
+/// full parser then has to accept or reject it. Also `None` if the patience is over.
 ///
 /// Returns the mesh and the number of `v` lines. The mesh is identical to the full parser's, except that the vertices
 /// are in the order of the file.
-pub fn parse(text: &[u8]) -> Option<(Mesh, usize)> {
-    let parts: Option<Vec<_>> = chunks(text, chunk_size(text.len())).into_par_iter().map(scan).collect();
+pub fn parse(text: &[u8], patience: &dyn Patience) -> Option<(Mesh, usize)> {
+    let chunks = chunks(text, chunk_size(text.len()));
+    let parts: Option<Vec<_>> = chunks.into_par_iter().map(|chunk| scan(chunk, patience)).collect();
     let (vertices, triangles) = parts?.into_iter().unzip();
     let mut mesh = Mesh { vertices: joined(vertices), triangles: joined(triangles) };
     let count = mesh.vertices.len();
@@ -49,11 +51,19 @@ fn chunks(mut text: &[u8], size: usize) -> Vec<&[u8]> {
     chunks
 }
 
-/// Returns the vertices and the faces in some lines. Corners count vertices from 1. `None` if there is anything else.
-fn scan(mut text: &[u8]) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
+/// Returns the vertices and the faces in some lines. Corners count vertices from 1. `None` if there is anything else, or
+/// if the patience is over.
+fn scan(mut text: &[u8], patience: &dyn Patience) -> Option<(Vec<DVec3>, Vec<[u32; 3]>)> {
+    /// The bytes between two questions.
+    const PART: usize = 1 << 16;
+    let mut next_question = text.len();
     let mut vertices = Vec::with_capacity(text.len() / BYTES_PER_VERTEX);
     let mut faces = Vec::with_capacity(text.len() / BYTES_PER_FACE);
     while let Some((&first, rest)) = text.split_first() {
+        if text.len() <= next_question {
+            patience.check().ok()?;
+            next_question = text.len().saturating_sub(PART);
+        }
         text = match first {
             b'v' => {
                 let (vertex, rest) = three(rest, number)?;

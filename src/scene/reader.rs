@@ -4,6 +4,7 @@ use super::edition::{Edition, editions_of};
 use super::lexer::{Lexer, Word, is_keyword, nearest};
 use super::limits::{BRIGHTEST, LARGEST};
 use super::mesh::NamedFile;
+use crate::base::patience::{Patience, Steps};
 use crate::diagnostic::Position;
 use crate::diagnostic::{Diagnostic, limited};
 use crate::picture::Color;
@@ -11,6 +12,9 @@ use glam::DVec3;
 use std::collections::HashMap;
 
 pub type Parsed<T> = Result<T, Diagnostic>;
+
+/// The steps of work that a field or the name of a block counts for.
+const STEPS_PER_FIELD: usize = 4;
 
 /// Reads the words of a scene with one word of lookahead.
 ///
@@ -33,14 +37,16 @@ pub struct Reader<'a> {
     pub(super) images: NamedFiles,
     /// The files named so far that are not read, each with its kind.
     pub(super) unread: Vec<NamedFile>,
+    steps: Steps<'a>,
 }
 
 impl<'a> Reader<'a> {
-    pub fn new(edition: Edition, text: &'a str) -> Self {
+    pub fn new(edition: Edition, text: &'a str, patience: &'a dyn Patience) -> Self {
         let mut lexer = Lexer::new(text);
         let ahead = lexer.next_word();
         let (replaced, bright, images, unread) = Default::default();
-        Self { lexer, ahead, field: "", values: None, replaced, bright, edition, images, unread }
+        let steps = Steps::new(patience);
+        Self { lexer, ahead, field: "", values: None, replaced, bright, edition, images, unread, steps }
     }
 
     /// Returns the next word without taking it.
@@ -88,6 +94,7 @@ impl<'a> Reader<'a> {
             return Err(self.unexpected(&format!("`{keyword}`"), &[keyword]));
         }
         self.take();
+        self.steps.take(STEPS_PER_FIELD)?;
         Ok(self)
     }
 
@@ -101,6 +108,7 @@ impl<'a> Reader<'a> {
 
     /// Takes the name of a block and the opening brace. The caller has checked the name.
     pub fn open(&mut self) -> Parsed<Word<'a>> {
+        self.steps.take(STEPS_PER_FIELD)?;
         let name = self.take();
         self.open_brace(name.text)?;
         Ok(name)

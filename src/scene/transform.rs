@@ -162,17 +162,18 @@ fn from_rows(rows: [[f64; 4]; 3]) -> DAffine3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
     use crate::math::worst_case::Rng;
     use crate::scene::edition::Edition;
     use num_rational::BigRational;
     use num_traits::{Signed, ToPrimitive, Zero};
 
     fn read(text: &str) -> DAffine3 {
-        parse_transformations(&mut Reader::new(Edition::Y2004, text)).unwrap().matrix.map
+        parse_transformations(&mut Reader::new(Edition::Y2004, text, &Endless)).unwrap().matrix.map
     }
 
     fn refuse(text: &str) -> String {
-        parse_transformations(&mut Reader::new(Edition::Y2004, text)).unwrap_err().message
+        parse_transformations(&mut Reader::new(Edition::Y2004, text, &Endless)).unwrap_err().message
     }
 
     #[test]
@@ -322,10 +323,11 @@ mod tests {
     #[test]
     fn quarter_turns_and_scales_have_no_error() {
         for text in ["ZRotate 90", "Scale 0.1 0.2 0.3", "Rotate { 0 -1 0 270 }", "Translate 0.1 0.2 0.3"] {
-            let map = parse_transformations(&mut Reader::new(Edition::Y2004, text)).unwrap().matrix;
+            let map = parse_transformations(&mut Reader::new(Edition::Y2004, text, &Endless)).unwrap().matrix;
             assert_eq!(map.error, DAffine3::ZERO, "{text}");
         }
-        let turned = parse_transformations(&mut Reader::new(Edition::Y2004, "ZRotate 30")).unwrap().matrix;
+        let turned =
+            parse_transformations(&mut Reader::new(Edition::Y2004, "ZRotate 30", &Endless)).unwrap().matrix;
         assert!(turned.error.matrix3.x_axis.x > 0.0);
     }
 }

@@ -53,6 +53,9 @@ impl<H: Hints> Tracer<'_, H> {
         }
         if stage == Stage::Colors {
             for (Sample { ray, surface, .. }, color) in packet.colors_mut() {
+                if memory.asks_within_packets() && memory.spend(1) {
+                    break;
+                }
                 self.set_color(simd, color, ray, surface.as_ref(), memory, observer);
             }
         }

@@ -7,10 +7,12 @@ use super::{Arrival, Hints, Tracer};
 use crate::caster::RayOrigin;
 use crate::math::ray::Ray;
 use crate::picture::Color;
+use crate::sampling::sample_packet::SamplePacket;
 use crate::scene::limits::BRIGHTEST;
+use crate::scene::material::Material;
 use crate::scene::model::Split;
 use crate::shading::phong::Mixture;
-use crate::world::SurfacePoint;
+use crate::world::{SurfacePoint, World};
 use glam::DVec3;
 
 /// The history of a ray since it left the camera.
@@ -37,9 +39,16 @@ pub(super) struct SecondaryRay {
     pub path: Path,
 }
 
-/// The number of rays between two calls of [`IsOver`]. Such rare calls take no measurable time, and still come soon
-/// enough if each ray is tested against a hundred thousand triangles.
+/// The number of rays between two calls of [`IsOver`]. Such rare calls take no measurable time.
 const RAYS_AT_ONCE: usize = 1 << 9;
+
+/// The number of tests of primitives between two calls of [`IsOver`], if each ray is tested against all of them. They
+/// take less than a second.
+const TESTS_AT_ONCE: usize = 1 << 24;
+
+/// The number of octaves of noise between two calls of [`IsOver`], if each ray evaluates all textures. They take some
+/// hundredths of a second.
+const OCTAVES_AT_ONCE: usize = 1 << 20;
 
 /// The approximate number of secondary rays of one camera ray that may wait at once. They take about 30 MB per thread.
 /// Each bounce adds at most one ray to the stack, so only rays that split that many times reach this limit.
@@ -64,9 +73,11 @@ pub struct Memory<'a> {
 
 impl<'a> Memory<'a> {
     /// Returns a memory whose secondary rays are traced until `is_over` returns true. Each ray may cause a shadow ray
-    /// to each of `lights` lights.
-    pub fn until(is_over: IsOver<'a>, lights: usize) -> Self {
-        let at_once = (RAYS_AT_ONCE / (1 + lights)).max(1) as u32;
+    /// to each light of the world, may be tested against all primitives, and may evaluate all textures.
+    pub fn until(is_over: IsOver<'a>, world: &World) -> Self {
+        let tested = RAYS_AT_ONCE.min(TESTS_AT_ONCE / world.ids().len().max(1));
+        let at_once = tested / (1 + world.lights.len());
+        let at_once = at_once.min(OCTAVES_AT_ONCE / octaves(&world.materials).max(1)).max(1) as u32;
         let (pending, mixture) = Default::default();
         Self { pending, mixture, is_over, at_once, left: at_once, is_cut: false }
     }
@@ -74,6 +85,12 @@ impl<'a> Memory<'a> {
     /// Returns true if rays were left out.
     pub(crate) fn is_cut(&self) -> bool {
         self.is_cut
+    }
+
+    /// Returns true if a packet of rays takes so long that `is_over` is to be called within it.
+    #[inline(always)]
+    pub(super) fn asks_within_packets(&self) -> bool {
+        self.at_once < SamplePacket::SIZE as u32
     }
 
     /// Notes that this number of rays was traced. Returns true if no more are to be traced.
@@ -91,10 +108,20 @@ impl<'a> Memory<'a> {
     }
 }
 
+/// Returns the number of octaves of all textures. A texture without noise counts as one.
+fn octaves(materials: &[Material]) -> usize {
+    let of = |material: &Material| match material {
+        Material::Texture(texture) => texture.pattern.octaves() as usize + 1,
+        Material::Phong(_) | Material::Painted(..) => 0,
+    };
+    materials.iter().map(of).sum()
+}
+
 impl Default for Memory<'_> {
     /// Returns a memory whose secondary rays are all traced.
     fn default() -> Self {
-        Self::until(&|_| false, 0)
+        let (pending, mixture) = Default::default();
+        Self { pending, mixture, is_over: &|_| false, at_once: u32::MAX, left: u32::MAX, is_cut: false }
     }
 }
 

@@ -4,15 +4,34 @@ use super::hints::{Blocker, Hints};
 use super::observer::{Event, Observer};
 use super::optics::transmittance;
 use super::{Shadows, Tracer};
+use crate::base::patience::Patience;
 use crate::caster::RayOrigin;
 use crate::math::ray::Ray;
+use crate::math::robust::end_at;
 use crate::picture::Color;
 use crate::scene::Light;
 use crate::scene::limits::LARGEST;
 use crate::shading::light::Incident;
 use crate::shading::phong::Mixture;
 use crate::shading::texture::{material_at, material_of_surface};
-use crate::world::SurfacePoint;
+use crate::world::{SurfacePoint, World};
+use glam::DVec3;
+
+/// The number of crossings of one ray between two questions whether the work should end.
+const CROSSINGS_AT_ONCE: usize = 16;
+
+/// Returns the ray from a surface, off which its origin was moved, up to a point light. Its length is measured from the
+/// origin. If the scene has an epsilon, the origin was not moved, and the ray stays as it is.
+#[inline(always)]
+pub(crate) fn ending_at_light(world: &World, index: usize, surface: &SurfacePoint, ray: Ray) -> Ray {
+    match world.lights.get(index) {
+        Some(&Light::Point { position, .. }) if world.lighting.epsilon.is_none() => {
+            let (t_max, direction) = end_at(position, ray.origin, surface.normal, ray.direction);
+            Ray { t_max, direction, ..ray }
+        }
+        _ => ray,
+    }
+}
 
 impl<H: Hints> Tracer<'_, H> {
     /// Returns the fraction of the light with this index, per channel, that reaches a surface.
@@ -32,19 +51,21 @@ impl<H: Hints> Tracer<'_, H> {
                 observer.shadow_ray();
                 // The function gets copies: a light that is referred to lies in memory, written part by part and read as
                 // vectors, for which the processor stalls.
-                let (ray, origin) = (self.shadow_ray(surface, light, observer), self.origin(surface));
+                let ray = self.shadow_ray(surface, light.direction, light.distance, index);
+                observer.observe(|| Event::ShadowRay(ray));
+                let origin = self.origin(surface);
                 let starts_within = surface.normal.dot(light.direction) < 0.0;
                 self.filtered(ray, origin, starts_within, index, observer)
             }
         }
     }
 
-    /// Returns the ray from a surface to a light. The distance to a point light is measured from the surface.
+    /// Returns the ray from a surface in the direction of the light with this index. It has this length if the light is
+    /// directional, or if the scene has an epsilon.
     #[inline(always)]
-    fn shadow_ray<O: Observer>(&self, surface: &SurfacePoint, light: &Incident, observer: &mut O) -> Ray {
-        let ray = Ray { t_max: light.distance, ..self.departing(surface, light.direction) };
-        observer.observe(|| Event::ShadowRay(ray));
-        ray
+    fn shadow_ray(&self, surface: &SurfacePoint, direction: DVec3, length: f64, index: usize) -> Ray {
+        let ray = Ray { t_max: length, ..self.departing(surface, direction) };
+        ending_at_light(self.world(), index, surface, ray)
     }
 
     /// Returns true if anything blocks the light with this index from a surface.
@@ -70,7 +91,8 @@ impl<H: Hints> Tracer<'_, H> {
         if !O::COUNTS && blocker == Blocker::Nothing && self.caster.has_no_plane_but(origin) {
             return is_at_rest;
         }
-        let ray = self.shadow_ray(surface, light, observer);
+        let ray = self.shadow_ray(surface, light.direction, light.distance, index);
+        observer.observe(|| Event::ShadowRay(ray));
         let is_hit = match blocker {
             // The course's program searches the nearest hit, even if any hit would do.
             _ if O::COUNTS => self.caster.nearest(&ray, origin, observer).is_some(),
@@ -104,7 +126,10 @@ impl<H: Hints> Tracer<'_, H> {
         let through = |passed: Color, tint: Color, way: f64| {
             (passed * transmittance(tint, way)).min(Color::splat(LARGEST))
         };
-        for _ in 0..self.world().most_crossings() {
+        for crossing in 0..self.world().most_crossings() {
+            if crossing % CROSSINGS_AT_ONCE == CROSSINGS_AT_ONCE - 1 && self.caster.is_over() {
+                break;
+            }
             let Some(visible) = self.caster.nearest(&ray, origin, observer) else { break };
             let (hit, surface) = (self.world().hit(&ray, visible), self.surface(&ray, visible));
             let is_exit = surface.normal.dot(ray.direction) >= 0.0;
@@ -122,10 +147,12 @@ impl<H: Hints> Tracer<'_, H> {
                 }
                 (is_within, way) = (!is_exit, 0.0);
             }
-            ray = Ray { t_max: ray.t_max - hit.t, ..self.departing(&surface, ray.direction) };
+            ray = self.shadow_ray(&surface, ray.direction, ray.t_max - hit.t, index);
             origin = self.origin(&surface);
         }
-        let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));
+        let goes_on = |&(place, _): &(usize, _)| place == 0 || !self.caster.is_over();
+        let tints = at_light.iter().enumerate().take_while(goes_on);
+        let tints = tints.map(|(_, place)| self.tint_at_light(place.primitive, index));
         match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {
             Some(Color::ZERO) => Color::ZERO,
             Some(tint) if is_within => through(passed, tint, way + ray.t_max.max(0.0)),

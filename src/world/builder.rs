@@ -1,13 +1,15 @@
 //! Builds a world from a scene: each object is transformed to world space and appended to the primitives of
 //! its kind.
 
-use super::World;
 use super::appearance::vertex_normals;
+use super::coplanar::WrittenPlanes;
 use super::placement::Placement;
 use super::plane::{PlacedPlane, Plane};
 use super::point_error::{BoundaryWidth, PlacementError};
 use super::runs::Runs;
+use super::{PlaceInScene, World};
 use crate::base::memory::{self, NoMemory};
+use crate::base::patience::{Patience, Steps};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::math::robust;
@@ -32,12 +34,19 @@ pub struct Builder<'a> {
     materials: [Runs<u32>; 3],
     /// The errors of triangles and shapes.
     errors: [Runs<PlacementError>; 2],
+    planes: WrittenPlanes,
+    steps: Steps<'a>,
 }
 
 impl<'a> Builder<'a> {
     /// Starts from a world without objects. `meshes` are the meshes that the scene names, in its order. Returns an
     /// error if there is too little memory for the copies of the meshes.
-    pub fn new(world: World, scene: &'a Scene, meshes: Vec<Mesh>) -> Result<Self, NoMemory> {
+    pub fn new(
+        world: World,
+        scene: &'a Scene,
+        meshes: Vec<Mesh>,
+        patience: &'a dyn Patience,
+    ) -> Result<Self, NoMemory> {
         let (mut uses, mut copied) = (vec![0; meshes.len()], 0);
         for object in &scene.objects {
             match object {
@@ -51,12 +60,14 @@ impl<'a> Builder<'a> {
             }
         }
         memory::ask(copied)?;
-        let (materials, errors) = Default::default();
-        Ok(Self { meshes, scene, uses, world, materials, errors })
+        let (materials, errors, planes) = Default::default();
+        let steps = Steps::new(patience);
+        Ok(Self { meshes, scene, uses, world, materials, errors, planes, steps })
     }
 
     /// Places an object. An error reports the position of the object or of the transform around it.
     pub fn place(&mut self, placement: &Placement) -> Result<(), Diagnostic> {
+        self.steps.take(1)?;
         if !placement.matrix.is_finite() {
             return Err(placement.error("the transformation's numbers grow too large"));
         }
@@ -94,6 +105,7 @@ impl<'a> Builder<'a> {
         placement: &Placement,
     ) -> Result<(), Diagnostic> {
         let world = &mut self.world;
+        self.steps.take(vertices.len())?;
         let (first, count) = (world.vertices.len(), world.triangles.len());
         world.vertices.extend(vertices.iter().map(|&vertex| placement.world_point(vertex)));
         world.triangles.extend(faces.iter().map(|face| face.map(|v| v + first as u32)));
@@ -186,6 +198,11 @@ impl<'a> Builder<'a> {
     fn shape(&mut self, shape: Shape, [a, b, c]: [f64; 3], placement: &Placement) -> Result<(), Diagnostic> {
         let of_object = placement.object.shape_box().unwrap_or(Aabb::EMPTY);
         let index = self.world.shapes.len();
+        let place = PlaceInScene {
+            triangles: self.world.triangles.len() as u32,
+            others: self.world.planes.len() as u32,
+        };
+        self.world.shape_places.push(index, place);
         self.materials[1].push(index, placement.material);
         self.errors[1].push(index, PlacementError::new(placement, &[of_object.min, of_object.max]));
         let Aabb { min, max } = shape.form().bounds();
@@ -200,8 +217,10 @@ impl<'a> Builder<'a> {
     fn plane(&mut self, written: (DVec3, f64), placement: &Placement) -> Result<(), Diagnostic> {
         let world = &mut self.world;
         self.materials[2].push(world.planes.len(), placement.material);
-        let triangles_before = world.triangles.len() as u32;
-        let placed = PlacedPlane::new(placement, written, triangles_before, &world.placed_planes)?;
+        let place =
+            PlaceInScene { triangles: world.triangles.len() as u32, others: world.shapes.len() as u32 };
+        let (planes, steps) = (&mut self.planes, &mut self.steps);
+        let placed = PlacedPlane::new(placement, written, place, &world.placed_planes, planes, steps)?;
         let Plane { normal, offset } = placed.plane;
         world.planes.push(placed.plane);
         world.placed_planes.push(placed);
@@ -218,8 +237,10 @@ impl<'a> Builder<'a> {
     }
 
     /// Returns the finished world, in which the primitives have their ids.
-    pub fn finish(self) -> World {
-        let mut world = self.world;
+    pub fn finish(self) -> Result<World, Diagnostic> {
+        let (mut world, mut steps) = (self.world, self.steps);
+        self.planes.unite(&mut world.placed_planes, &mut steps)?;
+        world.planes = world.placed_planes.iter().map(|placed| placed.plane).collect();
         let starts = [0, world.triangles.len(), world.finite_count()];
         for (start, runs) in starts.into_iter().zip(self.materials) {
             world.material_ids.append(start, runs);
@@ -233,8 +254,8 @@ impl<'a> Builder<'a> {
         world.without_area = without_area(&world);
         world.coincidence_margin = world.find_coincidence_margin();
         world.boundary_width = BoundaryWidth::of(&world);
-        world.resting_places = world.find_resting_places();
-        world
+        world.resting_places = world.find_resting_places(&mut steps)?;
+        Ok(world)
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::point_error::weights;
 use super::{Primitive, World};
+use crate::base::patience::{Ended, Steps};
 use crate::math::double_double::{Dd, dot, minus};
 use crate::math::exact::{Scaled, area_vector, volume};
 use crate::math::ray::Ray;
@@ -52,41 +53,45 @@ impl World {
 
     /// Returns the primitive that a ray sees, with its t, if the ray hits several close to each other, at these t.
     /// Among the primitives that are united with the nearest one, directly or through others, it is the one that comes
-    /// first.
+    /// first. `None` if the work should end.
     #[cold]
-    pub fn foremost(&self, ray: &Ray, mut hits: Vec<(f64, u32)>) -> Option<(f64, u32)> {
+    pub fn foremost(&self, ray: &Ray, mut hits: Vec<(f64, u32)>, steps: &mut Steps) -> Option<(f64, u32)> {
+        steps.take(hits.len()).ok()?;
         hits.sort_unstable_by_key(|&(_, id)| id);
         hits.dedup();
         let first = (0..hits.len()).min_by(|&i, &j| hits[i].0.total_cmp(&hits[j].0))?;
-        let mut united = self.united(&hits, first);
+        let mut united = self.united(&hits, first, steps).ok()?;
         // If all are united, it does not matter which is the nearest.
         if united.len() < hits.len() {
-            united = self.united(&hits, self.nearest(ray, &hits, hits[first].0));
+            united = self.united(&hits, self.nearest(ray, &hits, hits[first].0), steps).ok()?;
         }
         united.into_iter().reduce(|one, other| if self.comes_first(other.1, one.1) { other } else { one })
     }
 
     /// Returns the hits whose surfaces are united with the surface of hit `one`, directly or through others.
-    fn united(&self, hits: &[(f64, u32)], one: usize) -> Vec<(f64, u32)> {
+    fn united(&self, hits: &[(f64, u32)], one: usize, steps: &mut Steps) -> Result<Vec<(f64, u32)>, Ended> {
         let mut others = hits.to_vec();
         let (mut united, mut next) = (vec![others.swap_remove(one)], 0);
         while let Some(&(_, one)) = united.get(next) {
+            steps.take(others.len())?;
             united.extend(others.extract_if(.., |&mut (_, other)| self.coincide(one, other)));
             next += 1;
         }
-        united
+        Ok(united)
     }
 
     /// Returns the index of the nearest hit. `first` is the smallest t, as rounded.
     fn nearest(&self, ray: &Ray, hits: &[(f64, u32)], first: f64) -> usize {
         let behind: Vec<Dd> = hits.iter().map(|&hit| self.behind(ray, hit, first)).collect();
-        // Triangles meet at edges and corners, where a ray hits several of them at the same t.
+        // A ray hits several triangles at the same t where they meet, and round surfaces where they cross others. Planes
+        // are told apart however close they are.
         let way = (ray.origin.abs() + first.abs() * ray.direction.abs()).max_element();
         let same = SAME_T * way / ray.direction.abs().max_element();
         let is_nearer = |i: usize, j: usize| {
             let (one, other, apart) = (hits[i].1, hits[j].1, (behind[i] - behind[j]).value());
             let are_triangles = self.is_triangle(one) && self.is_triangle(other);
-            let is_same = apart.abs() <= if are_triangles { same } else { 0.0 };
+            let is_round = self.is_shape(one) || self.is_shape(other);
+            let is_same = apart.abs() <= if are_triangles || is_round { same } else { 0.0 };
             if is_same { self.comes_first(one, other) } else { apart < 0.0 }
         };
         (0..hits.len()).reduce(|i, j| if is_nearer(j, i) { j } else { i }).unwrap_or(0)

@@ -1,18 +1,16 @@
 //! Infinite planes. They have no bounds, so every ray is tested against each of them.
-//!
-//! Planes in one place get the same numbers, so that rays hit them at the same t. Parallel planes under the same
-//! transforms get the same normal, so that they never cross. Planes under the same transforms are compared in object
-//! space, where only the numbers of the text are rounded. So they are told apart however strongly the transforms scale.
-//! Other planes are compared in world space, by their error bounds.
 
+use super::PlaceInScene;
 use super::coincidence::WRITTEN_ROUNDINGS;
+use super::coplanar::WrittenPlanes;
 use super::placement::Placement;
+use crate::base::patience::Steps;
 use crate::diagnostic::Diagnostic;
 use crate::math::double_double::{Dd, dot};
 use crate::math::ray::Ray;
 use crate::math::robust::{self, UNIT_ROUNDOFF};
 use crate::math::rounded::absolute;
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 
 /// The points p with `normal . p = offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,10 +94,6 @@ impl PlaneError {
     }
 }
 
-/// The largest sine of the angle between unit normals that may have been written as parallel: [`WRITTEN_ROUNDINGS`] for
-/// each normal, and as many for the sine.
-const PARALLEL_SINE: f64 = 3.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
-
 /// A plane that a scene placed in world space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedPlane {
@@ -107,45 +101,32 @@ pub(super) struct PlacedPlane {
     /// A vector along the normal, before it is rounded to unit length.
     pub direction: DVec3,
     pub error: PlaneError,
-    /// The number of triangles that precede the plane in the scene.
-    pub triangles_before: u32,
-    /// The plane in object space.
-    written: Plane,
-    /// The product of the transforms around it.
-    matrix: Option<DAffine3>,
+    pub place: PlaceInScene,
 }
 
 impl PlacedPlane {
-    /// Places the next plane after the `earlier` ones. Returns an error if the transforms flatten it.
+    /// Places the next plane after the `earlier` ones, which are `written`. Returns an error if the transforms flatten
+    /// it.
     pub fn new(
         placement: &Placement,
         (normal, offset): (DVec3, f64),
-        triangles_before: u32,
+        place: PlaceInScene,
         earlier: &[Self],
+        written: &mut WrittenPlanes,
+        steps: &mut Steps,
     ) -> Result<Self, Diagnostic> {
         let matrix = placement.transform.map(|_| placement.matrix);
-        let mut written = Plane { normal: robust::unit(normal), offset };
-        let with_same_matrix = || earlier.iter().filter(|it| it.matrix == matrix).map(|it| it.written);
-        let parallel = with_same_matrix().find(|plane| is_parallel(plane.normal, written.normal));
-        written.normal = parallel.map_or(written.normal, |plane| facing(plane, written.normal).normal);
-        let same = with_same_matrix().map(|plane| facing(plane, written.normal)).find(|plane| {
-            let apart = (written.offset - plane.offset).abs();
-            plane.normal == written.normal && apart <= WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * plane.offset.abs()
-        });
-        written = same.unwrap_or(written);
-        let (plane, direction, error) = placed(written, placement, normal)?;
-        let mut placed =
-            Self { plane, direction: robust::rescaled(direction), error, triangles_before, written, matrix };
-        let mut others = earlier.iter().filter(|earlier| earlier.matrix != matrix);
-        if let Some(united) = others.find(|earlier| placed.coincides(earlier)) {
-            placed.plane = facing(united.plane, placed.plane.normal);
-        }
-        Ok(placed)
+        let own = Plane { normal: robust::unit(normal), offset };
+        let (own, same) = written.add(matrix, own, steps)?;
+        let (plane, direction, error) = placed(own, placement, normal)?;
+        // The rounding of the written normal's length changes the error a little.
+        let error = same.map_or(error, |same| earlier[same].error);
+        Ok(Self { plane, direction: robust::rescaled(direction), error, place })
     }
 
     /// Returns true if two planes agree within their errors, both in their directions and at the point nearest to the
     /// origin.
-    fn coincides(&self, earlier: &Self) -> bool {
+    pub fn coincides(&self, earlier: &Self) -> bool {
         let rounding = WRITTEN_ROUNDINGS * UNIT_ROUNDOFF;
         let tilt = earlier.plane.normal.cross(self.plane.normal).length();
         let foot = earlier.plane.offset * earlier.plane.normal;
@@ -153,11 +134,6 @@ impl PlacedPlane {
         tilt <= earlier.error.tilt + self.error.tilt + rounding
             && apart <= earlier.error.at(foot) + self.error.at(foot) + rounding * earlier.plane.offset.abs()
     }
-}
-
-/// Returns true if two unit normals may have been written as parallel.
-fn is_parallel(one: DVec3, other: DVec3) -> bool {
-    one.cross(other).length() <= PARALLEL_SINE
 }
 
 /// Returns a plane under the transforms around it, a vector along its normal, and its error. `normal` is the normal in
@@ -182,11 +158,6 @@ fn placed(
     let foot = DVec3::from_array(foot.map(Dd::value));
     let error = PlaneError::transformed(placement, (normal, written.offset), (world_normal, foot));
     Ok((Plane { normal: world_normal, offset: world_offset }, in_world(normal), error))
-}
-
-/// Returns the plane with its normal on the side to which `direction` points.
-fn facing(plane: Plane, direction: DVec3) -> Plane {
-    if plane.normal.dot(direction) < 0.0 { plane.reversed() } else { plane }
 }
 
 #[cfg(test)]

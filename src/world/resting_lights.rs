@@ -4,14 +4,21 @@
 //! surface. This module decides it once for each light: an opaque surface shadows everything from a light that lies on
 //! it, on both of its sides.
 
-use super::World;
 use super::point_error::weights;
+use super::{Primitive, World};
+use crate::base::patience::Steps;
+use crate::diagnostic::Diagnostic;
+use crate::math::aabb::Aabb;
+use crate::math::box_tree::{BoxTree, Extents, Node};
 use crate::math::exact::area_vector;
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
+use crate::picture::Color;
 use crate::scene::Light;
+use crate::scene::material::Material;
 use crate::world::plane::Plane;
 use crate::world::shape::Shape;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
+use std::cmp::Ordering;
 
 /// The largest distance between a surface and a light that lies on it, in roundings of the largest of their
 /// coordinates. It is added to the flattening error of the surface. It allows for the rounded coordinates of a light
@@ -36,39 +43,169 @@ impl RestingPlace {
     }
 }
 
+/// Upper bound on the pairs of a light and a surface that is within some roundings of it and does not block it alone.
+/// It bounds their memory and the time to find them.
+const MOST_NEAR: usize = 1 << 20;
+
 impl World {
-    /// Returns the surfaces on which the light with this index lies.
+    /// Returns the surfaces on which the light with this index lies, in the order of their ids. The list ends with the
+    /// first opaque one, which alone blocks the light.
     #[inline(always)]
     pub fn primitives_at_light(&self, light: usize) -> &[RestingPlace] {
         self.resting_places.get(light).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the surfaces on which each light lies.
-    pub(super) fn find_resting_places(&self) -> Vec<Vec<RestingPlace>> {
-        let places = |light: &Light| match *light {
-            Light::Point { position, .. } => places_at(position, self),
-            Light::Directional { .. } => vec![],
-        };
-        self.lights.iter().map(places).collect()
+    /// Returns the surfaces on which each light lies. The lights near a surface are found in a tree.
+    pub(super) fn find_resting_places(
+        &self,
+        steps: &mut Steps,
+    ) -> Result<Vec<Vec<RestingPlace>>, Diagnostic> {
+        let mut places = vec![vec![]; self.lights.len()];
+        let points: Vec<(usize, DVec3)> = self.lights.iter().enumerate().filter_map(point_of).collect();
+        let is_opaque = opaque(&self.materials);
+        let mut search = Search::new(self, points.iter().map(|&(_, point)| point));
+        let (mut near, mut pairs) = (vec![], 0);
+        for id in search.ids() {
+            steps.take(search.find_near(id, &mut near))?;
+            for &index in &near {
+                let (light, point) = points[index as usize];
+                let place = self.place_at(point, id);
+                places[light].extend(place);
+                if place.is_some() && is_opaque.get(self.material_of(id)) == Some(&true) {
+                    search.leave_out(index);
+                    continue;
+                }
+                pairs += 1;
+                if pairs > MOST_NEAR {
+                    let message =
+                        "too many lights lie on surfaces, or within rounding of them: a million pairs";
+                    return Err(Diagnostic::error(message));
+                }
+            }
+            steps.take(8 * near.len())?;
+        }
+        Ok(places)
+    }
+
+    /// Returns the place of a light on a primitive, or `None` if it does not lie on it.
+    fn place_at(&self, point: DVec3, primitive: u32) -> Option<RestingPlace> {
+        let flat = RestingPlace { primitive, outward: None };
+        match self.primitive(primitive) {
+            Primitive::Triangle(i) => lies_on(point, i, self).then_some(flat),
+            Primitive::Shape(i) => {
+                let moved = self.flattening_error(primitive, point).max_element();
+                let outward = normal_at(point, &self.shapes[i], moved)?;
+                Some(RestingPlace { primitive, outward: Some(outward) })
+            }
+            Primitive::Plane(i) => {
+                let (plane, flattening) = (&self.planes[i], self.flattening_error(primitive, point).length());
+                let largest = margin(point, plane.offset.abs()) + flattening;
+                (plane.ahead_of(point).abs() <= largest).then_some(flat)
+            }
+        }
     }
 }
 
-/// Returns the surfaces on which a point lies, in the order of their ids.
-fn places_at(point: DVec3, world: &World) -> Vec<RestingPlace> {
-    let flat = |primitive| RestingPlace { primitive, outward: None };
-    let mut found: Vec<_> = triangles_at(point, world).into_iter().map(flat).collect();
-    let first_shape = world.triangles.len() as u32;
-    found.extend((first_shape..).zip(&world.shapes).filter_map(|(primitive, shape)| {
-        let outward = normal_at(point, shape, world.flattening_error(primitive, point).max_element())?;
-        Some(RestingPlace { primitive, outward: Some(outward) })
-    }));
-    let planes = (world.first_plane()..).zip(&world.planes);
-    let lies_on_plane = |&(id, plane): &(u32, &Plane)| {
-        let flattening = world.flattening_error(id, point).length();
-        plane.ahead_of(point).abs() <= margin(point, plane.offset.abs()) + flattening
-    };
-    found.extend(planes.filter(lies_on_plane).map(|(id, _)| flat(id)));
-    found
+/// Returns the index and the position of a point light.
+fn point_of((index, light): (usize, &Light)) -> Option<(usize, DVec3)> {
+    match *light {
+        Light::Point { position, .. } => Some((index, position)),
+        Light::Directional { .. } => None,
+    }
+}
+
+/// Returns true for each material that transmits no light anywhere.
+fn opaque(materials: &[Material]) -> Vec<bool> {
+    materials.iter().fold(vec![], |mut known, material| {
+        known.push(match material {
+            Material::Phong(phong) | Material::Painted(phong, _) => phong.transparent == Color::ZERO,
+            // It mixes earlier materials.
+            Material::Texture(texture) => {
+                texture.children.iter().all(|&child| known.get(child) == Some(&true))
+            }
+        });
+        known
+    })
+}
+
+/// Finds the lights near a primitive.
+struct Search<'w> {
+    world: &'w World,
+    tree: BoxTree<3>,
+    /// The lights below each node that are not left out.
+    left: Vec<usize>,
+    /// The largest distance at which a light below each node lies on a triangle.
+    reach_of_triangles: Vec<f64>,
+    is_left_out: Vec<bool>,
+}
+
+impl<'w> Search<'w> {
+    fn new(world: &'w World, points: impl Iterator<Item = DVec3>) -> Self {
+        let boxes: Vec<_> =
+            points.map(|point| Extents { min: point.to_array(), max: point.to_array() }).collect();
+        let tree = BoxTree::new(&boxes);
+        let mut left = vec![0; tree.nodes().len()];
+        for index in 0..boxes.len() as u32 {
+            tree.nodes_of(index).for_each(|node| left[node] += 1);
+        }
+        let flattening = world.largest_flattening_error();
+        let reach = |node: &Node<3>| margin(farthest(node), world.max_abs_coord) + flattening;
+        let reach_of_triangles = tree.nodes().iter().map(reach).collect();
+        Self { world, tree, left, reach_of_triangles, is_left_out: vec![false; boxes.len()] }
+    }
+
+    /// Returns the ids of the primitives that may be near a light.
+    fn ids(&self) -> impl Iterator<Item = u32> + use<> {
+        let world = self.world;
+        let is_empty = self.tree.nodes().is_empty();
+        let bounds = Extents { min: world.bounds.min.to_array(), max: world.bounds.max.to_array() };
+        let is_outside =
+            is_empty || !self.tree.nodes()[0].bounds.widened(self.reach_of_triangles[0]).meets(&bounds);
+        let first = if is_outside { world.triangles.len() as u32 } else { 0 };
+        let end = if is_empty { 0 } else { world.ids().end };
+        first..end
+    }
+
+    /// Sets `near` to the indices of the lights that may lie on a primitive. Returns the number of steps.
+    fn find_near(&self, id: u32, near: &mut Vec<u32>) -> usize {
+        near.clear();
+        let take = |index: u32| near.extend((!self.is_left_out[index as usize]).then_some(index));
+        let world = self.world;
+        match world.primitive(id) {
+            Primitive::Triangle(i) => {
+                let triangle = NearTriangle::new(world.corners(i));
+                let is_near = |node: usize, bounds: &Extents<3>| {
+                    triangle.may_touch(bounds, self.reach_of_triangles[node])
+                };
+                self.tree.visit(|id, node| self.left[id] > 0 && is_near(id, &node.bounds), take)
+            }
+            Primitive::Shape(i) => {
+                let (shape, moved) =
+                    (&world.shapes[i], world.flattening_error(id, DVec3::ZERO).max_element());
+                let (bounds, maps) = (shape.form().bounds(), shape.form().unit_sphere_maps());
+                let is_near = |node: &Node<3>| {
+                    let reach = margin(farthest(node), shape.form().extent()) + moved;
+                    may_touch_shape(&node.bounds, &bounds, maps, 2.0 * reach)
+                };
+                self.tree.visit(|id, node| self.left[id] > 0 && is_near(node), take)
+            }
+            Primitive::Plane(i) => {
+                let (plane, error) = (&world.planes[i], world.plane_error(i));
+                let is_near = |node: &Node<3>| {
+                    let farthest = farthest(node);
+                    let reach = margin(farthest, plane.offset.abs()) + error.at(farthest);
+                    may_touch_plane(&node.bounds, plane, 2.0 * reach)
+                };
+                self.tree.visit(|id, node| self.left[id] > 0 && is_near(node), take)
+            }
+        }
+    }
+
+    /// Does not find a light any more.
+    fn leave_out(&mut self, index: u32) {
+        self.is_left_out[index as usize] = true;
+        self.tree.nodes_of(index).for_each(|node| self.left[node] -= 1);
+    }
 }
 
 /// Returns the outward normal of a shape at a point that lies on it, if the shape may have moved by `moved`.
@@ -95,32 +232,79 @@ fn normal_at(point: DVec3, shape: &Shape, moved: f64) -> Option<DVec3> {
     Some(outward)
 }
 
-/// Returns the triangles on which a point lies: inside them, on an edge or at a corner.
-fn triangles_at(point: DVec3, world: &World) -> Vec<u32> {
-    let mut found = vec![];
-    let margin = margin(point, world.max_abs_coord) + world.largest_flattening_error();
-    let to_bounds = point.clamp(world.bounds.min, world.bounds.max) - point;
-    if world.triangles.is_empty() || to_bounds.abs().max_element() > margin {
-        return found;
-    }
-    for (id, &[a, b, c]) in world.triangles.iter().enumerate() {
-        // Most triangles lie to one side along one axis.
-        let [a, b, c] = [a, b, c].map(|vertex| &world.vertices[vertex as usize]);
-        let (x, y) = ([a.x, b.x, c.x], [a.y, b.y, c.y]);
-        if is_beside(x, point.x, margin) || is_beside(y, point.y, margin) {
-            continue;
-        }
-        if lies_on(point, id, world) {
-            found.push(id as u32);
-        }
-    }
-    found
+/// Returns the largest absolute coordinates of the points below a node.
+fn farthest(node: &Node<3>) -> DVec3 {
+    DVec3::from(node.bounds.min).abs().max(DVec3::from(node.bounds.max).abs())
 }
 
-/// Returns true if three coordinates are all less than another one, or all greater, by more than the margin.
-#[inline(always)]
-fn is_beside([a, b, c]: [f64; 3], point: f64, margin: f64) -> bool {
-    a.min(b).min(c) > point + margin || a.max(b).max(c) < point - margin
+/// The rounding of the sums that compare a surface with a box, with much to spare.
+const SPARE: f64 = 1e-12;
+
+/// A triangle that is compared with boxes.
+struct NearTriangle {
+    corner: DVec3,
+    bounds: Extents<3>,
+    /// A normal, and the product of the lengths of the sides from which it is computed.
+    normal: DVec3,
+    sides: f64,
+}
+
+impl NearTriangle {
+    fn new([a, b, c]: [DVec3; 3]) -> Self {
+        let bounds = Extents { min: a.min(b).min(c).to_array(), max: a.max(b).max(c).to_array() };
+        let (p, q) = (b - a, c - a);
+        Self { corner: a, bounds, normal: p.cross(q), sides: p.length() * q.length() }
+    }
+
+    /// Returns true if a box may have points closer to the triangle than `reach`.
+    #[inline(always)]
+    fn may_touch(&self, bounds: &Extents<3>, reach: f64) -> bool {
+        if !self.bounds.widened(reach).meets(bounds) {
+            return false;
+        }
+        let [center, half] = center_and_half(bounds);
+        let from_corner = center - self.corner;
+        let spare = SPARE * self.sides * (from_corner.length() + half.length());
+        is_within(self.normal.dot(from_corner).abs(), self.normal.abs().dot(half + reach) + spare)
+    }
+}
+
+/// Returns true if a box may have points closer to the surface of a shape than `reach`. `bounds` and `maps` are those
+/// of the shape.
+fn may_touch_shape(
+    bounds: &Extents<3>,
+    of_shape: &Aabb,
+    (center, _, inverse): (DVec3, DMat3, DMat3),
+    reach: f64,
+) -> bool {
+    let of_shape = Extents { min: of_shape.min.to_array(), max: of_shape.max.to_array() };
+    if !of_shape.widened(reach).meets(bounds) {
+        return false;
+    }
+    let [middle, half] = center_and_half(bounds);
+    // In the space of the unit sphere.
+    let length = (inverse * (middle - center)).length();
+    let size = inverse.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let half = (inverse.abs() * half).length() + size * reach;
+    let spare = SPARE * (1.0 + length + size * middle.abs().max(center.abs()).length());
+    is_within((length - 1.0).abs(), half + spare)
+}
+
+/// Returns true if a box may have points closer to a plane than `reach`.
+fn may_touch_plane(bounds: &Extents<3>, plane: &Plane, reach: f64) -> bool {
+    let [center, half] = center_and_half(bounds);
+    let spare = SPARE * (plane.offset.abs() + plane.normal.abs().dot(center.abs()));
+    is_within(plane.ahead_of(center).abs(), plane.normal.abs().dot(half) + reach + spare)
+}
+
+/// Returns true if a distance is at most the largest one, or if either is a NaN.
+fn is_within(distance: f64, largest: f64) -> bool {
+    distance.partial_cmp(&largest) != Some(Ordering::Greater)
+}
+
+fn center_and_half(bounds: &Extents<3>) -> [DVec3; 2] {
+    let [min, max] = [bounds.min, bounds.max].map(DVec3::from);
+    [0.5 * min + 0.5 * max, 0.5 * max - 0.5 * min]
 }
 
 fn margin(point: DVec3, extent: f64) -> f64 {
@@ -174,4 +358,80 @@ fn height([a, b, c]: [DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a);
     let nearest = [a, b, c].into_iter().min_by(|p, q| p.length_squared().total_cmp(&q.length_squared()));
     nearest.map_or(f64::INFINITY, |corner| corner.dot(normal).abs() / normal.length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::patience::Endless;
+    use crate::math::worst_case::Rng;
+    use crate::scene::parser::parse;
+    use std::fmt::Write;
+
+    /// Objects of all kinds with three materials, and lights of which most lie on one of them or close to it.
+    fn scene(rng: &mut Rng) -> String {
+        let (mut objects, mut lights) = (String::new(), String::new());
+        let mut points = vec![];
+        let text = |v: DVec3| format!("{} {} {}", v.x, v.y, v.z);
+        for _ in 0..40 {
+            let (material, center) = (rng.below(4), 3.0 * rng.vector());
+            write!(objects, "MaterialIndex {material} ").unwrap();
+            let on = rng.vector().normalize();
+            let (object, place) = match rng.below(4) {
+                0 => (format!("Sphere {{ center {} radius 0.7 }}", text(center)), center + 0.7 * on),
+                1 => {
+                    let sphere = "Sphere { center 0 0 0 radius 1 }";
+                    let transform = format!("Translate {} Scale 0.5 2 1", text(center));
+                    let place = center + DVec3::new(0.5, 2.0, 1.0) * on;
+                    (format!("Transform {{ {transform} {sphere} }}"), place)
+                }
+                2 => (format!("Plane {{ normal {} offset {} }}", text(on), on.dot(center)), center),
+                _ => {
+                    let corners = [center, center + rng.vector(), center + rng.vector()];
+                    let [a, b, c] = corners.map(text);
+                    let place = (corners[0] + corners[1] + corners[2]) / 3.0;
+                    (format!("Triangle {{ vertex0 {a} vertex1 {b} vertex2 {c} }}"), place)
+                }
+            };
+            objects += &format!("{object} ");
+            points.push(place);
+        }
+        for _ in 0..60 {
+            let away = [0.0, 0.0, 1e-15, 1e-14, 1e-9, 1.0][rng.below(6)];
+            let place = points[rng.below(points.len() as u64)] + away * rng.vector();
+            write!(lights, "PointLight {{ position {} color 1 1 1 }} ", text(place)).unwrap();
+        }
+        format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Lights {{ numLights 61 DirectionalLight {{ direction 1 0 0 color 1 1 1 }} {lights} }}
+             Materials {{ numMaterials 4 Material {{ }} Material {{ transparentColor 1 1 1 }}
+             Checkerboard {{ materialIndex 0 materialIndex 1 }} Checkerboard {{ materialIndex 0 materialIndex 0 }} }}
+             Group {{ numObjects 40 {objects} }}"
+        )
+    }
+
+    #[test]
+    fn the_tree_of_lights_leaves_out_no_surface() {
+        let (mut found, mut ended) = (0, 0);
+        for seed in 1..150 {
+            let world = World::new(&parse(&scene(&mut Rng(seed))).unwrap(), &[]).unwrap();
+            let places = world.find_resting_places(&mut Steps::new(&Endless)).unwrap();
+            assert_eq!(places.len(), 61);
+            for (light, places) in world.lights.iter().zip(&places) {
+                let mut expected = vec![];
+                if let Light::Point { position, .. } = *light {
+                    for place in world.ids().filter_map(|id| world.place_at(position, id)) {
+                        expected.push(place);
+                        if [0, 3].contains(&world.material_of(place.primitive)) {
+                            ended += 1;
+                            break;
+                        }
+                    }
+                }
+                assert_eq!(*places, expected, "{light:?}");
+                found += places.len();
+            }
+        }
+        assert!(found > 2000 && ended > 1000, "{found} {ended}");
+    }
 }

@@ -33,6 +33,11 @@ impl<T: PartialEq> Runs<T> {
         (*first..self.0.get(next).map_or(u32::MAX, |&(end, _)| end), value)
     }
 
+    /// Returns the value of an id, or `None` if there are no runs.
+    pub fn get(&self, id: u32) -> Option<&T> {
+        if self.0.is_empty() { None } else { Some(self.around(id).1) }
+    }
+
     pub fn values(&self) -> impl Iterator<Item = &T> {
         self.0.iter().map(|(_, value)| value)
     }

@@ -168,6 +168,48 @@ fn rays_that_meet_much_end_with_their_client() {
     leave(&server, "/trace", &bytes(&json!({ "view": adaptive, "pixel": [4, 4] })), SECOND / 4);
 }
 
+/// The cells of a grid, and surfaces of which a ray meets thousands in almost one place.
+#[test]
+fn scenes_that_take_long_end_with_their_client_and_block_nobody() {
+    let folder = Folder::with_scene(&sphere());
+    let server = Server::start(folder.path(), "-size 4 4");
+    let grid =
+        "Grid { min -1 -1 -1 max 1 1 1 numCells 256 256 256 rasterizeSphere { center 0 0 0 radius 1 } }";
+    let typed = bytes(&json!({ "text": scene(1, grid) }));
+    leave(&server, "/scene", &typed, SECOND / 20);
+    // Several that read and build do not keep others from it.
+    let streams: Vec<TcpStream> = (0..8)
+        .map(|_| {
+            let mut stream = server.connect();
+            stream.write_all(&server.request("POST /scene", &[], &typed)).expect("a request");
+            stream.set_nonblocking(true).expect("a stream that does not wait");
+            stream
+        })
+        .collect();
+    sleep(SECOND / 20);
+    let ellipsoid = |k: usize| {
+        let radius = 1.0 - k as f64 * 4e-16;
+        format!("Transform {{ Scale 1 .5 2 Sphere {{ center 0 0 0 radius {radius} }} }}\n")
+    };
+    let ellipsoids = scene(4000, &(0..4000).map(ellipsoid).collect::<String>());
+    let (said, _) = server.ask("/scene", &json!({ "text": ellipsoids })).expect("a scene");
+    let waits = |mut stream: &TcpStream| stream.read(&mut [0]).is_err();
+    assert!(streams.iter().filter(|stream| waits(stream)).count() > 4);
+    drop(streams);
+    let revision = said["scene"]["revision"].as_u64().expect("a revision");
+    for flags in ["-shadows", "-grid none -bounces 4"] {
+        leave(
+            &server,
+            "/picture",
+            &bytes(&wanted(&view(revision, &format!("-size 500 500 {flags}")))),
+            SECOND,
+        );
+    }
+    let all = view(revision, "-size 500 500");
+    leave(&server, "/objects", &bytes(&json!({ "view": all })), SECOND);
+    leave(&server, "/trace", &bytes(&json!({ "view": all, "pixel": [250, 250] })), SECOND / 4);
+}
+
 #[test]
 fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_nobody() {
     let folder = Folder::with_scene(GLASS);

@@ -226,3 +226,45 @@ fn progress_is_for_terminals_and_for_those_who_ask() {
         );
     }
 }
+
+/// Scenes of which one ray takes long: 4000 ellipsoids in almost one place, and 4000 lights in the plane of 4000
+/// triangles.
+fn scenes_of_long_rays() -> [String; 2] {
+    let camera = "PerspectiveCamera { center 0 0 8 direction 0 0 -1 up 0 1 0 angle 40 }";
+    let ellipsoid = |k: usize| {
+        let radius = 1.0 - k as f64 * 4e-16;
+        format!("Transform {{ Scale 1 .5 2 Sphere {{ center 0 0 0 radius {radius} }} }}\n")
+    };
+    let light = |k: usize| {
+        let [x, y] = [k % 64, k / 64].map(|k| k as f64 / 64.0 - 0.5);
+        format!("PointLight {{ position {x} {y} 1 color 1 1 1 }}\n")
+    };
+    let triangles = "Triangle { vertex0 -1 -1 1 vertex1 3 -1 1 vertex2 -1 3 1 }\n".repeat(4000);
+    let ellipsoids: String = (0..4000).map(ellipsoid).collect();
+    let lights: String = (0..4000).map(light).collect();
+    [(ellipsoids, String::new()), (triangles, lights)].map(|(objects, lights)| {
+        let number = lights.lines().count();
+        format!(
+            "{camera} Lights {{ numLights {number} {lights} }}
+             Group {{ numObjects 4000 Material {{ }} {objects} }}"
+        )
+    })
+}
+
+#[test]
+fn a_ray_that_takes_long_is_left_in_the_middle() {
+    for scene in scenes_of_long_rays() {
+        let folder = Folder::with_scene(&scene);
+        for flags in
+            ["-shadows", "-shadows -stats -grid 20 20 20", "-transparent_shadows", "-adaptive_samples 64 2"]
+        {
+            let child = start(&folder, &format!("-input s.txt -size 900 900 -output o.tga {flags}"));
+            // The picture would take hours.
+            sleep(Duration::from_secs(2));
+            send("-TERM", &child);
+            let run = wait(child);
+            assert_eq!((run.status, run.stdout.as_str()), (Some(143), ""), "{flags}");
+            assert!(!folder.names().contains(&"o.tga".to_string()), "{flags}");
+        }
+    }
+}

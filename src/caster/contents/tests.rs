@@ -1,4 +1,5 @@
 use super::*;
+use crate::base::patience::Endless;
 use crate::caster::bounds::widened;
 use crate::caster::insertion::of_box;
 use crate::scene::parser::parse;
@@ -29,8 +30,9 @@ fn blocks_hold_the_primitives_of_the_cells() {
     };
     let references: Vec<Reference> =
         (0..55).flat_map(|id| cells_of(id).into_iter().map(move |cell| [cell, id])).collect();
-    let (mut cells, entries) = Contents::of_cells(&world, &lattice, vec![references.clone()]).unwrap();
-    cells.fill(&world, &[(0, Frame::new(&lattice.bounds))]);
+    let (mut cells, entries) =
+        Contents::of_cells(&world, &lattice, vec![references.clone()], &Endless).unwrap();
+    cells.fill(&world, &[(0, Frame::new(&lattice.bounds))], &Endless).unwrap();
     assert_eq!(cells.primitives_of(&cells.blocks).count(), references.len());
     let mut expected_blocks = 0;
     for (index, &entry) in entries.iter().enumerate() {
@@ -60,8 +62,8 @@ fn a_cell_has_as_many_blocks_as_it_needs_however_many() {
         let lattice = Lattice::new(widened(world.bounds), [1; 3]);
         let cell = lattice.index([0; 3]) as u32;
         let references = vec![(0..count as u32).map(|id| [cell, id]).collect()];
-        let (mut cells, entries) = Contents::of_cells(&world, &lattice, references).unwrap();
-        cells.fill(&world, &[(0, Frame::new(&lattice.bounds))]);
+        let (mut cells, entries) = Contents::of_cells(&world, &lattice, references, &Endless).unwrap();
+        cells.fill(&world, &[(0, Frame::new(&lattice.bounds))], &Endless).unwrap();
         assert_eq!(cells.blocks_of(entries[cell as usize]).len(), count.div_ceil(LANES), "{count}");
     }
 }

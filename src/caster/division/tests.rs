@@ -1,4 +1,5 @@
 use super::*;
+use crate::base::patience::Endless;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use glam::DVec3;
@@ -18,7 +19,7 @@ fn world(triangles: impl Iterator<Item = (DVec3, f64)>) -> World {
 /// Divides all triangles of a world in the frame of a cube around the origin.
 fn divided(world: &World, level: usize) -> Division {
     let frame = Frame::new(&Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) });
-    Division::new(world, (0..world.triangles.len() as u32).collect(), &frame, level)
+    Division::new((world, &Endless), (0..world.triangles.len() as u32).collect(), &frame, level).unwrap()
 }
 
 fn scattered(k: u32) -> DVec3 {

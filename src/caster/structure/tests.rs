@@ -1,4 +1,5 @@
 use super::*;
+use crate::base::patience::Endless;
 use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::{self, Level};
 use crate::math::ray::Ray;
@@ -23,7 +24,7 @@ fn identical(count: u32) -> World {
 
 #[test]
 fn a_list_is_a_cell_with_everything_in_it() {
-    let list = AccelerationStructure::new(&identical(5), Layout::List).unwrap();
+    let list = AccelerationStructure::new(&identical(5), Layout::List, &Endless).unwrap();
     assert_eq!(list.size(), StructureSize { cells: 1, references: 6, blocks: 1 });
 }
 
@@ -42,7 +43,7 @@ fn triangles_without_area_are_in_the_structures_of_the_course_alone() {
         (Layout::Course(None), 31),
         (Layout::Course(Some([1; 3])), 31),
     ] {
-        let structure = AccelerationStructure::new(&world, layout).unwrap();
+        let structure = AccelerationStructure::new(&world, layout, &Endless).unwrap();
         assert_eq!(structure.size().references, references, "{layout:?}");
     }
 }
@@ -60,7 +61,7 @@ fn corner_crowd(count: u32) -> World {
 fn every_primitive_is_once_in_a_leaf() {
     const COUNT: u32 = 4000;
     let world = corner_crowd(COUNT);
-    let structure = AccelerationStructure::new(&world, Layout::Tree).unwrap();
+    let structure = AccelerationStructure::new(&world, Layout::Tree, &Endless).unwrap();
     let mut ids: Vec<u32> = structure.contents.primitives_of(&structure.contents.blocks).collect();
     assert_eq!(ids.len(), structure.size().references);
     ids.sort_unstable();
@@ -102,7 +103,7 @@ fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
     let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
          Group { numObjects 1 Material { } Sphere { center 1000 0 0 radius 0.0005 } }";
     let world = World::new(&parse(text).unwrap(), &[]).unwrap();
-    let structure = AccelerationStructure::new(&world, Layout::Grid([1; 3])).unwrap();
+    let structure = AccelerationStructure::new(&world, Layout::Grid([1; 3]), &Endless).unwrap();
     let is_in_proven_range = |x: f64| {
         let ray = Ray::new(DVec3::X * x, DVec3::Y);
         let last = f64::INFINITY;

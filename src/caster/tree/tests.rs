@@ -1,4 +1,5 @@
 use super::*;
+use crate::base::patience::Endless;
 use crate::caster::block::NONE;
 use crate::caster::box8::PADDING;
 use crate::caster::division::Bounds;
@@ -24,7 +25,7 @@ fn world(count: u32, triangle: impl Fn(u32) -> (DVec3, f64)) -> World {
 type Grown = (Tree, Contents);
 
 fn grown(world: &World) -> Grown {
-    Tree::new(world, (0..world.triangles.len() as u32).collect(), frame()).unwrap()
+    Tree::new(world, (0..world.triangles.len() as u32).collect(), frame(), &Endless).unwrap()
 }
 
 /// Appends the ids in the leaves of a branch, and returns the number of levels of nodes.

@@ -25,6 +25,7 @@ mod tests;
 mod worst_cases;
 
 use crate::base::memory;
+use crate::base::patience::Patience;
 use crate::base::shortcut::Shortcut;
 use crate::camera::{Camera, Projection};
 use crate::caster::Caster;
@@ -83,13 +84,16 @@ const UNSURE: u32 = u32::MAX - 1;
 /// The number of rows of pixels in a tile, which one thread draws. A tile fits into the thread's cache.
 const TILE_ROWS: usize = 32;
 
+/// The number of planes in a tile between two questions whether the work should end.
+const PLANES_AT_ONCE: u32 = 16;
+
 /// Upper bound on the average number of pixel tests for each ray that need not be cast.
 const PIXELS_PER_RAY: usize = 16;
 
 impl VisibilityBuffer {
     /// Returns the first hits of the rays of this footprint in these rows, as far as triangles and planes determine
-    /// them. Returns `None` if casting the rays is cheaper, if the view is not suitable, or if there is too little
-    /// memory.
+    /// them. Returns `None` if casting the rays is cheaper, if the view is not suitable, if there is too little memory,
+    /// or if the patience of the caster is over.
     pub fn new(
         camera: &Camera,
         caster: &Caster,
@@ -112,11 +116,11 @@ impl VisibilityBuffer {
         let visible_ids = match camera.projection() {
             Projection::Perspective(eye) => {
                 let view = Viewport::new(eye, world.bounds, size, footprint, same_place)?;
-                drawn(&view, &rows, world, most_tests)?
+                drawn(&view, &rows, world, most_tests, caster)?
             }
             Projection::Orthographic(eye) => {
                 let view = ParallelView::new(eye, &world.bounds, width, footprint, same_place)?;
-                drawn(&view, &rows, world, most_tests)?
+                drawn(&view, &rows, world, most_tests, caster)?
             }
         };
         Some(Self { stride: width + tile::LANES, first_row: rows.start, visible_ids })
@@ -194,9 +198,15 @@ fn bytes_to_draw(world: &World, pixels: usize) -> u64 {
 }
 
 /// Draws the primitives of a world into these rows of a screen. Returns the ids that the pixels show, or `None` if that
-/// takes more than `most_tests` pixel tests. The pixels in the boxes of spheres and ellipsoids are unsure, unless
-/// something is certainly nearer.
-fn drawn(view: &impl View, rows: &Range<usize>, world: &World, most_tests: usize) -> Option<Vec<u32>> {
+/// takes more than `most_tests` pixel tests, or if the patience is over. The pixels in the boxes of spheres and
+/// ellipsoids are unsure, unless something is certainly nearer.
+fn drawn(
+    view: &impl View,
+    rows: &Range<usize>,
+    world: &World,
+    most_tests: usize,
+    patience: &dyn Patience,
+) -> Option<Vec<u32>> {
     let screen = view.screen();
     let vertices: Vec<_> = world.vertices.par_iter().map(|&vertex| view.vertex(vertex)).collect();
     let bins = Bins::new(rows, world.triangles.len(), |id| {
@@ -217,8 +227,11 @@ fn drawn(view: &impl View, rows: &Range<usize>, world: &World, most_tests: usize
     }
     let planes: Vec<_> = world.planes.iter().map(|plane| view.plane(plane)).collect();
     let edge_functions = |id: u32| view.edge_functions(world.corners(id as usize));
-    Some(bins.draw(screen, edge_functions, |tile| {
+    let ids = bins.draw(screen, edge_functions, |tile| {
         for (plane, id) in planes.iter().zip(world.first_plane()..) {
+            if id.is_multiple_of(PLANES_AT_ONCE) && patience.is_over() {
+                break;
+            }
             if let Some(plane) = plane {
                 tile.fill(plane, id);
             }
@@ -226,7 +239,8 @@ fn drawn(view: &impl View, rows: &Range<usize>, world: &World, most_tests: usize
         for TriangleBounds { columns, rows, max_inv_depth, .. } in &boxes {
             tile.mark_unsure(columns.range(), rows.range(), *max_inv_depth);
         }
-    }))
+    });
+    (!patience.is_over()).then_some(ids)
 }
 
 /// The pixels on which primitives are drawn.

@@ -10,6 +10,7 @@
 use super::light_view::{LightView, MapPlace};
 use super::{NOTHING, UNSURE, bytes_to_draw, drawn, tile};
 use crate::base::memory;
+use crate::base::patience::Patience;
 use crate::base::shortcut::Shortcut;
 use crate::caster::bounds::widened;
 use crate::math::aabb::Aabb;
@@ -44,7 +45,7 @@ const MAX_PIXELS: usize = 1 << 28;
 impl ShadowMaps {
     /// Builds the maps for this number of rays to each light. A light has no map if it is too close to the primitives,
     /// if there is too little memory, or if casting the rays is less work.
-    pub fn new(world: &World, rays: usize) -> Self {
+    pub fn new(world: &World, rays: usize, patience: &dyn Patience) -> Self {
         // The pixels of spheres are unsure.
         let has_flat_surfaces = !world.triangles.is_empty() || !world.planes.is_empty();
         let pays = rays >= SIZE * SIZE && rays / RAYS_PER_TRIANGLE >= world.triangles.len();
@@ -56,7 +57,11 @@ impl ShadowMaps {
             return Self::default();
         }
         let most_pixels = MAX_PIXELS / world.lights.len().max(1);
-        Self(world.lights.par_iter().map(|light| ShadowMap::new(world, light, most_pixels)).collect())
+        let map = |light: &Light| {
+            let may_go_on = !patience.is_over();
+            if may_go_on { ShadowMap::new(world, light, most_pixels, patience) } else { None }
+        };
+        Self(world.lights.par_iter().map(map).collect())
     }
 
     /// Returns the primitives that a ray from a point to the light with this index may hit.
@@ -70,11 +75,11 @@ impl ShadowMaps {
 }
 
 impl ShadowMap {
-    fn new(world: &World, light: &Light, most_pixels: usize) -> Option<Self> {
+    fn new(world: &World, light: &Light, most_pixels: usize, patience: &dyn Patience) -> Option<Self> {
         let of_boxes = world.boxes().flat_map(|bounds| widened(bounds).corners());
         let bounds = Aabb::around(of_boxes.chain(world.vertices.iter().copied()));
         let view = LightView::new(light, &bounds, SIZE)?;
-        let nearest_ids = drawn(&view, &(0..SIZE), world, most_pixels)?;
+        let nearest_ids = drawn(&view, &(0..SIZE), world, most_pixels, patience)?;
         Some(Self { view, nearest_ids })
     }
 

@@ -168,8 +168,8 @@ impl<'t, 'a> Tile<'t, 'a> {
         let by_corners =
             self.tracer.tally.in_parallel(0..rows.len(), |row| Some(contents(&self.corners, row)));
         let mut contents = by_corners.into_iter().collect::<Option<Vec<_>>>()?.concat();
-        let (specks, columns) =
-            (self.planner.small_things.specks(&self.columns, &rows), self.columns.clone());
+        let columns = self.columns.clone();
+        let specks = self.planner.small_things.specks(&columns, &rows, self.tracer.tally).ok()?;
         let seen = self.cast(|j| {
             let row = &specks[(j - rows.start) * width..][..width];
             let alone = columns.clone().zip(row).filter(|(_, speck)| speck.is_alone());

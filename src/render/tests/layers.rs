@@ -1,6 +1,7 @@
 //! The contents of the layers of small pictures.
 
 use super::*;
+use crate::base::patience::Endless;
 use crate::caster::RayOrigin;
 use crate::stats::Quiet;
 use std::cell::RefCell;
@@ -48,7 +49,7 @@ fn samples_are_plotted_where_they_lie_on_a_chequered_ground() {
 fn a_filter_is_drawn_around_the_middle_pixel_with_lines_between_pixels() {
     let (filter, zoom, [width, height]) = (Filter::Tent { radius: 1.4 }, 4, [7, 5]);
     let drawn = RefCell::new(vec![]);
-    render_filter(filter, [width, height], zoom, &mut |row| {
+    render_filter(filter, [width, height], zoom, &|_| ControlFlow::Continue(()), &mut |row| {
         drawn.borrow_mut().push(row.to_vec());
         ControlFlow::Continue(())
     })
@@ -111,7 +112,7 @@ fn a_view_of_cells_tests_no_primitive() {
     .unwrap();
     let world = World::new(&text, &[]).unwrap();
     let caster = Caster::new(&world, None).unwrap();
-    let occupancy = grid_view::Occupancy::new(&text, &[], world.bounds, [4; 3]).unwrap();
+    let occupancy = grid_view::Occupancy::new(&text, &[], world.bounds, [4; 3], &Endless).unwrap();
     for (layers, tests) in [(vec![Layer::Color], false), (vec![Layer::Color, Layer::Normals], true)] {
         let request = Request { layers, tracing: Tracing::Counted, ..Request::new([9, 8]) };
         let camera = Camera::new(&text.camera, request.size);

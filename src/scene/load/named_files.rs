@@ -2,6 +2,7 @@
 
 use crate::base::escape::{escape, quoted};
 use crate::base::memory::{self, NoMemory};
+use crate::base::patience::Endless;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::image_io::{ReadFile, load_picture};
 use crate::scene::edition::Edition;
@@ -143,7 +144,7 @@ pub fn read_mesh(
         match read_mesh_file(&place)? {
             Ok(bytes) => {
                 let in_mesh = |found| in_mesh(found, *at, &lossy(&place), &bytes);
-                let mut file = read_obj(&bytes, is_textured).map_err(in_mesh)?;
+                let mut file = read_obj(&bytes, is_textured, &Endless).map_err(in_mesh)?;
                 file.doubts = file.doubts.into_iter().map(in_mesh).collect();
                 return Ok((file, place));
             }

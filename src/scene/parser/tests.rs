@@ -1,6 +1,7 @@
 //! Tests of the parser.
 
 use super::*;
+use crate::base::patience::tests::Counted;
 use crate::scene::material::{Material, Phong};
 use crate::scene::transform::Factor;
 use crate::scene::{MeshFile, Object, Position};
@@ -139,4 +140,69 @@ fn later_blocks_replace_earlier_ones() {
     .unwrap();
     assert!(matches!(scene.camera, Camera::Perspective { .. }));
     assert_eq!((scene.objects, scene.meshes), (vec![Object::Group(vec![])], vec![]));
+}
+
+fn grids(cells: &[[usize; 3]]) -> String {
+    let grid = |[x, y, z]: &[usize; 3]| {
+        format!(
+            "Grid {{ min 0 0 0 max 1 1 1 numCells {x} {y} {z}
+             rasterizeSphere {{ center 0 0 0 radius 1e-9 }} }}\n"
+        )
+    };
+    let grids: String = cells.iter().map(grid).collect();
+    format!(
+        "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+Group {{ numObjects {} Material {{ }}\n{grids}}}",
+        cells.len()
+    )
+}
+
+#[test]
+fn the_cells_of_all_grids_are_counted_before_any_are_made() {
+    assert!(parse(&grids(&[[255, 256, 256], [1, 255, 256], [1, 1, 256]])).is_ok());
+    let patience = Counted::up_to(usize::MAX);
+    let text = grids(&[[255, 256, 256], [1, 256, 256], [1, 1, 1], [2, 2, 2]]);
+    let error = read_words(Edition::Y2004, &text, &patience).unwrap_err();
+    assert_eq!(error.position().map(|at| at.line), Some(7));
+    assert_eq!(
+        (error.message.as_str(), patience.asked()),
+        ("up to here, the grids of the scene have 16777217 cells", 0)
+    );
+}
+
+#[test]
+fn the_steps_of_reading_grow_with_the_text() {
+    let nested = |count: usize| {
+        let groups = "Group { numObjects 1 ".repeat(count);
+        format!(
+            "Group {{ numObjects 1 Material {{ }} {groups} Sphere {{ center 0 0 0 radius 1 }} {} }}",
+            "}".repeat(count)
+        )
+    };
+    let many = |count: usize| {
+        let spheres = "Sphere { center 0 0 0 radius 1 } ".repeat(count);
+        format!("Group {{ numObjects {count} Material {{ }} {spheres} }}")
+    };
+    for scene in [nested as fn(usize) -> String, many] {
+        let questions = |count: usize| {
+            let camera = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }";
+            let patience = Counted::up_to(usize::MAX);
+            read_words(Edition::Y2004, &format!("{camera} {}", scene(count)), &patience).unwrap();
+            patience.asked()
+        };
+        let [few, more] = [10_000, 40_000].map(questions);
+        assert!(few > 10 && (4 * few).abs_diff(more) < 10, "{few} {more}");
+    }
+}
+
+#[test]
+fn reading_ends_at_any_question() {
+    let spheres = "Sphere { center 0 0 0 radius 1 } ".repeat(2000);
+    let text = grids(&[[16, 16, 16]])
+        .replace("numObjects 1 Material { }", &format!("numObjects 2001 Material {{ }} {spheres}"));
+    let mut read = (0..).map(|most| {
+        let patience = Counted::up_to(most);
+        read_words(Edition::Y2004, &text, &patience).and_then(|unfinished| unfinished.finish(&patience))
+    });
+    assert!(read.by_ref().take_while(Result::is_err).count() > 3);
 }

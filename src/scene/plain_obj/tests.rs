@@ -1,14 +1,15 @@
 //! Compares the fast parser with the full one.
 
 use super::*;
+use crate::base::patience::Endless;
 use crate::scene::obj_reader;
 
 fn read(text: &str) -> Option<Mesh> {
-    parse(text.as_bytes()).map(|(mesh, _)| mesh)
+    parse(text.as_bytes(), &Endless).map(|(mesh, _)| mesh)
 }
 
 fn parse_obj_fully(text: &[u8]) -> Result<Mesh, crate::diagnostic::Diagnostic> {
-    obj_reader::read(text, false).map(|file| file.mesh)
+    obj_reader::read(text, false, &Endless).map(|file| file.mesh)
 }
 
 /// Asserts that two meshes have bitwise equal triangles and the same number of vertices.
@@ -47,7 +48,7 @@ fn agrees_with_the_full_parser() {
 #[test]
 fn rejects_what_only_the_full_parser_reads() {
     const GOOD: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    assert!(parse(GOOD.as_bytes()).is_some());
+    assert!(parse(GOOD.as_bytes(), &Endless).is_some());
     for line in [
         "vn 0 0 1",
         "vt 0 0",
@@ -73,9 +74,9 @@ fn rejects_what_only_the_full_parser_reads() {
         "v 1..2 2 3",
         "v 1 2 3x",
     ] {
-        assert!(parse(format!("{GOOD}{line}\n").as_bytes()).is_none(), "{line}");
+        assert!(parse(format!("{GOOD}{line}\n").as_bytes(), &Endless).is_none(), "{line}");
     }
-    assert!([&b""[..], b"v 1 2 3\n"].iter().all(|text| parse(text).is_none()));
+    assert!([&b""[..], b"v 1 2 3\n"].iter().all(|text| parse(text, &Endless).is_none()));
 }
 
 #[test]

@@ -38,8 +38,9 @@ pub enum OutlineFault {
     EnclosesNothing,
 }
 
-/// The largest number of corners for which `earcut`'s lists cannot overflow.
-const MOST_CORNERS: usize = 1 << 24;
+/// The largest number of corners of a polygon in a file. The time of `earcut`, and of closing gaps along edges, may grow
+/// with the square of the number.
+pub const MOST_CORNERS: usize = 1000;
 
 /// Triangulates a polygon of at least three finite corners.
 ///
@@ -49,8 +50,9 @@ pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let points = |ring: &[usize]| ring.iter().map(|&corner| corners[corner]).collect::<Vec<_>>();
     let ring = distinct(corners);
     let (mut own, is_backwards) = in_own_order(&ring, corners);
-    let facing = DroppedAxis::facing(&points(&own)).filter(|_| corners.len() <= MOST_CORNERS);
-    let Some(projection) = facing else { return Triangulation { triangles: whole_fan(), fault: None } };
+    let Some(projection) = DroppedAxis::facing(&points(&own)) else {
+        return Triangulation { triangles: whole_fan(), fault: None };
+    };
     let of_polygon = |places: Vec<[usize; 3]>, ring: Vec<usize>| {
         places.into_iter().map(|triangle| triangle.map(|place| ring[place])).collect()
     };
@@ -135,10 +137,11 @@ fn distinct(corners: &[DVec3]) -> Vec<usize> {
 fn in_own_order(ring: &[usize], corners: &[DVec3]) -> (Vec<usize>, bool) {
     let position = |corner: &usize| corners[*corner].to_array();
     let least_rotation = |mut ring: Vec<usize>| {
-        let from = |start: usize| ring[start..].iter().chain(&ring[..start]);
-        let start = (0..ring.len())
-            .min_by(|&one, &other| in_order(from(one).map(position), from(other).map(position)));
-        ring.rotate_left(start.unwrap_or(0));
+        let start = least_start(ring.len(), |i, j| {
+            let [one, other] = [i, j].map(|place| position(&ring[place]));
+            one.partial_cmp(&other).unwrap_or(Ordering::Equal)
+        });
+        ring.rotate_left(start);
         ring
     };
     let forwards = least_rotation(ring.to_vec());
@@ -147,6 +150,23 @@ fn in_own_order(ring: &[usize], corners: &[DVec3]) -> (Vec<usize>, bool) {
         Ordering::Greater => (backwards, true),
         _ => (forwards, false),
     }
+}
+
+/// Returns the first start of the lexicographically least rotation of a list, in linear time. `compare` compares two
+/// places of the list. Of two starts whose rotations begin alike and then differ, neither the greater one nor the next
+/// ones up to the difference begin the least rotation (Shiloach, "Fast canonization of circular strings", Journal of
+/// Algorithms 2(2), 1981).
+fn least_start(count: usize, mut compare: impl FnMut(usize, usize) -> Ordering) -> usize {
+    let (mut one, mut other, mut alike) = (0, 1, 0);
+    while one.max(other) < count && alike < count {
+        match compare((one + alike) % count, (other + alike) % count) {
+            Ordering::Equal => alike += 1,
+            Ordering::Less => (other, alike) = (other + alike + 1, 0),
+            Ordering::Greater => (one, alike) = (one + alike + 1, 0),
+        }
+        other += usize::from(one == other);
+    }
+    one.min(other).min(count.saturating_sub(1))
 }
 
 /// Compares two lists of finite points lexicographically.

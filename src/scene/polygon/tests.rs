@@ -475,6 +475,31 @@ fn the_own_order_depends_neither_on_the_start_nor_on_the_direction() {
 }
 
 #[test]
+fn the_least_rotation_is_found_in_few_comparisons() {
+    let rng = &mut Rng(2);
+    for _ in 0..3000 {
+        let count = 1 + rng.below(12);
+        let list: Vec<usize> = (0..count).map(|_| rng.below(2)).collect();
+        let from = |start: usize| list[start..].iter().chain(&list[..start]);
+        let expected = (0..count).min_by(|&one, &other| from(one).cmp(from(other)));
+        assert_eq!(Some(least_start(count, |i, j| list[i].cmp(&list[j]))), expected, "{list:?}");
+    }
+    let periodic = |k: usize| if k == 0 { 3 } else { k % 2 };
+    let number: [fn(&mut Rng) -> usize; 2] = [|rng| rng.below(2), |rng| rng.below(1000)];
+    for count in [100, 1000, 100_000] {
+        let [bits, random] = number.map(|number| (0..count).map(|_| number(rng)).collect::<Vec<_>>());
+        for list in [(0..count).map(periodic).collect(), vec![7; count], bits, random] {
+            let mut compared = 0;
+            least_start(count, |i, j| {
+                compared += 1;
+                list[i].cmp(&list[j])
+            });
+            assert!(compared <= 3 * count, "{compared} for {count}");
+        }
+    }
+}
+
+#[test]
 fn repeated_corners_are_one() {
     let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y];
     assert_eq!(distinct(&[a, a, b, c, c, c, a, a]), [0, 2, 3]);

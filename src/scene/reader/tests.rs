@@ -1,7 +1,8 @@
 use super::*;
+use crate::base::patience::Endless;
 
 fn reader(text: &str) -> Reader<'_> {
-    Reader::new(Edition::Y2004, text)
+    Reader::new(Edition::Y2004, text, &Endless)
 }
 
 #[test]

@@ -31,6 +31,7 @@ use regions::unset_pixels;
 pub use search::MAX_UNEXPLAINED;
 pub use student::SelfHitting;
 
+use crate::base::patience::Patience;
 use crate::caster::RayOrigin;
 use crate::picture::{FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
@@ -58,10 +59,20 @@ const MAX_PARTS: usize = 24;
 /// The largest share of the unexplained pixels that may be left if a mistake is named as a cause, not as a part.
 const MAX_LEFT: f64 = 0.02;
 
+/// The patience of a watch.
+#[derive(Clone, Copy)]
+struct Watched<'a>(Watch<'a>);
+
+impl Patience for Watched<'_> {
+    fn is_over(&self) -> bool {
+        (self.0)(Progress { done: 0, rows: 0, rays: 0 }).is_break()
+    }
+}
+
 /// This program's picture, with its renderer and request.
 pub struct Original<'a> {
     prepared: Prepared<'a>,
-    watch: Watch<'a>,
+    patience: Watched<'a>,
     request: Request,
     colors: FloatPicture,
 }
@@ -82,14 +93,14 @@ impl<'a> Original<'a> {
         if !can_try(renderer, &request) {
             return None;
         }
-        let prepared = prepared(renderer, &request)?;
+        let prepared = prepared(renderer, &request, &Watched(watch))?;
         let (colors, _) = prepared.render_layer(&request, watch).ok()?;
-        Some(Self { prepared, watch, request, colors })
+        Some(Self { prepared, patience: Watched(watch), request, colors })
     }
 
     /// Returns true if the watch has cancelled the search.
     fn is_cancelled(&self) -> bool {
-        (self.watch)(Progress { done: 0, rows: 0, rays: 0 }).is_break()
+        self.patience.is_over()
     }
 
     /// Returns this program's own picture.

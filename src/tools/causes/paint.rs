@@ -34,14 +34,13 @@ pub struct Painter<'a> {
     moves: &'a [Move],
     /// One more move, of all points alike.
     moved: DVec2,
-    is_over: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Painter<'a> {
-    /// Returns a painter. Pixels are black after `is_over` returns true.
-    pub fn new(student: &'a Student, request: &'a Request, is_over: &'a (dyn Fn() -> bool + Sync)) -> Self {
+    /// Returns a painter. Pixels have unspecified colours after the student's patience is over.
+    pub fn new(student: &'a Student, request: &'a Request) -> Self {
         let camera = student.renderer.camera(request);
-        Self { student, request, camera, moves: &[], moved: DVec2::ZERO, is_over }
+        Self { student, request, camera, moves: &[], moved: DVec2::ZERO }
     }
 
     pub fn with_moves(self, moves: &'a [Move]) -> Self {
@@ -97,7 +96,7 @@ impl<'a> Painter<'a> {
 
     /// Returns the colour seen at an offset from the centre of the pixel in this column and row from the bottom.
     fn sample(&self, pixel: [usize; 2], offset: DVec2) -> Color {
-        if (self.is_over)() {
+        if self.student.patience.is_over() {
             return Color::ZERO;
         }
         let pixel = DVec2::new(pixel[0] as f64, pixel[1] as f64);
@@ -211,6 +210,7 @@ fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
     use crate::picture::Picture;
     use crate::render::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, sampler};
@@ -224,10 +224,10 @@ mod tests {
     fn all(scene: &str, request: &Request) -> [Picture; 3] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
-        let prepared = prepared(&renderer, request).unwrap();
+        let prepared = prepared(&renderer, request, &Endless).unwrap();
         let (real, _) = prepared.render_layer(request, &|_| ControlFlow::Continue(())).unwrap();
         let student = Student::new(&renderer, prepared.caster(), request.effects);
-        let painter = Painter::new(&student, request, &|| false);
+        let painter = Painter::new(&student, request);
         let painted = painter.picture().unwrap();
         let places: Vec<[usize; 2]> =
             (0..real.size[1]).flat_map(|y| (0..real.size[0]).map(move |x| [x, y])).collect();

@@ -47,15 +47,16 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     }
     let examined: Vec<usize> =
         wrong.iter().copied().step_by(wrong.len().div_ceil(MAX_PIXELS).max(1)).collect();
-    let student = &Student::new(renderer, original.prepared.caster(), request.effects);
-    let is_over = || original.is_cancelled();
-    let painter = Painter::new(student, request, &is_over);
+    let patience = &original.patience;
+    let caster = &original.prepared.caster().patient(patience);
+    let student = &Student { patience, ..Student::new(renderer, caster, request.effects) };
+    let painter = Painter::new(student, request);
     let count = |rays: SelfHitting| {
         let may_hit = |why, _: &SurfacePoint, _| rays.has(why);
         let is_speckle = |&&at: &&usize| {
             let accepts = |color: Color| MadePixel::new(color).levels(picture[at]) <= 1;
             let source = [at % request.size[0], at / request.size[0]];
-            !is_over() && is_made(&painter, source, DVec2::ZERO, &may_hit, &accepts)
+            !original.is_cancelled() && is_made(&painter, source, DVec2::ZERO, &may_hit, &accepts)
         };
         examined.par_iter().filter(is_speckle).count()
     };

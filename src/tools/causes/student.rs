@@ -6,6 +6,7 @@
 
 use super::rules::{Rule, Rules};
 use super::wrong_textures::first_weight;
+use crate::base::patience::{Endless, Patience};
 use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::Level;
 use crate::math::ray::{Ray, Visible};
@@ -20,7 +21,9 @@ use crate::shading::light::{Incident, incident};
 use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
 use crate::shading::texture::{material_at, material_of_surface};
 use crate::stats::Quiet;
-use crate::trace::{Effects, Shadows, mirrored_part, reflected, refracted_between, transmittance};
+use crate::trace::{
+    Effects, Shadows, ending_at_light, mirrored_part, reflected, refracted_between, transmittance,
+};
 use crate::world::{Objects, Primitive, SurfacePoint, World};
 use glam::{DMat3, DVec3};
 use serde::Serialize;
@@ -116,6 +119,8 @@ pub struct Student<'a> {
     pub hits_itself: Option<HitsItself<'a>>,
     /// An epsilon in place of the scene's.
     pub epsilon: Option<f64>,
+    /// Ends the work early. Colours are unspecified then.
+    pub patience: &'a dyn Patience,
 }
 
 /// A ray and its history since the camera.
@@ -141,7 +146,8 @@ impl<'a> Student<'a> {
     /// Returns a tracer that breaks no rule.
     pub fn new(renderer: &'a Renderer, hits: &'a dyn Hits, effects: Effects) -> Self {
         let rules = Rules::default();
-        Self { renderer, hits, effects, rules, objects: None, hits_itself: None, epsilon: None }
+        let (objects, hits_itself, epsilon, patience) = (None, None, None, &Endless);
+        Self { renderer, hits, effects, rules, objects, hits_itself, epsilon, patience }
     }
 
     fn breaks(&self, rule: Rule) -> bool {
@@ -166,6 +172,10 @@ impl<'a> Student<'a> {
 
     /// Returns the colour along a ray: the surface's own colour, plus the colours of the refracted and mirrored rays.
     fn trace(&self, way: &Way) -> Color {
+        // One camera ray may cause more rays than can ever be traced.
+        if self.patience.is_over() {
+            return Color::ZERO;
+        }
         let color = match self.hits.nearest(&way.ray, way.leaves) {
             Some(visible) => {
                 let surface = &self.surface(&way.ray, visible);
@@ -297,6 +307,9 @@ impl<'a> Student<'a> {
         let is_overwritten =
             self.rules.has_any(&[Rule::LightsOverwritten, Rule::LightsAndAmbientOverwritten]);
         for index in 0..self.world().lights.len() {
+            if self.patience.is_over() {
+                break;
+            }
             let light = self.incident(index, surface.position);
             let cosine = normal.dot(light.direction);
             let shows = self.shows(material, &light, cosine);
@@ -431,7 +444,7 @@ impl<'a> Student<'a> {
     fn passed_of_all(&self, arrival: &Arrival) -> Color {
         let lights = 0..self.world().lights.len();
         let passed = |index| self.passed(arrival, &self.incident(index, arrival.surface.position), index);
-        lights.map(passed).fold(Color::ONE, Color::min)
+        lights.take_while(|_| !self.patience.is_over()).map(passed).fold(Color::ONE, Color::min)
     }
 
     /// Returns the fraction of a light that reaches a surface, per channel.
@@ -464,13 +477,21 @@ impl<'a> Student<'a> {
     ) -> Color {
         let is_unshadowed = self.breaks(Rule::GlassWithoutShadows);
         let at_light = self.world().primitives_at_light(index);
-        ray.t_max = if self.breaks(Rule::ShadowsFromBehindLight) {
+        let length = if self.breaks(Rule::ShadowsFromBehindLight) {
             f64::INFINITY
         } else if self.breaks(Rule::ShadowRaysHalved) {
             0.5 * light.distance
         } else {
             light.distance
         };
+        // Students with an epsilon or a bias do not measure the length again.
+        let ends_at_light =
+            length == light.distance && self.epsilon.is_none() && self.shadow_bias().is_none();
+        let ended = |ray: Ray, surface: &SurfacePoint, t_max: f64| {
+            let ray = Ray { t_max, ..ray };
+            if ends_at_light { ending_at_light(self.world(), index, surface, ray) } else { ray }
+        };
+        ray = ended(ray, surface, length);
         if self.effects.shadows == Shadows::Opaque && !is_unshadowed {
             let is_blocked = !at_light.is_empty() || self.hits.nearest(&ray, leaves).is_some();
             return if is_blocked { Color::ZERO } else { Color::ONE };
@@ -484,7 +505,8 @@ impl<'a> Student<'a> {
         // The distance from the last surface to the current start of the ray.
         let mut way = 0.0;
         for _ in 0..self.world().most_crossings() {
-            let Some(visible) = self.hits.nearest(&ray, leaves) else { break };
+            let visible = if self.patience.is_over() { None } else { self.hits.nearest(&ray, leaves) };
+            let Some(visible) = visible else { break };
             let (t, crossed) = (self.hits.distance(&ray, visible), self.surface(&ray, visible));
             let is_left = crossed.normal.dot(ray.direction) >= 0.0;
             if at_light.iter().any(|place| place.is_crossed(visible.primitive, ray.direction, is_left)) {
@@ -501,7 +523,7 @@ impl<'a> Student<'a> {
             }
             let t_max = ray.t_max - t;
             (ray, leaves) = self.departing(Departure::Onwards, &crossed, ray.direction);
-            ray.t_max = t_max;
+            ray = ended(ray, &crossed, t_max);
         }
         let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));
         match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {

@@ -7,6 +7,7 @@ use super::paint::{Move, Painter};
 use super::rules::Rules;
 use super::student::{MAX_BOUNCES, Student};
 use super::wrong_hits::{EXHAUSTIVE, MAX_TESTS, WrongHits};
+use crate::base::patience::Patience;
 use crate::caster::choose::Rays;
 use crate::picture::{Color, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
@@ -75,7 +76,8 @@ impl<'o> Variant<'o> {
         if is_deep || is_large {
             return None;
         }
-        let renderer = (scene != own.scene).then(|| own.with_scene(scene)).transpose().ok()?;
+        let renderer =
+            (scene != own.scene).then(|| own.with_scene(scene, &original.patience)).transpose().ok()?;
         let finish = Finish::new(mistakes);
         Some(Self { original, renderer, request, rules, moves, without, finish })
     }
@@ -124,7 +126,7 @@ impl<'o> Variant<'o> {
             self.original.colors.clone()
         } else if self.rules.is_empty() && self.moves.is_empty() && !self.hides_triangles() {
             let rendered =
-                |prepared: &Prepared| prepared.render_layer(&self.request, self.original.watch).ok();
+                |prepared: &Prepared| prepared.render_layer(&self.request, self.original.patience.0).ok();
             self.with_prepared(rendered)??.0
         } else {
             self.with_painter(Rough::default(), |painter| painter.picture().ok())??
@@ -139,7 +141,7 @@ impl<'o> Variant<'o> {
     /// Calls `work` with the prepared scene.
     fn with_prepared<T>(&self, work: impl FnOnce(&Prepared) -> T) -> Option<T> {
         match &self.renderer {
-            Some(renderer) => Some(work(&prepared(renderer, &self.request)?)),
+            Some(renderer) => Some(work(&prepared(renderer, &self.request, &self.original.patience)?)),
             None => Some(work(&self.original.prepared)),
         }
     }
@@ -147,7 +149,8 @@ impl<'o> Variant<'o> {
     /// Calls `work` with a student's tracer that paints the picture before it is finished. `None` if memory is too small.
     pub fn with_painter<T>(&self, rough: Rough, work: impl FnOnce(&Painter) -> T) -> Option<T> {
         let paint = |prepared: &Prepared| {
-            let (renderer, caster) = (prepared.renderer(), prepared.caster());
+            let patience = &self.original.patience;
+            let (renderer, caster) = (prepared.renderer(), &prepared.caster().patient(patience));
             let objects = Objects::new(&renderer.scene, self.original.renderer().meshes(), caster.world)?;
             let wrong = WrongHits::new(caster, &objects, self.rules, self.hidden(&objects));
             let mut effects = self.request.effects;
@@ -157,10 +160,9 @@ impl<'o> Variant<'o> {
             } else {
                 Student::new(renderer, caster, effects)
             };
-            let student =
-                Student { rules: self.rules, objects: Some(&objects), epsilon: rough.epsilon, ..student };
-            let is_over = || self.original.is_cancelled();
-            Some(work(&Painter::new(&student, &self.request, &is_over).with_moves(&self.moves)))
+            let (objects, epsilon) = (Some(&objects), rough.epsilon);
+            let student = Student { rules: self.rules, objects, epsilon, patience, ..student };
+            Some(work(&Painter::new(&student, &self.request).with_moves(&self.moves)))
         };
         self.with_prepared(paint)?
     }
@@ -170,12 +172,14 @@ impl<'o> Variant<'o> {
         !matches!(self.without, None | Some(Part::Object(_) | Part::Light(_)))
     }
 
-    /// Returns the primitives that are left out of the world.
+    /// Returns the primitives that are left out of the world, in ascending order.
     fn hidden(&self, objects: &Objects) -> Vec<u32> {
         let Some(part) = self.without else { return vec![] };
         let scene = &self.original.renderer().scene;
         let of = |object: &PlacedObject| Some(object.primitives.start + part.triangle(object, scene)?);
-        objects.iter().filter_map(of).collect()
+        let mut hidden: Vec<u32> = objects.iter().filter_map(of).collect();
+        hidden.sort_unstable();
+        hidden
     }
 
     /// Returns the depth below a surface at which rays in single precision may start by rounding.
@@ -255,6 +259,10 @@ impl Finish {
 }
 
 /// Prepares a scene for a tracer that casts all rays, even those that the renderer can skip.
-pub fn prepared<'r>(renderer: &'r Renderer, request: &Request) -> Option<Prepared<'r>> {
-    renderer.prepare_for(request, Rays::cast(request.camera_rays())).ok()
+pub fn prepared<'r>(
+    renderer: &'r Renderer,
+    request: &Request,
+    patience: &dyn Patience,
+) -> Option<Prepared<'r>> {
+    renderer.prepare_within(request, Rays::cast(request.camera_rays()), patience).ok()
 }

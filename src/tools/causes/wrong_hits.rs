@@ -17,7 +17,7 @@ pub struct WrongHits<'a> {
     rules: Rules,
     /// The objects in the order of the scene.
     objects: Vec<&'a PlacedObject>,
-    /// Primitives that no ray hits.
+    /// Primitives that no ray hits, in ascending order.
     hidden: Vec<u32>,
 }
 
@@ -34,6 +34,10 @@ impl<'a> WrongHits<'a> {
         is_culled || self.rules.has_any(&EXHAUSTIVE) || !self.hidden.is_empty()
     }
 
+    fn is_hidden(&self, id: u32) -> bool {
+        self.hidden.binary_search(&id).is_ok()
+    }
+
     /// Returns true if rays pass through a primitive.
     fn is_passed(&self, ray: &Ray, visible: Visible) -> bool {
         let culled = |rule: Rule, sign: f64| {
@@ -41,7 +45,7 @@ impl<'a> WrongHits<'a> {
                 && self.world().is_triangle(visible.primitive)
                 && sign * self.hits.surface(ray, visible).normal.dot(ray.direction) > 0.0
         };
-        self.hidden.contains(&visible.primitive)
+        self.is_hidden(visible.primitive)
             || culled(Rule::BackFacesCulled, 1.0)
             || culled(Rule::FrontFacesCulled, -1.0)
     }
@@ -53,7 +57,7 @@ impl<'a> WrongHits<'a> {
         let mut chosen: Option<Visible> = None;
         for object in &self.objects {
             let scale = self.scale(ray, object);
-            let is_there = |id: &u32| Some(*id) != exclude && !self.hidden.contains(id);
+            let is_there = |id: &u32| Some(*id) != exclude && !self.is_hidden(*id);
             for id in object.primitives.clone().filter(is_there) {
                 let Some(t) = self.crossing(&endless, id).map(|t| scale * t).filter(|&t| t < ray.t_max)
                 else {
@@ -119,8 +123,10 @@ impl Hits for WrongHits<'_> {
     }
 
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
-        let object = self.objects.iter().find(|object| object.primitives.contains(&visible.primitive));
-        match object.filter(|_| self.rules.has(Rule::TNotRescaled)) {
+        let holds = |object: &&&PlacedObject| object.primitives.contains(&visible.primitive);
+        let is_rescaled = !self.rules.has(Rule::TNotRescaled);
+        let object = if is_rescaled { None } else { self.objects.iter().find(holds) };
+        match object {
             Some(object) => {
                 let t_bound = visible.t_bound / self.scale(ray, object);
                 let found = self.hits.surface(ray, Visible { t_bound, ..visible });

@@ -5,6 +5,7 @@ use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
+use crate::base::patience::Endless;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
@@ -124,7 +125,7 @@ impl Sweep<'_> {
     /// Measures a setting, and adds it to the last filter.
     fn measure(&mut self, setting: &Setting, reference: &Reference) -> Result<(), Ended> {
         // The changed scene has the same objects, so a world can be built for it.
-        let limited = |most| self.renderer.with_scene(with_octaves(&self.renderer.scene, most));
+        let limited = |most| self.renderer.with_scene(with_octaves(&self.renderer.scene, most), &Endless);
         let other = if let Axis::Octaves(most) = setting.axis { Some(limited(most)?) } else { None };
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let prepared = self.prepared(renderer, &setting.request)?;

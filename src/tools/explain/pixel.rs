@@ -41,8 +41,9 @@ impl Explainer<'_, '_> {
         };
         let (watch, is_over) = (|progress: Progress| stop.watch(progress), |_| stop.is_over());
         let (camera, lights) = (self.prepared.camera(request), self.scene.lights.len());
-        let tracer = Tracer::new(self.prepared.caster(), request.effects);
-        let mut memory = Memory::until(&is_over, lights);
+        let caster = self.prepared.caster().patient(stop);
+        let tracer = Tracer::new(&caster, request.effects);
+        let mut memory = Memory::until(&is_over, caster.world);
         let mut tree = PixelTree {
             pixel: [x, y],
             has_grid: self.prepared.cells().is_some(),

@@ -1,4 +1,6 @@
 use super::*;
+use crate::base::patience::tests::Counted;
+use crate::math::worst_case::Rng;
 use crate::scene::Position;
 use crate::scene::parser::parse;
 
@@ -100,4 +102,119 @@ fn a_plane_is_transformed_with_its_points() {
     let object = "Transform { Translate 0 0 5 Scale 1 1 3 Plane { normal 0 0 2 offset 4 } }";
     let world = world_of(object, &[]).unwrap();
     assert_eq!(world.planes, [Plane { normal: DVec3::Z, offset: 17.0 }]);
+}
+
+/// The number of questions whether building a world should end, which is proportional to its steps.
+fn questions(objects: &str, count: usize, lights: &[String]) -> usize {
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+         Lights {{ numLights {} {} }} Group {{ numObjects {count} Material {{ }} {objects} }}",
+        lights.len(),
+        lights.concat()
+    );
+    let patience = Counted::up_to(usize::MAX);
+    World::within(&parse(&text).unwrap(), vec![], &patience).unwrap();
+    patience.asked()
+}
+
+/// Returns the objects of a kind, and the lights, of a scene of `count` objects.
+type Family = fn(&mut Rng, usize) -> (Vec<String>, Vec<String>);
+
+fn lights(rng: &mut Rng, count: usize, z: Option<f64>) -> Vec<String> {
+    let mut at = || 2.0 * rng.signed();
+    let light =
+        |_| format!("PointLight {{ position {} {} {} color 1 1 1 }} ", at(), at(), z.unwrap_or_else(&mut at));
+    (0..count).map(light).collect()
+}
+
+fn objects(count: usize, object: impl FnMut(usize) -> String) -> Vec<String> {
+    (0..count).map(object).collect()
+}
+
+#[test]
+fn the_steps_of_building_grow_hardly_faster_than_the_scene() {
+    let families: [(&str, f64, Family); 11] = [
+        ("random planes", 6.0, |rng, count| {
+            let object = |_: usize| {
+                let [x, y, z, offset] = [0; 4].map(|_| rng.signed());
+                format!("Plane {{ normal {x} {y} {z} offset {offset} }} ")
+            };
+            (objects(count, object), vec![])
+        }),
+        ("equal planes", 6.0, |_, count| {
+            (objects(count, |_| "Plane { normal 0 1 0.3 offset 1 } ".into()), vec![])
+        }),
+        ("planes some roundings apart", 6.0, |_, count| {
+            (
+                objects(count, |k| format!("Plane {{ normal 0 1 0.3 offset {} }} ", -1.0 - k as f64 * 1e-15)),
+                vec![],
+            )
+        }),
+        ("equal planes, each under a transform", 6.0, |_, count| {
+            let plane = "Plane { normal 0 1 0.3 offset 1 }";
+            (objects(count, |k| format!("Transform {{ Translate {k} 0 0 {plane} }} ")), vec![])
+        }),
+        ("planes some roundings apart, each under a transform", 6.0, |_, count| {
+            let object = |k: usize| {
+                let offset = -1.0 - k as f64 * 1e-15;
+                format!("Transform {{ Translate {k} 0 0 Plane {{ normal 0 1 0.3 offset {offset} }} }} ")
+            };
+            (objects(count, object), vec![])
+        }),
+        ("lights on equal triangles", 6.0, |rng, count| {
+            let triangle = "Triangle { vertex0 -9 -9 1 vertex1 9 -9 1 vertex2 0 19 1 } ";
+            (objects(count, |_| triangle.into()), lights(rng, count, Some(1.0)))
+        }),
+        ("lights and small spheres", 6.0, |rng, count| {
+            let object = |_: usize| {
+                let [x, y, z] = [0; 3].map(|_| 2.0 * rng.signed());
+                format!("Sphere {{ center {x} {y} {z} radius 0.03 }} ")
+            };
+            (objects(count, object), lights(rng, count, None))
+        }),
+        // A surface across the scene is near n^(2/3) of the lights.
+        ("lights and large spheres", 12.0, |rng, count| {
+            let object = |k: usize| format!("Sphere {{ center 0 0 0 radius {} }} ", 1.0 + k as f64 * 1e-5);
+            (objects(count, object), lights(rng, count, None))
+        }),
+        ("lights and planes", 12.0, |rng, count| {
+            let object = |k: usize| format!("Plane {{ normal 1 1 {} offset 0.1 }} ", k as f64 * 1e-3);
+            (objects(count, object), lights(rng, count, None))
+        }),
+        ("lights and tilted triangles", 12.0, |rng, count| {
+            let object = |k: usize| {
+                format!("Triangle {{ vertex0 -9 -9 {} vertex1 9 -9 2 vertex2 0 19 -3 }} ", k as f64 * 1e-3)
+            };
+            (objects(count, object), lights(rng, count, None))
+        }),
+        ("nested transforms", 6.0, |_, count| {
+            let (before, after) = ("Transform { Translate 1 0 0 ", "}");
+            let sphere = "Sphere { center 0 0 0 radius 1 } ";
+            (vec![format!("{}{sphere}{}", before.repeat(count), after.repeat(count))], vec![])
+        }),
+    ];
+    for (name, growth, family) in families {
+        let [few, many] = [3000, 12_000].map(|count| {
+            let (objects, lights) = family(&mut Rng(3), count);
+            questions(&objects.concat(), objects.len(), &lights)
+        });
+        println!("{name}: {few} {many}");
+        assert!(many as f64 <= growth * few as f64 + 6.0, "{name}: {few} questions, then {many}");
+    }
+}
+
+#[test]
+fn building_ends_at_any_question() {
+    let rng = &mut Rng(4);
+    let sphere = |_: usize| "Sphere { center 0 0 0 radius 1 } Plane { normal 0 1 0 offset 1 } ".to_string();
+    let objects = objects(3000, sphere).concat();
+    let text = format!(
+        "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+         Lights {{ numLights 300 {} }} Group {{ numObjects 6000 Material {{ }} {objects} }}",
+        lights(rng, 300, None).concat()
+    );
+    let scene = parse(&text).unwrap();
+    let mut built = (0..).map(|most| World::within(&scene, vec![], &Counted::up_to(most)));
+    let ended = built.by_ref().take_while(Result::is_err).count();
+    assert!(ended > 2, "{ended}");
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::base::patience::Endless;
 use crate::caster::{Caster, RayOrigin};
 use crate::fast::raster::flat_triangle::{Projected, edge_functions};
 use crate::fast::raster::light_view::SCREEN_ERROR;
@@ -118,7 +119,7 @@ fn what_a_map_knows_is_what_rays_hit() {
         (12, 60.0, DVec3::ZERO, &[], 400.0),
     ] {
         let world = world(count, size, at, objects, &LIGHTS);
-        let maps = ShadowMaps::new(&world, MANY_RAYS);
+        let maps = ShadowMaps::new(&world, MANY_RAYS, &Endless);
         let [nothing, only, any] = check(&world, &maps, &points(&world, distance));
         println!("{count} {size}: {nothing} {only} {any}");
         assert!(nothing + only > any / 2 && nothing > 40_000, "{count} {size}: {nothing} {only} {any}");
@@ -134,7 +135,7 @@ fn of_two_walls_the_one_that_is_nearer_to_the_light_is_tested() {
     {
         let mut world = world(2, 1.0, DVec3::ZERO, &[], &[light]);
         world.vertices = [wall(0.0, 4.0), wall(1.0, 1.0)].concat();
-        let maps = ShadowMaps::new(&world, MANY_RAYS);
+        let maps = ShadowMaps::new(&world, MANY_RAYS, &Endless);
         let at = |x: f64, z: f64| maps.blocker(0, DVec3::new(x, 0.0, z));
         for z in [-1.0, 0.5, 2.0] {
             assert_eq!(
@@ -150,7 +151,7 @@ fn of_two_walls_the_one_that_is_nearer_to_the_light_is_tested() {
 
 #[test]
 fn there_are_maps_only_where_they_pay_and_numbers_are_usual() {
-    let makes = |world: &World, rays: usize| ShadowMaps::new(world, rays).0.len();
+    let makes = |world: &World, rays: usize| ShadowMaps::new(world, rays, &Endless).0.len();
     let few = world(30, 1.0, DVec3::ZERO, &[], &LIGHTS);
     assert_eq!([makes(&few, SIZE * SIZE), makes(&few, SIZE * SIZE - 1)], [LIGHTS.len(), 0]);
     let many = world(SIZE * SIZE / RAYS_PER_TRIANGLE + 1, 0.1, DVec3::ZERO, &[], &LIGHTS);
@@ -160,7 +161,8 @@ fn there_are_maps_only_where_they_pay_and_numbers_are_usual() {
     for (objects, expected) in [(&[ball][..], 0), (&[floor], 0), (&[ball, floor], LIGHTS.len())] {
         assert_eq!(makes(&world(0, 1.0, DVec3::ZERO, objects, &LIGHTS), MANY_RAYS), expected, "{objects:?}");
     }
-    let map_of = |light: &str| ShadowMaps::new(&world(30, 1.0, DVec3::ZERO, &[], &[light]), MANY_RAYS);
+    let map_of =
+        |light: &str| ShadowMaps::new(&world(30, 1.0, DVec3::ZERO, &[], &[light]), MANY_RAYS, &Endless);
     // Among the triangles, too close to them, and too far away.
     for light in ["0.1 0 0", "0 1.9 0", "1e13 0 0"] {
         let map = map_of(&format!("PointLight {{ position {light} color 1 1 1 }}"));
@@ -223,7 +225,7 @@ fn the_error_bounds_cover_what_vertices_are_off() {
 fn triangles_that_lie_in_too_many_pixels_get_no_map() {
     let light = "DirectionalLight { direction 0 0 -1 color 1 1 1 }";
     let has_map = |count: usize, size: f64, lights: &[&str]| {
-        let maps = ShadowMaps::new(&world(count, size, DVec3::ZERO, &[], lights), MANY_RAYS);
+        let maps = ShadowMaps::new(&world(count, size, DVec3::ZERO, &[], lights), MANY_RAYS, &Endless);
         maps.0.iter().filter(|map| map.is_some()).count()
     };
     assert_eq!((has_map(20_000, 0.1, &[light]), has_map(100_000, 50.0, &[light])), (1, 0));

@@ -1,5 +1,6 @@
 //! Brute force: every ray is tested against every primitive, in double precision, with exact decisions.
 
+use crate::base::patience::{Endless, Steps};
 use crate::math::ray::{Ray, Visible};
 use crate::tools::causes::student::Hits;
 use crate::world::triangle::Shear;
@@ -33,7 +34,7 @@ impl Hits for BruteForce<'_> {
         let nearest = self.hits(ray, exclude).map(|(t, _)| t).reduce(f64::min)?;
         let end = nearest + self.world.coincidence_reach(nearest);
         let close = self.hits(ray, exclude).filter(|&(t, _)| t <= end).collect();
-        let (t, primitive) = self.world.foremost(ray, close)?;
+        let (t, primitive) = self.world.foremost(ray, close, &mut Steps::new(&Endless))?;
         Some(Visible { primitive, t_bound: t })
     }
 }

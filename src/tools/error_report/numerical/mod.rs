@@ -58,7 +58,7 @@ pub fn measure(
     let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
     let exact = Student::new(renderer, &brute_force, request.effects);
     let rough = Student { hits: &single, ..exact };
-    let [exact, rough] = [exact, rough].map(|student| Painter::new(&student, &request, &|| false).picture());
+    let [exact, rough] = [exact, rough].map(|student| Painter::new(&student, &request).picture());
     let (exact, rough) = (exact?, rough?);
     let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
     let departure = |picture, hits: &dyn Hits| Departure {
