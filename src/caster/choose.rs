@@ -118,7 +118,7 @@ impl Layout {
     /// through many cells.
     pub fn chosen(world: &World, rays: Rays) -> Self {
         let count = world.finite_count();
-        let tests = world.hittable_count() + (LANES - 1) * world.shapes.len();
+        let tests = world.visible_count() + (LANES - 1) * world.shapes.len();
         if tests < LEAST || rays.cast < LEAST {
             return Self::List;
         }

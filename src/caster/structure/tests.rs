@@ -35,7 +35,7 @@ fn triangles_without_area_are_in_the_structures_of_the_course_alone() {
         let corner = DVec3::splat(f64::from(i) / 30.0);
         [DVec3::ZERO, DVec3::X, if i % 3 == 0 { 0.5 * DVec3::X } else { DVec3::Y }].map(|side| corner + side)
     });
-    assert_eq!((world.finite_count(), world.hittable_count()), (31, 21));
+    assert_eq!((world.finite_count(), world.visible_count()), (31, 21));
     for (layout, references) in [
         (Layout::List, 21),
         (Layout::Grid([1; 3]), 21),

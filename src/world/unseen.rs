@@ -1,0 +1,72 @@
+//! Primitives that no ray sees: triangles without area, and those equal to a primitive that comes before.
+
+use super::{World, triangle};
+use crate::math::aabb::Aabb;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The number of triangles per parallel task.
+const PART: usize = 1 << 14;
+
+/// Returns the finite primitives that no ray sees, in ascending order. Of equal ones, a ray sees the first.
+pub fn unseen(world: &World) -> Vec<u32> {
+    let mut unseen = [without_area(world), equal_triangles(world), equal_shapes(world)].concat();
+    unseen.sort_unstable();
+    unseen.dedup();
+    unseen
+}
+
+/// Returns the triangles without area.
+fn without_area(world: &World) -> Vec<u32> {
+    let in_part = |(part, triangles): (usize, &[[u32; 3]])| {
+        let vertex = |id: u32| &world.vertices[id as usize];
+        let found = triangles.iter().enumerate().filter(|(_, ids)| !triangle::has_area(ids.map(vertex)));
+        found.map(|(i, _)| (part * PART + i) as u32).collect()
+    };
+    world.triangles.par_chunks(PART).enumerate().map(in_part).collect::<Vec<Vec<u32>>>().concat()
+}
+
+/// Returns the triangles that have the corners of an earlier one, in any order.
+fn equal_triangles(world: &World) -> Vec<u32> {
+    if world.triangles.len() < 2 {
+        return vec![];
+    }
+    let hashes: Vec<u64> = world.vertices.par_iter().with_min_len(PART).map(hash).collect();
+    let hash = |ids: &[u32; 3]| ids.iter().fold(0, |sum: u64, &id| sum.wrapping_add(hashes[id as usize]));
+    let triangles = world.triangles.par_iter().with_min_len(PART).enumerate();
+    let mut ids: Vec<(u64, u32)> = triangles.map(|(id, corners)| (hash(corners), id as u32)).collect();
+    ids.par_sort_unstable();
+    let sorted = |id: u32| {
+        let mut corners = world.corners(id as usize).map(|corner| corner.to_array());
+        corners.sort_by(|one, other| one.partial_cmp(other).unwrap_or(std::cmp::Ordering::Equal));
+        corners
+    };
+    let alike = ids.chunk_by(|one, other| one.0 == other.0).filter(|alike| alike.len() > 1);
+    let equal = alike.flat_map(|alike| {
+        let first = sorted(alike[0].1);
+        alike[1..].iter().map(|&(_, id)| id).filter(move |&id| sorted(id) == first)
+    });
+    equal.collect()
+}
+
+/// Returns the shapes that are equal to an earlier one.
+fn equal_shapes(world: &World) -> Vec<u32> {
+    let boxes = world.boxes().zip(world.triangles.len() as u32..);
+    let mut ids: Vec<(u64, u32)> =
+        boxes.map(|(Aabb { min, max }, id)| (hash(&min) ^ hash(&max), id)).collect();
+    ids.sort_unstable();
+    let shape = |id: u32| &world.shapes[id as usize - world.triangles.len()];
+    let alike = ids.chunk_by(|one, other| one.0 == other.0);
+    let equal = alike
+        .flat_map(|alike| alike[1..].iter().map(|&(_, id)| id).filter(|&id| shape(id) == shape(alike[0].1)));
+    equal.collect()
+}
+
+/// Returns a number that equal points share, and others seldom.
+fn hash(point: &DVec3) -> u64 {
+    // Adding 0 makes -0 equal to 0.
+    let [x, y, z] = (*point + 0.0).to_array().map(f64::to_bits);
+    let mix = |sum: u64, bits: u64| (sum.rotate_left(23) ^ bits).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let sum = mix(mix(mix(0, x), y), z);
+    sum ^ sum >> 32
+}
