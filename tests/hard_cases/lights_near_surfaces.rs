@@ -58,7 +58,7 @@ impl Surface {
             Self::Ellipsoid(DVec3::ONE) => vec![sphere],
             Self::Ellipsoid(stretch) => {
                 let matrix = DAffine3::from_scale(stretch).into();
-                vec![sphere, Object::Transform { matrix, child: 0, at }]
+                vec![sphere, Object::Transform { matrix, factors: Box::default(), child: 0, at }]
             }
             Self::Plane => vec![Object::Plane { normal: DVec3::Y, offset: 0.0, material }],
             Self::Triangle(vertices) => vec![Object::Triangle { vertices, material }],
