@@ -213,3 +213,38 @@ impl<H: Hints> Tracer<'_, H> {
         SecondaryRay { ray, origin: self.origin(surface), path }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+    use std::fmt::Write;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Returns the number of questions within 2000 rays in a scene with this number of nested textures.
+    fn questions(textures: usize) -> usize {
+        let mut materials = format!("Materials {{ numMaterials {} Material {{ }} ", 1 + textures);
+        for below in 0..textures {
+            write!(materials, "Noise {{ materialIndex {below} materialIndex 0 octaves 64 }} ").unwrap();
+        }
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }} {materials} }}
+             Group {{ numObjects 1 MaterialIndex {textures} Sphere {{ center 0 0 0 radius 1 }} }}"
+        );
+        let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+        let asked = AtomicUsize::new(0);
+        let is_over = |_| {
+            asked.fetch_add(1, Ordering::Relaxed);
+            false
+        };
+        let mut memory = Memory::until(&is_over, &world);
+        assert_eq!(memory.asks_within_packets(), textures > 1000);
+        assert!((0..2000).all(|_| !memory.spend(1)));
+        asked.into_inner()
+    }
+
+    #[test]
+    fn rays_that_evaluate_many_textures_ask_more_often() {
+        assert_eq!([questions(1), questions(100), questions(2000), questions(20_000)], [3, 12, 250, 2000]);
+    }
+}

@@ -434,4 +434,29 @@ mod tests {
         }
         assert!(found > 2000 && ended > 1000, "{found} {ended}");
     }
+
+    /// 1100 equal triangles, and as many lights in one place, away from the middle of a triangle by so many units.
+    fn many_on_one(material: &str, away: f64) -> Result<World, Diagnostic> {
+        let light = format!("PointLight {{ position 0 0 {} color 1 1 1 }}\n", 2.0 + away).repeat(1100);
+        let triangle = "Triangle { vertex0 -3 -3 1 vertex1 3 -3 2 vertex2 0 6 3 }\n".repeat(1100);
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
+             Lights {{ numLights 1100 {light} }}
+             Group {{ numObjects 1100 Material {{ {material} }} {triangle} }}"
+        );
+        World::new(&parse(&text).unwrap(), &[])
+    }
+
+    #[test]
+    fn more_than_a_million_lights_near_surfaces_are_an_error() {
+        let glass = "transparentColor 1 1 1";
+        let message = |found: Result<World, Diagnostic>| found.unwrap_err().message;
+        for (material, away) in [(glass, 0.0), (glass, 1e-13), ("", 1e-13)] {
+            assert!(message(many_on_one(material, away)).starts_with("too many lights lie on surfaces"));
+        }
+        // An opaque surface alone blocks a light that lies on it.
+        let world = many_on_one("", 0.0).unwrap();
+        assert!((0..1100).all(|light| world.primitives_at_light(light).len() == 1));
+        assert!(many_on_one("", 1e-9).unwrap().primitives_at_light(0).is_empty());
+    }
 }

@@ -261,7 +261,7 @@ fn a_ray_that_takes_long_is_left_in_the_middle() {
             let child = start(&folder, &format!("-input s.txt -size 900 900 -output o.tga {flags}"));
             // The picture would take hours.
             sleep(Duration::from_secs(2));
-            send("-TERM", &child);
+            send(Signal::SIGTERM, &child);
             let run = wait(child);
             assert_eq!((run.status, run.stdout.as_str()), (Some(143), ""), "{flags}");
             assert!(!folder.names().contains(&"o.tga".to_string()), "{flags}");

@@ -1,6 +1,7 @@
 //! Tests of the parser.
 
 use super::*;
+use crate::base::patience::Endless;
 use crate::base::patience::tests::Counted;
 use crate::scene::material::{Material, Phong};
 use crate::scene::transform::Factor;
@@ -183,7 +184,17 @@ fn the_steps_of_reading_grow_with_the_text() {
         let spheres = "Sphere { center 0 0 0 radius 1 } ".repeat(count);
         format!("Group {{ numObjects {count} Material {{ }} {spheres} }}")
     };
-    for scene in [nested as fn(usize) -> String, many] {
+    let warnings = |count: usize| {
+        let one = "Background { color 0 0 0 } ";
+        format!("{} Group {{ numObjects 0 }}", one.repeat(count))
+    };
+    let transforms = |count: usize| {
+        let factors = "ZRotate 30 Scale 1 1 1 ".repeat(count);
+        format!(
+            "Group {{ numObjects 1 Material {{ }} Transform {{ {factors} Sphere {{ center 0 0 0 radius 1 }} }} }}"
+        )
+    };
+    for scene in [nested as fn(usize) -> String, many, warnings, transforms] {
         let questions = |count: usize| {
             let camera = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }";
             let patience = Counted::up_to(usize::MAX);
@@ -192,6 +203,38 @@ fn the_steps_of_reading_grow_with_the_text() {
         };
         let [few, more] = [10_000, 40_000].map(questions);
         assert!(few > 10 && (4 * few).abs_diff(more) < 10, "{few} {more}");
+    }
+}
+
+#[test]
+fn the_steps_of_grids_grow_with_their_cells() {
+    let questions = |cells: &[[usize; 3]]| {
+        let patience = Counted::up_to(usize::MAX);
+        read_words(Edition::Y2004, &grids(cells), &Endless).unwrap().finish(&patience).unwrap();
+        patience.asked()
+    };
+    let [one, long, four] = [&[[64; 3]][..], &[[256, 64, 64]], &[[64; 3]; 4]].map(questions);
+    assert!(one >= 64, "{one}");
+    assert_eq!([long, four], [4 * one; 2]);
+}
+
+#[test]
+fn long_words_are_read_in_few_steps() {
+    let camera = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }";
+    let long = "1".repeat(1 << 20);
+    let group = |object: &str| format!("{camera} Group {{ numObjects 1 Material {{ }} {object} }}");
+    for text in [
+        group(&format!("#{long}\nSphere {{ center 0 0 0 radius 0.{long} }}")),
+        format!("{camera} x{long}"),
+        group(&format!("x{long} {{ }}")),
+        group(&format!("Sphere {{ center 0 0 0 radius {long}x }}")),
+    ] {
+        let patience = Counted::up_to(usize::MAX);
+        // The message shows the beginning of the word only.
+        if let Err(error) = read_words(Edition::Y2004, &text, &patience) {
+            assert!(error.message.len() < 1000, "{}", error.message.len());
+        }
+        assert!(patience.asked() < 2, "{}", patience.asked());
     }
 }
 

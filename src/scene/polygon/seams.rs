@@ -16,7 +16,9 @@ pub fn closed(triangles: Vec<[usize; 3]>, outline: &[[f64; 2]]) -> Vec<[usize; 3
     let of_outside = (0..count).map(|place| [(place + 1) % count, place]);
     let all: BTreeSet<[usize; 2]> = of_outside.chain(triangles.iter().copied().flat_map(edges)).collect();
     let is_loose = |&[from, to]: &[usize; 2]| !all.contains(&[to, from]);
-    let loose: BTreeSet<usize> = all.iter().copied().filter(is_loose).flatten().collect();
+    let mut loose: Vec<usize> = all.iter().copied().filter(is_loose).flatten().collect();
+    loose.sort_unstable();
+    loose.dedup();
     let mut closed = Vec::with_capacity(count);
     for triangle in triangles {
         // A triangle, and a flag for each edge that may have a corner on it.
@@ -55,9 +57,12 @@ pub fn through_corners(outline: &[[f64; 2]]) -> Vec<usize> {
 /// Returns true if a corner lies strictly between the ends of an edge, on its line up to rounding.
 fn is_within(corner: usize, edge: [usize; 2], outline: &[[f64; 2]]) -> bool {
     let [[px, py], [ax, ay], [bx, by]] = [corner, edge[0], edge[1]].map(|place| outline[place]);
-    let is_in_box = (ax.min(bx)..=ax.max(bx)).contains(&px) && (ay.min(by)..=ay.max(by)).contains(&py);
+    let is_between = |p: f64, a: f64, b: f64| a.min(b) <= p && p <= a.max(b);
+    if !(is_between(px, ax, bx) && is_between(py, ay, by)) {
+        return false;
+    }
     let is_end = [px, py] == [ax, ay] || [px, py] == [bx, by];
     let (left, right) = ((bx - ax) * (py - ay), (by - ay) * (px - ax));
     let rounding = 8.0 * UNIT_ROUNDOFF * (left.abs() + right.abs());
-    is_in_box && !is_end && (left - right).abs() <= rounding
+    !is_end && (left - right).abs() <= rounding
 }

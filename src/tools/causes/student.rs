@@ -665,8 +665,10 @@ fn reflected_by_sum(direction: DVec3, normal: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::tests::Counted;
     use crate::render::Request;
     use crate::render::renderer::{Meshes, Renderer};
+    use crate::render::test_renderer::renderer_of;
     use crate::scene::load::load;
     use crate::trace::{Memory, Tracer};
     use glam::DVec2;
@@ -680,6 +682,23 @@ mod tests {
         let all = files(folder.clone()).chain(files(folder.join("editions")));
         let is_scene = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "txt");
         all.filter(is_scene).collect()
+    }
+
+    #[test]
+    fn rays_that_split_without_end_end_with_the_patience() {
+        let text = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }
+            Lights { numLights 1 DirectionalLight { direction -1 -1 -1 color 1 1 1 } }
+            Group { numObjects 2 Material { reflectiveColor 1 1 1 transparentColor 1 1 1 indexOfRefraction 1.5 }
+            Sphere { center 0 0 0 radius 10 } Sphere { center 0 0 0 radius 5.5 } }";
+        let renderer = renderer_of(text);
+        let request = Request::new([4, 4]);
+        let prepared = renderer.prepare(&request).unwrap();
+        let effects =
+            Effects { shadows: Shadows::Transparent, bounces: 90, min_weight: 0.0, shade_back: true };
+        let patience = &Counted::up_to(10_000);
+        let student = Student { patience, ..Student::new(&renderer, prepared.caster(), effects) };
+        let _ = student.color(&renderer.camera(&request).ray(DVec2::ONE, DVec2::ZERO));
+        assert!((10_000..40_000).contains(&patience.asked()), "{}", patience.asked());
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
-use crate::base::patience::Endless;
+use crate::base::patience::Patience;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{FloatPicture, Picture};
 use crate::render::renderer::{Prepared, Renderer};
@@ -67,6 +67,15 @@ pub fn measure(
     }
 }
 
+/// The patience of a bench's watch, at this fraction of the work.
+struct Watched<'a>(Bench<'a>, f64);
+
+impl Patience for Watched<'_> {
+    fn is_over(&self) -> bool {
+        (self.0.watch)(self.1, "comparing").is_break()
+    }
+}
+
 /// The reason why a sweep ended: an error, or `None` for the watch.
 type Ended = Option<Diagnostic>;
 
@@ -112,26 +121,45 @@ impl Sweep<'_> {
 
     /// Measures the effect of rounding on the request's samples.
     fn numerical(&self) -> Result<Option<Numerical>, Ended> {
-        let request = &self.own.request;
+        let (request, patience) = (&self.own.request, self.patience());
         let prepared = self.prepared(self.renderer, request)?;
-        let measure = || numerical::measure(self.renderer, &prepared, request);
-        Ok(self.bench.many.install(measure).map_err(Diagnostic::from)?)
+        let measure = || numerical::measure(self.renderer, &prepared, request, &patience);
+        let measured = self.bench.many.install(measure);
+        self.unless_over(measured)
     }
 
-    fn prepared<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Diagnostic> {
-        Ok(self.bench.many.install(|| renderer.prepare(request))?)
+    fn prepared<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Ended> {
+        let (rays, patience) = (renderer.rays(request), self.patience());
+        let prepare = || renderer.prepare_within(request, rays, &patience);
+        let prepared = self.bench.many.install(prepare);
+        self.unless_over(prepared)
+    }
+
+    fn patience(&self) -> Watched<'_> {
+        Watched(self.bench, self.done / self.all)
+    }
+
+    /// Returns the result of work, unless the watch has ended it.
+    fn unless_over<T, E: Into<Diagnostic>>(&self, result: Result<T, E>) -> Result<T, Ended> {
+        self.patience().check().map_err(|_| None)?;
+        result.map_err(|error| Some(error.into()))
     }
 
     /// Measures a setting, and adds it to the last filter.
     fn measure(&mut self, setting: &Setting, reference: &Reference) -> Result<(), Ended> {
         // The changed scene has the same objects, so a world can be built for it.
-        let limited = |most| self.renderer.with_scene(with_octaves(&self.renderer.scene, most), &Endless);
+        let patience = self.patience();
+        let limited = |most| self.renderer.with_scene(with_octaves(&self.renderer.scene, most), &patience);
+        let limited = |most| self.unless_over(limited(most));
         let other = if let Axis::Octaves(most) = setting.axis { Some(limited(most)?) } else { None };
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let prepared = self.prepared(renderer, &setting.request)?;
         let (colors, rays, times) = self.repeat(setting, &prepared)?;
         let picture = colors.to_picture();
-        let compared = self.bench.many.install(|| Comparison::new(&picture, &reference.picture));
+        let is_over = || patience.is_over();
+        let compare = || Comparison::new_unless(&picture, &reference.picture, &is_over);
+        let compared = self.bench.many.install(compare);
+        patience.check().map_err(|_| None)?;
         let (flip, off) = compared.map_or((0.0, 0.0), |found| {
             let off = found.pixels_differing_by_more_than(1) as f64 / found.pixels() as f64;
             (found.mean_flip.unwrap_or_default(), off)

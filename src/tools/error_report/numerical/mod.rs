@@ -5,6 +5,7 @@ mod brute_force;
 mod single;
 
 use super::plan::brute_force_tests;
+use crate::base::patience::Patience;
 use crate::math::ray::Ray;
 use crate::picture::{BadSize, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
@@ -15,6 +16,7 @@ use crate::tools::causes::student::{Hits, MAX_BOUNCES, Student};
 use brute_force::BruteForce;
 use glam::DVec2;
 use single::SinglePrecision;
+use std::ops::ControlFlow;
 
 /// The effect of rounding on the samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,11 +46,13 @@ pub struct Departure {
 const MOST_TESTS: f64 = 5e8;
 
 /// Measures the samples of the request's picture, or of a window in its middle if brute force would take too long.
-/// `None` if there are too many bounces for the recursion. The renderer must have kept the meshes.
+/// `None` if there are too many bounces for the recursion. The renderer must have kept the meshes. The result is
+/// unspecified if the patience ends.
 pub fn measure(
     renderer: &Renderer,
     prepared: &Prepared,
     request: &Request,
+    patience: &dyn Patience,
 ) -> Result<Option<Numerical>, BadSize> {
     if request.effects.bounces > MAX_BOUNCES {
         return Ok(None);
@@ -56,13 +60,14 @@ pub fn measure(
     let request = affordable(renderer, request);
     let world = renderer.world();
     let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
-    let exact = Student::new(renderer, &brute_force, request.effects);
-    let rough = Student { hits: &single, ..exact };
-    let [exact, rough] = [exact, rough].map(|student| Painter::new(&student, &request).picture());
+    let student = Student { patience, ..Student::new(renderer, &brute_force, request.effects) };
+    let rough = Student { hits: &single, ..student };
+    let [exact, rough] = [student, rough].map(|student| Painter::new(&student, &request).picture());
     let (exact, rough) = (exact?, rough?);
-    let Some(own) = prepared.render(&request)?.pop() else { return Ok(None) };
+    let watch = |_| if patience.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let Ok((own, _)) = prepared.render_layer(&request, &watch) else { return Ok(None) };
     let departure = |picture, hits: &dyn Hits| Departure {
-        hits: other_hits(renderer, &request, &brute_force, hits),
+        hits: other_hits(&student, &request, hits),
         ..departure(picture, &exact)
     };
     let (program, single) = (departure(&own, prepared.caster()), departure(&rough, &single));
@@ -102,14 +107,14 @@ fn departure(picture: &FloatPicture, exact: &FloatPicture) -> Departure {
     }
 }
 
-/// Returns the number of camera rays that hit different primitives.
-fn other_hits(renderer: &Renderer, request: &Request, exact: &dyn Hits, other: &dyn Hits) -> u64 {
+/// Returns the number of camera rays that hit other primitives than those of a student.
+fn other_hits(student: &Student, request: &Request, other: &dyn Hits) -> u64 {
     use rayon::prelude::*;
-    let camera = renderer.camera(request);
+    let camera = student.renderer.camera(request);
     let height = request.size[1];
     let differs = |ray: &Ray| {
-        let exact = exact.nearest(ray, None).map(|visible| visible.primitive);
-        exact != other.nearest(ray, None).map(|visible| visible.primitive)
+        let exact = student.hits.nearest(ray, None).map(|visible| visible.primitive);
+        !student.patience.is_over() && exact != other.nearest(ray, None).map(|visible| visible.primitive)
     };
     let of_column = |i: usize| {
         let rays = request.rows().flat_map(|j| {
@@ -124,6 +129,7 @@ fn other_hits(renderer: &Renderer, request: &Request, exact: &dyn Hits, other: &
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::Endless;
     use crate::render::renderer::Meshes;
     use crate::scene::load::load;
     use crate::trace::{Effects, Shadows};
@@ -139,7 +145,7 @@ mod tests {
         let effects = Effects { shadows: Shadows::Opaque, bounces, ..Effects::default() };
         let request = Request { effects, ..Request::new([24, 18]) };
         let prepared = renderer.prepare(&request).unwrap();
-        measure(renderer, &prepared, &request).unwrap().unwrap()
+        measure(renderer, &prepared, &request, &Endless).unwrap().unwrap()
     }
 
     #[test]
