@@ -253,6 +253,7 @@ fn largest_number(m: DMat3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::tests::Counted;
     use crate::scene::parser::parse;
 
     fn world(objects: &[&str]) -> World {
@@ -281,6 +282,24 @@ mod tests {
         }
         let tilted = "Triangle { vertex0 0 0 0.1 vertex1 1 0 0.1 vertex2 0 1 0.10000001 }";
         assert!(!coincide(LOW, tilted));
+    }
+
+    #[test]
+    fn the_steps_of_uniting_grow_with_the_hits() {
+        let questions = |count: usize| {
+            let spheres: Vec<String> = (0..count)
+                .map(|i| format!("Sphere {{ center 0 0 0 radius {} }}", 1.0 - 4e-16 * i as f64))
+                .collect();
+            let world = world(&spheres.iter().map(String::as_str).collect::<Vec<_>>());
+            let ray = Ray::new(DVec3::new(0.1, 0.2, 5.0), -DVec3::Z);
+            let hits = world.ids().map(|id| (world.crossing(&ray, id).unwrap(), id)).collect();
+            let patience = Counted::up_to(usize::MAX);
+            let (_, seen) = world.foremost(&ray, hits, &mut Steps::new(&patience)).unwrap();
+            assert_eq!(seen, 0);
+            patience.asked()
+        };
+        let [few, many] = [1000, 4000].map(questions);
+        assert!(many <= 5 * few, "{few} {many}");
     }
 
     #[test]

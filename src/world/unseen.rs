@@ -70,3 +70,41 @@ fn hash(point: &DVec3) -> u64 {
     let sum = mix(mix(mix(0, x), y), z);
     sum ^ sum >> 32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+
+    #[test]
+    fn of_equal_primitives_the_first_is_seen() {
+        let triangle =
+            |a: &str, b: &str, c: &str| format!("Triangle {{ vertex0 {a} vertex1 {b} vertex2 {c} }}");
+        let sphere = |radius: &str| format!("Sphere {{ center 0 0 0 radius {radius} }}");
+        let objects = [
+            triangle("0 0 0", "1 0 0", "0 1 0"),
+            // Turned, moved to its place by a transform, and with a zero of the other sign.
+            triangle("0 1 0", "1 0 0", "0 0 0"),
+            format!("Transform {{ Translate 1 0 0 {} }}", triangle("-1 0 0", "0 0 0", "-1 1 0")),
+            triangle("1 0 -0", "0 1 0", "0 0 0"),
+            // Almost equal, and with two corners that are.
+            triangle("0 0 0", "1 0 0", "0 1.0000000000000002 0"),
+            triangle("0 0 0", "1 0 0", "0 -1 0"),
+            // Without an area.
+            triangle("0 0 0", "1 0 0", "2 0 0"),
+            sphere("1"),
+            sphere("2"),
+            sphere("1"),
+            format!("Transform {{ Scale 1 2 1 {} }}", sphere("1")),
+            format!("Transform {{ Scale 1 2 1 {} }}", sphere("1")),
+        ];
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 3 }}
+             Group {{ numObjects {} Material {{ }} {} }}",
+            objects.len(),
+            objects.join(" ")
+        );
+        let world = World::new(&parse(&text).unwrap(), &[]).unwrap();
+        assert_eq!(world.unseen, [1, 2, 3, 6, 9, 11]);
+    }
+}
