@@ -31,7 +31,7 @@ pub use structure::{Fullness, StructureSize};
 use crate::base::patience::{Endless, Patience, Steps};
 use crate::caster::block::NONE;
 use crate::caster::bounds::Entry;
-use crate::caster::choose::Layout;
+use crate::caster::choose::{Layout, Rays};
 use crate::caster::query::Query;
 use crate::caster::structure::{AccelerationStructure, Order};
 use crate::math::instructions;
@@ -89,15 +89,15 @@ impl<'w> Caster<'w> {
         Caster { patience, ..self.clone() }
     }
 
-    /// Lets [`Caster::for_rays`] replace a list by a tree.
+    /// Lets [`Caster::for_rays`] replace a list by a grid or a tree.
     pub fn replaceable(self) -> Self {
         let for_many_rays = (!self.is_selective()).then(Arc::default);
         Self { for_many_rays, ..self }
     }
 
     /// Returns a caster that takes the least total time for about this number of rays: this one, or if it is
-    /// replaceable and the rays pay for it, one with a tree. The tree is built once.
-    pub fn for_rays(&self, rays: usize) -> Self {
+    /// replaceable and the rays pay for it, one with a grid or a tree. That structure is built once.
+    pub fn for_rays(&self, rays: Rays) -> Self {
         let Some(shared) = &self.for_many_rays else { return self.clone() };
         let layout = if shared.get().is_none() { Layout::chosen(self.world, rays) } else { Layout::List };
         // Threads do not wait for each other, since the build itself runs on them. So two may build the structure.

@@ -1,7 +1,7 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::caster::choose::Layout;
+use raytracer::caster::choose::{Layout, Rays};
 use raytracer::caster::{Caster, NotBuilt, RayOrigin};
 use raytracer::math::instructions;
 use raytracer::stats::Quiet;
@@ -28,5 +28,5 @@ const RAYS: usize = 1 << 30;
 
 /// The caster that `-grid auto` chooses.
 pub fn caster(world: &World) -> Result<Caster<'_>, NotBuilt> {
-    Caster::with(world, Layout::chosen(world, RAYS), instructions::available()[0])
+    Caster::with(world, Layout::chosen(world, Rays::cast(RAYS)), instructions::available()[0])
 }

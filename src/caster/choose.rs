@@ -1,8 +1,8 @@
 //! Chooses the acceleration structure: a list, a uniform grid or a tree. All policies are in this module.
 //!
-//! *Memory.* A tree holds each primitive once, and has fewer nodes than leaves. A grid of `-grid auto` for n primitives
-//! holds at most max(16 n, 65,536) references. (A reference is a primitive listed in a cell.) It has about as many
-//! cells as there are primitives, and fewer if their boxes would touch too many cells.
+//! *Memory.* A grid of chosen resolution for n primitives holds at most max(16 n, 65,536) references. (A reference is a
+//! primitive listed in a cell.) It has about as many cells as there are primitives, and fewer if their boxes would
+//! touch too many cells. A tree holds each primitive once, and has fewer nodes than leaves.
 
 use crate::caster::block::LANES;
 use crate::caster::insertion::{bounds_of, most_references};
@@ -69,7 +69,7 @@ impl Structure {
     /// [`Structure::Any`] gives a list, as in the course's program.
     pub fn layout(self, world: &World, rays: Rays, is_counted: bool) -> Layout {
         let grid = match self {
-            Self::Any if !is_counted => return Layout::chosen(world, rays.cast),
+            Self::Any if !is_counted => return Layout::chosen(world, rays),
             Self::Any | Self::List => None,
             Self::Grid(Resolution::Cells(cells)) => Some(cells),
             Self::Grid(Resolution::Auto) => Some(affordable_cells(world, wanted_cells(world, rays.camera))),
@@ -82,12 +82,21 @@ impl Structure {
     }
 }
 
-/// Measured: a tree pays from this number of triangles on, where a sphere counts as eight triangles, and from this
-/// number of rays on.
+/// Measured: a grid pays from this number of triangles on, where a sphere counts as eight triangles. Building it takes
+/// as long as testing this number of rays against all primitives.
 const LEAST: usize = 32;
 
-/// Measured: from this number of rays per primitive on, the time per ray matters more than the time to build a grid.
+/// Measured: from this number of rays per primitive on, the time per ray matters more than the time to build.
 const MANY_RAYS: usize = 8;
+
+/// Measured: from this number of primitives on, a tree is faster than a grid, although the grid takes a third of the
+/// time to build.
+const LARGE: usize = 20_000;
+
+/// Measured: a tree is faster if a primitive shares its cell with more than this number on average. This is five times
+/// the mean over the occupied cells of an evenly tessellated mesh. For one ray per primitive, building the tree takes
+/// as long as testing this number of primitives.
+const CROWDED: usize = 96;
 
 impl Layout {
     /// Returns the number of cells along each axis if this is a grid.
@@ -104,11 +113,20 @@ impl Layout {
         Self::Grid(affordable_cells(world, wanted_cells(world, rays)))
     }
 
-    /// Returns the layout with the least total time for building and for this number of rays: a tree, or a list of few
-    /// primitives or for few rays.
-    pub fn chosen(world: &World, rays: usize) -> Self {
+    /// Returns the layout with the least total time for building and for these rays. A tree is chosen for very many
+    /// primitives, and for primitives that no uniform grid separates, because most of them are close together or extend
+    /// through many cells.
+    pub fn chosen(world: &World, rays: Rays) -> Self {
+        let count = world.finite_count();
         let tests = world.visible_count() + (LANES - 1) * world.shapes.len();
-        if tests < LEAST || rays < LEAST { Self::List } else { Self::Tree }
+        if tests < LEAST || rays.cast < LEAST {
+            return Self::List;
+        }
+        let is_large = count >= LARGE && rays.cast >= count.saturating_mul(MANY_RAYS);
+        let cells = wanted_cells(world, rays.camera);
+        let fits =
+            most_references(world, &Lattice::new(bounds_of(world), cells)) <= affordable_references(world);
+        if is_large || !fits || is_crowded(world, cells, rays.cast) { Self::Tree } else { Self::Grid(cells) }
     }
 }
 
@@ -132,6 +150,21 @@ fn affordable_cells(world: &World, wanted: [usize; 3]) -> [usize; 3] {
 /// Returns the number of references that a grid of chosen resolution may hold.
 fn affordable_references(world: &World) -> u64 {
     (16 * world.finite_count() as u64).max(65_536)
+}
+
+/// Returns true if the cells are so crowded, counted by the primitives' centres, that a tree pays for these rays.
+fn is_crowded(world: &World, cells: [usize; 3], rays: usize) -> bool {
+    let count = world.finite_count();
+    let lattice = Lattice::new(bounds_of(world), cells);
+    let mut counts = vec![0u32; lattice.index_count()];
+    for id in 0..count as u32 {
+        let Aabb { min, max } = world.box_of(id);
+        let middle = lattice.to_cells(0.5 * (min + max));
+        counts[lattice.index([0, 1, 2].map(|axis| lattice.cell_at(axis, middle[axis])))] += 1;
+    }
+    let squares: u64 = counts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
+    let mean = squares / count.max(1) as u64;
+    mean > CROWDED.saturating_mul(1 + count / rays.max(1)) as u64
 }
 
 /// Returns the number of cells along each axis for about `total` cubic cells in a box. A side counts as at least a
@@ -209,15 +242,41 @@ mod tests {
     }
 
     #[test]
-    fn a_tree_is_built_unless_a_list_takes_less_time() {
+    fn where_any_structure_will_do_a_list_is_built_unless_another_pays() {
         let is_list = |(triangles, spheres), cast| {
-            Layout::chosen(&nested(triangles, spheres), cast) == Layout::List
+            Layout::chosen(&nested(triangles, spheres), Rays::cast(cast)) == Layout::List
         };
         assert_eq!(
             [(31, 0), (32, 0), (0, 3), (0, 4), (24, 1)].map(|counts| is_list(counts, 32)),
             [true, false, true, false, false]
         );
         assert!(is_list((1000, 0), 31) && is_list((0, 0), 1000));
+    }
+
+    #[test]
+    fn even_primitives_get_a_grid_and_crowded_ones_a_tree() {
+        let rays = Rays::cast(1 << 20);
+        assert_eq!(Layout::chosen(&scattered(2000, 1.0, 0.02), rays), Layout::Grid([13, 13, 12]));
+        assert_eq!(Layout::chosen(&scattered(2000, 0.01, 0.0002), rays), Layout::Tree);
+        // The triangles are evenly spaced, but each is in many cells.
+        assert_eq!(Layout::chosen(&scattered(2000, 0.2, 9.0), rays), Layout::Tree);
+    }
+
+    #[test]
+    fn a_tree_is_built_for_enough_rays_only() {
+        let crowded = scattered(2000, 0.01, 0.0002);
+        assert!(matches!(Layout::chosen(&crowded, Rays::cast(50)), Layout::Grid(_)));
+        assert_eq!(Layout::chosen(&crowded, Rays::cast(1000)), Layout::Tree);
+    }
+
+    #[test]
+    fn a_tree_pays_for_middling_worlds_that_many_rays_are_cast_into() {
+        let chosen =
+            |world: &World, camera, cast| Layout::chosen(world, Rays { camera, cast }) == Layout::Tree;
+        let middling = scattered(20_000, 1.0, 0.005);
+        let many = 8 * middling.finite_count();
+        assert_eq!([many - 1, many].map(|cast| chosen(&middling, 0, cast)), [false, true]);
+        assert!(!chosen(&scattered(10_000, 1.0, 0.005), 0, many));
     }
 
     #[test]

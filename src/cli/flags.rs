@@ -245,7 +245,7 @@ pub(super) struct Flags {
     /// Traces rays through a grid of nx by ny by nz cells. -grid auto chooses the cells; -grid none uses no grid. The
     /// picture stays the same.
     ///
-    /// auto makes about one cubic cell per primitive. By default the program chooses the faster one of a list and
+    /// auto makes about one cubic cell per primitive. By default the program chooses the fastest of a list, a grid and
     /// a tree of boxes; with -stats, -cost_map or -pixel it uses no grid, as in the course.
     ///
     /// Example: raytracer -input scene.txt -output picture.png -grid 20 20 20

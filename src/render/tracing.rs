@@ -5,6 +5,8 @@ use super::tally::Tally;
 use crate::camera::Camera;
 use crate::caster::Caster;
 #[cfg(feature = "fast")]
+use crate::caster::choose::Rays;
+#[cfg(feature = "fast")]
 use crate::fast::{Demand, Footprint, RasterHints};
 use crate::picture::Color;
 use crate::sampling::sample_packet::{SamplePacket, Stage};
@@ -53,8 +55,9 @@ impl<'a> PictureTracer<'a> {
         }
         let hints = self.hints.in_rows(self.camera, &self.caster, rows.clone());
         // The other rows have about as many unsure pixels.
-        let cast = hints.unsure(rows.clone()) * self.request.rows().len() / rows.len().max(1);
-        Self { caster: self.caster.for_rays(cast), hints, ..self.clone() }
+        let (camera, all_rows) = (self.request.camera_rays(), self.request.rows().len());
+        let cast = hints.unsure(rows.clone()) * all_rows / rows.len().max(1);
+        Self { caster: self.caster.for_rays(Rays { camera, cast }), hints, ..self.clone() }
     }
 
     #[cfg(not(feature = "fast"))]
@@ -171,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_that_rasterization_leaves_get_a_tree_if_they_are_many() {
+    fn rays_that_rasterization_leaves_get_a_grid_if_they_are_many() {
         let triangle = |k: usize| {
             let [x, y] = [k % 8, k / 8].map(|n| 0.25 * n as f64 - 1.0);
             format!("Triangle {{ vertex0 {x} {y} 0 vertex1 {} {y} 0 vertex2 {x} {} 0 }} ", x + 0.25, y + 0.25)
@@ -188,13 +191,13 @@ mod tests {
             let world = World::new(&scene, &[]).unwrap();
             let camera = Camera::new(&scene.camera, [40, 40]);
             let request = Request::new([40, 40]);
-            let has_tree = |caster: Caster| {
+            let has_grid = |caster: Caster| {
                 let tally = Tally::new(40, &|_| std::ops::ControlFlow::Continue(()));
                 let tracer = PictureTracer::new((&camera, &caster), View::Scene, &request, &tally);
                 tracer.rows(0..40).caster.is_selective()
             };
-            assert_eq!(has_tree(Caster::new(&world, None).unwrap().replaceable()), is_selective, "{far}");
-            assert!(!has_tree(Caster::new(&world, None).unwrap()));
+            assert_eq!(has_grid(Caster::new(&world, None).unwrap().replaceable()), is_selective, "{far}");
+            assert!(!has_grid(Caster::new(&world, None).unwrap()));
         }
     }
 }

@@ -128,9 +128,24 @@ fn sizes_are_bounded_by_the_number_of_primitives() {
     }
 }
 
+/// No grid is built for primitives that it does not separate.
+#[test]
+fn primitives_that_no_grid_separates_are_in_a_tree() {
+    for (name, scene) in
+        SCENES.iter().filter(|(name, _)| ["identical triangles", "identical spheres"].contains(name))
+    {
+        for n in sizes().filter(|&n| (200..=10_000).contains(&n)) {
+            let world = scene(n);
+            assert_eq!(Layout::chosen(&world, Rays::cast(RAYS[1])), Layout::Tree, "{name}, {n}");
+            let size = chosen(&world, RAYS[1]).size();
+            assert_eq!(size.references, n, "{name}, {n}");
+        }
+    }
+}
+
 /// The caster that is chosen for this number of rays.
 fn chosen(world: &World, rays: usize) -> Caster<'_> {
-    Caster::with(world, Layout::chosen(world, rays), instructions::available()[0]).unwrap()
+    Caster::with(world, Layout::chosen(world, Rays::cast(rays)), instructions::available()[0]).unwrap()
 }
 
 /// Rays to the centres of triangles, or to random points in a world without triangles.

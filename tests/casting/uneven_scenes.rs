@@ -4,7 +4,7 @@
 use super::support::{rabbit, random, scene_folder, world};
 use glam::{DVec2, DVec3};
 use raytracer::camera::Camera;
-use raytracer::caster::choose::{Layout, cubic};
+use raytracer::caster::choose::{Layout, Rays, cubic};
 use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::Ray;
@@ -44,7 +44,7 @@ fn stadium(times: Option<f64>) -> World {
 
 /// The caster that is chosen for this number of rays.
 fn chosen(world: &World, rays: usize, level: Level) -> Caster<'_> {
-    Caster::with(world, Layout::chosen(world, rays), level).unwrap()
+    Caster::with(world, Layout::chosen(world, Rays::cast(rays)), level).unwrap()
 }
 
 /// Rays that start within `radius` of the rabbit and run through the rabbit's box, or along an axis through
@@ -177,7 +177,7 @@ fn what_is_chosen_is_never_much_worse_than_the_best_grid() {
         // would be much better for a cube of twelve triangles, whose rays end in the first cell that is not empty.
         let cost = |caster: &Caster| 5.0 * rays.len() as f64 + work(caster, rays.iter().copied());
         // A list is chosen for so few primitives that the steps from cell to cell take longer than the tests.
-        let layout = match Layout::chosen(&world, 1_000_000) {
+        let layout = match Layout::chosen(&world, Rays::cast(1_000_000)) {
             Layout::List => Layout::automatic(&world, 1_000_000),
             layout => layout,
         };
