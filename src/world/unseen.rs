@@ -4,6 +4,7 @@ use super::{World, triangle};
 use crate::math::aabb::Aabb;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// The number of triangles per parallel task.
 const PART: usize = 1 << 14;
@@ -32,10 +33,19 @@ fn equal_triangles(world: &World) -> Vec<u32> {
         return vec![];
     }
     let hashes: Vec<u64> = world.vertices.par_iter().with_min_len(PART).map(hash).collect();
+    let triangles = || world.triangles.par_iter().with_min_len(PART);
     let hash = |ids: &[u32; 3]| ids.iter().fold(0, |sum: u64, &id| sum.wrapping_add(hashes[id as usize]));
-    let triangles = world.triangles.par_iter().with_min_len(PART).enumerate();
-    let mut ids: Vec<(u64, u32)> = triangles.map(|(id, corners)| (hash(corners), id as u32)).collect();
-    ids.par_sort_unstable();
+    // Few triangles share a bit with another one by chance. Only those that do are sorted.
+    let [once, twice] = [(), ()].map(|()| Bits::new(16 * world.triangles.len()));
+    triangles().map(hash).filter(|&hash| !once.set(hash)).for_each(|hash| {
+        twice.set(hash);
+    });
+    let mut ids: Vec<(u64, u32)> = triangles()
+        .enumerate()
+        .map(|(id, corners)| (hash(corners), id as u32))
+        .filter(|(hash, _)| twice.has(*hash))
+        .collect();
+    ids.sort_unstable();
     let sorted = |id: u32| {
         let mut corners = world.corners(id as usize).map(|corner| corner.to_array());
         corners.sort_by(|one, other| one.partial_cmp(other).unwrap_or(std::cmp::Ordering::Equal));
@@ -47,6 +57,37 @@ fn equal_triangles(world: &World) -> Vec<u32> {
         alike[1..].iter().map(|&(_, id)| id).filter(move |&id| sorted(id) == first)
     });
     equal.collect()
+}
+
+/// Bits that threads set by hashes.
+struct Bits {
+    words: Vec<AtomicU64>,
+    shift: u32,
+}
+
+impl Bits {
+    /// Returns at least this number of bits, all 0.
+    fn new(count: usize) -> Self {
+        let words = count.div_ceil(64).next_power_of_two();
+        let shift = 64 - words.trailing_zeros() - 6;
+        Self { words: (0..words).map(|_| AtomicU64::new(0)).collect(), shift }
+    }
+
+    fn place(&self, hash: u64) -> (&AtomicU64, u64) {
+        let bit = hash >> self.shift;
+        (&self.words[(bit / 64) as usize], 1 << (bit % 64))
+    }
+
+    /// Sets a bit. Returns true if it was 0.
+    fn set(&self, hash: u64) -> bool {
+        let (word, bit) = self.place(hash);
+        word.fetch_or(bit, Relaxed) & bit == 0
+    }
+
+    fn has(&self, hash: u64) -> bool {
+        let (word, bit) = self.place(hash);
+        word.load(Relaxed) & bit != 0
+    }
 }
 
 /// Returns the shapes that are equal to an earlier one.
@@ -68,7 +109,7 @@ fn hash(point: &DVec3) -> u64 {
     let [x, y, z] = (*point + 0.0).to_array().map(f64::to_bits);
     let mix = |sum: u64, bits: u64| (sum.rotate_left(23) ^ bits).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let sum = mix(mix(mix(0, x), y), z);
-    sum ^ sum >> 32
+    (sum ^ sum >> 32).wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
 
 #[cfg(test)]
