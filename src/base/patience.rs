@@ -42,7 +42,7 @@ impl fmt::Display for Ended {
 
 impl std::error::Error for Ended {}
 
-/// Asks a patience once in [`STEPS`] steps. A step takes up to some hundred nanoseconds.
+/// Asks a patience once in some thousand steps. A step takes up to some hundred nanoseconds.
 pub struct Steps<'a> {
     patience: &'a dyn Patience,
     left: usize,

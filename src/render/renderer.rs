@@ -35,8 +35,8 @@ pub struct Renderer {
     meshes: Vec<Mesh>,
 }
 
-/// Selects if a renderer keeps the meshes as they were read. The view of the grid's cells and [`Renderer::with_scene`]
-/// need them.
+/// Selects if a renderer keeps the meshes as they were read. The view of the grid's cells and the search for causes need
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meshes {
     /// The meshes are moved into the world.

@@ -184,6 +184,7 @@ impl<'a> Reader<'a> {
             let message = format!("the number {} is too large: the largest is 1e100", word.quoted());
             return Err(Diagnostic::error(message).at(word.at));
         }
+        self.steps.take(1)?;
         self.take_number();
         Ok(number)
     }
@@ -211,6 +212,7 @@ impl<'a> Reader<'a> {
         let digits = word.text.strip_prefix('+').unwrap_or(word.text);
         let is_digits = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
         if is_digits && let Ok(number) = digits.parse() {
+            self.steps.take(1)?;
             self.take_number();
             return Ok(number);
         }

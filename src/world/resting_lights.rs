@@ -435,7 +435,7 @@ mod tests {
         assert!(found > 2000 && ended > 1000, "{found} {ended}");
     }
 
-    /// 1100 equal triangles, and as many lights in one place, away from the middle of a triangle by so many units.
+    /// 1100 equal triangles, and as many lights in one place, at a distance of `away` above their middle.
     fn many_on_one(material: &str, away: f64) -> Result<World, Diagnostic> {
         let light = format!("PointLight {{ position 0 0 {} color 1 1 1 }}\n", 2.0 + away).repeat(1100);
         let triangle = "Triangle { vertex0 -3 -3 1 vertex1 3 -3 2 vertex2 0 6 3 }\n".repeat(1100);

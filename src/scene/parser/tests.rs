@@ -189,7 +189,7 @@ fn the_steps_of_reading_grow_with_the_text() {
         format!("{} Group {{ numObjects 0 }}", one.repeat(count))
     };
     let transforms = |count: usize| {
-        let factors = "ZRotate 30 Scale 1 1 1 ".repeat(count);
+        let factors = "ZRotate 30 Scale 1 1 1 Translate 0 0 0 ".repeat(count);
         format!(
             "Group {{ numObjects 1 Material {{ }} Transform {{ {factors} Sphere {{ center 0 0 0 radius 1 }} }} }}"
         )
