@@ -19,6 +19,7 @@ mod point_error;
 mod resting_lights;
 mod runs;
 mod surface;
+mod unseen;
 pub(crate) mod triangle4;
 
 use crate::base::memory;
@@ -54,8 +55,8 @@ pub struct World {
     pub vertices: Vec<DVec3>,
     /// Indices into `vertices`, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// The triangles that are known to have no area, so that no ray hits them, in ascending order.
-    without_area: Vec<u32>,
+    /// The finite primitives that no ray sees, in ascending order.
+    unseen: Vec<u32>,
     /// The shapes, whose ids follow those of the triangles.
     pub shapes: Vec<Shape>,
     /// The planes, which have the last ids.
@@ -175,9 +176,9 @@ impl World {
         self.triangles.len() + self.shapes.len()
     }
 
-    /// Returns the number of finite primitives that rays may hit.
-    pub fn hittable_count(&self) -> usize {
-        self.finite_count() - self.without_area.len()
+    /// Returns the number of finite primitives that rays may see.
+    pub fn visible_count(&self) -> usize {
+        self.finite_count() - self.unseen.len()
     }
 
     /// Returns the largest number of surface crossings on a line: one for each flat primitive, two for each round one.
@@ -186,10 +187,10 @@ impl World {
         self.triangles.len() + 2 * self.shapes.len() + self.planes.len()
     }
 
-    /// Returns true if a ray may hit the triangle, which is not known to have no area.
+    /// Returns true if a ray may see the primitive: it has an area, and no equal one comes before it.
     #[inline(always)]
-    pub fn may_be_hit(&self, triangle: u32) -> bool {
-        self.without_area.is_empty() || self.without_area.binary_search(&triangle).is_err()
+    pub fn may_be_seen(&self, primitive: u32) -> bool {
+        self.unseen.is_empty() || self.unseen.binary_search(&primitive).is_err()
     }
 
     /// Returns the primitive with this id.

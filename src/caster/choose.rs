@@ -118,7 +118,7 @@ impl Layout {
     /// through many cells.
     pub fn chosen(world: &World, rays: Rays) -> Self {
         let count = world.finite_count();
-        let tests = world.hittable_count() + (LANES - 1) * world.shapes.len();
+        let tests = world.visible_count() + (LANES - 1) * world.shapes.len();
         if tests < LEAST || rays.cast < LEAST {
             return Self::List;
         }
@@ -220,11 +220,14 @@ mod tests {
         World::new(&parse(&text).unwrap(), &[]).unwrap()
     }
 
-    fn identical(triangles: usize, spheres: usize) -> World {
-        let triangle = "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }".to_string();
-        let sphere = "Sphere { center 0 0 0 radius 1 }".to_string();
+    /// Returns a world of this many triangles and spheres, and a plane, all in one place.
+    fn nested(triangles: usize, spheres: usize) -> World {
+        let sizes = |count| 1..=count;
+        let triangle = |i| format!("Triangle {{ vertex0 0 0 0 vertex1 {i} 0 0 vertex2 0 {i} 0 }}");
+        let sphere = |i| format!("Sphere {{ center 0 0 0 radius {i} }}");
         let plane = "Plane { normal 0 1 0 offset 0 }".to_string();
-        world(&[vec![triangle; triangles], vec![sphere; spheres], vec![plane]].concat())
+        let finite = sizes(triangles).map(triangle).chain(sizes(spheres).map(sphere));
+        world(&finite.chain([plane]).collect::<Vec<_>>())
     }
 
     /// Returns a world of small triangles around points that fill the unit cube, or a part of it, evenly.
@@ -241,7 +244,7 @@ mod tests {
     #[test]
     fn where_any_structure_will_do_a_list_is_built_unless_another_pays() {
         let is_list = |(triangles, spheres), cast| {
-            Layout::chosen(&identical(triangles, spheres), Rays::cast(cast)) == Layout::List
+            Layout::chosen(&nested(triangles, spheres), Rays::cast(cast)) == Layout::List
         };
         assert_eq!(
             [(31, 0), (32, 0), (0, 3), (0, 4), (24, 1)].map(|counts| is_list(counts, 32)),
@@ -285,7 +288,7 @@ mod tests {
 
     #[test]
     fn what_is_asked_for_is_built() {
-        let (world, rays) = (identical(1000, 0), Rays::cast(1000));
+        let (world, rays) = (nested(1000, 0), Rays::cast(1000));
         assert_eq!(Structure::List.layout(&world, rays, false), Layout::List);
         let literal = Structure::Grid(Resolution::Cells([5, 1, 9]));
         assert_eq!(literal.layout(&world, Rays::default(), false), Layout::Grid([5, 1, 9]));

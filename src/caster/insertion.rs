@@ -81,11 +81,12 @@ const POSITION_ERROR_BOUND: f64 = 7.8e-6;
 
 /// Appends the cells of a primitive.
 fn insert(world: &World, id: u32, lattice: &Lattice, as_course: bool, padding: f64, out: &mut Vec<u32>) {
+    if !as_course && !world.may_be_seen(id) {
+        return;
+    }
     match world.primitive(id) {
         Primitive::Triangle(_) if as_course => of_box(lattice, &world.box_of(id), padding, out),
-        Primitive::Triangle(i) if world.may_be_hit(id) => {
-            of_triangle(lattice, world.corners(i), padding, out)
-        }
+        Primitive::Triangle(i) => of_triangle(lattice, world.corners(i), padding, out),
         Primitive::Shape(i) => match world.shapes[i] {
             Shape::Sphere(Sphere { center, radius }) if as_course => {
                 of_ball_by_centers(lattice, center, radius, padding, out)
@@ -93,7 +94,7 @@ fn insert(world: &World, id: u32, lattice: &Lattice, as_course: bool, padding: f
             Shape::Sphere(Sphere { center, radius }) => of_sphere(lattice, center, radius, padding, out),
             _ => of_box(lattice, &world.box_of(id), padding, out),
         },
-        Primitive::Triangle(_) | Primitive::Plane(_) => {}
+        Primitive::Plane(_) => {}
     }
 }
 

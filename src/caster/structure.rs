@@ -85,7 +85,7 @@ impl AccelerationStructure {
             Ok::<_, NotBuilt>((Order::Grid(lattice, entries), contents, smallest))
         };
         let all = 0..world.finite_count() as u32;
-        let hittable = || all.clone().filter(|&id| world.may_be_hit(id)).collect();
+        let visible = || all.clone().filter(|&id| world.may_be_seen(id)).collect();
         let list = |ids: Vec<u32>| {
             let triangles = ids.partition_point(|&id| world.is_triangle(id));
             let mut contents = Contents::with_capacity(triangles.div_ceil(LANES).max(1))?;
@@ -95,10 +95,10 @@ impl AccelerationStructure {
         let (order, mut contents, min_cell_size) = match layout {
             Layout::Tree => {
                 let region = Region::new(&bounds, f64::INFINITY);
-                let (tree, contents) = Tree::new(world, hittable(), region.frame, patience)?;
+                let (tree, contents) = Tree::new(world, visible(), region.frame, patience)?;
                 return Ok(Self { region, order: Order::Tree(tree), contents });
             }
-            Layout::List => list(hittable())?,
+            Layout::List => list(visible())?,
             Layout::Grid(cells) => grid(cells, false)?,
             Layout::Course(None) => list(all.collect())?,
             Layout::Course(Some(cells)) => grid(cells, true)?,

@@ -73,7 +73,7 @@ impl<'a> SmallThings<'a> {
             let [a, b, c] = triangle.map(|vertex| self.vertices[vertex as usize]);
             let (min, max) = (a.min(b).min(c), a.max(b).max(c));
             let is_ahead = (a + b + c).is_finite();
-            if !is_ahead || max.y < band[0] || min.y > band[1] || !self.world.may_be_hit(id as u32) {
+            if !is_ahead || max.y < band[0] || min.y > band[1] || !self.world.may_be_seen(id as u32) {
                 continue;
             }
             let double_area = (b - a).perp_dot(c - a).abs();

@@ -7,6 +7,7 @@ use super::placement::Placement;
 use super::plane::{PlacedPlane, Plane};
 use super::point_error::{BoundaryWidth, PlacementError};
 use super::runs::Runs;
+use super::unseen::unseen;
 use super::{PlaceInScene, World};
 use crate::base::memory::{self, NoMemory};
 use crate::base::patience::{Patience, Steps};
@@ -17,9 +18,8 @@ use crate::scene::limits::{LARGEST, SMALLEST_RADIUS, are_in_range};
 use crate::scene::mesh::{Corners, Mesh};
 use crate::scene::{Object, Scene};
 use crate::world::shape::Shape;
-use crate::world::{ellipsoid::Ellipsoid, sphere::Sphere, triangle};
+use crate::world::{ellipsoid::Ellipsoid, sphere::Sphere};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::mem;
 
 /// A world under construction. Materials and errors are recorded per kind of primitive, because the ids of the
@@ -251,24 +251,12 @@ impl<'a> Builder<'a> {
         if !world.bounds.is_empty() {
             world.max_abs_coord = world.bounds.min.abs().max(world.bounds.max.abs()).max_element();
         }
-        world.without_area = without_area(&world);
+        world.unseen = unseen(&world);
         world.coincidence_margin = world.find_coincidence_margin();
         world.boundary_width = BoundaryWidth::of(&world);
         world.resting_places = world.find_resting_places(&mut steps)?;
         Ok(world)
     }
-}
-
-/// Returns the triangles without area, in ascending order.
-fn without_area(world: &World) -> Vec<u32> {
-    /// The number of triangles per parallel task.
-    const PART: usize = 1 << 14;
-    let in_part = |(part, triangles): (usize, &[[u32; 3]])| {
-        let vertex = |id: u32| &world.vertices[id as usize];
-        let found = triangles.iter().enumerate().filter(|(_, ids)| !triangle::has_area(ids.map(vertex)));
-        found.map(|(i, _)| (part * PART + i) as u32).collect()
-    };
-    world.triangles.par_chunks(PART).enumerate().map(in_part).collect::<Vec<Vec<u32>>>().concat()
 }
 
 /// The box of an object whose coordinates overflowed.

@@ -34,6 +34,9 @@ const PER_FLATTENING_ERROR: f64 = (1 << 20) as f64;
 /// the direction. It has room for the errors in `proofs/coincidence.g` at all but grazing angles.
 const SAME_T: f64 = 1.0 / (1u128 << 92) as f64;
 
+/// The number of hits behind each one with which it is compared. More than that are united through those between.
+const NEIGHBOURS: usize = 64;
+
 impl World {
     /// Returns the largest difference between the t of a hit and the t of hits on coincident surfaces.
     #[inline(always)]
@@ -59,25 +62,32 @@ impl World {
         steps.take(hits.len()).ok()?;
         hits.sort_unstable_by_key(|&(_, id)| id);
         hits.dedup();
+        let places = self.places(&hits, steps).ok()?;
         let first = (0..hits.len()).min_by(|&i, &j| hits[i].0.total_cmp(&hits[j].0))?;
-        let mut united = self.united(&hits, first, steps).ok()?;
         // If all are united, it does not matter which is the nearest.
-        if united.len() < hits.len() {
-            united = self.united(&hits, self.nearest(ray, &hits, hits[first].0), steps).ok()?;
-        }
-        united.into_iter().reduce(|one, other| if self.comes_first(other.1, one.1) { other } else { one })
+        let are_united = places.iter().all(|place| *place == places[0]);
+        let seen = if are_united { first } else { self.nearest(ray, &hits, hits[first].0) };
+        let united = hits.iter().zip(&places).filter(|(_, place)| **place == places[seen]);
+        let united = united.map(|(hit, _)| *hit);
+        united.reduce(|one, other| if self.comes_first(other.1, one.1) { other } else { one })
     }
 
-    /// Returns the hits whose surfaces are united with the surface of hit `one`, directly or through others.
-    fn united(&self, hits: &[(f64, u32)], one: usize, steps: &mut Steps) -> Result<Vec<(f64, u32)>, Ended> {
-        let mut others = hits.to_vec();
-        let (mut united, mut next) = (vec![others.swap_remove(one)], 0);
-        while let Some(&(_, one)) = united.get(next) {
-            steps.take(others.len())?;
-            united.extend(others.extract_if(.., |&mut (_, other)| self.coincide(one, other)));
-            next += 1;
+    /// Returns for each hit a number of its place, which it shares with all hits whose surfaces are united with its own,
+    /// directly or through others. Only hits whose t are neighbours are compared.
+    fn places(&self, hits: &[(f64, u32)], steps: &mut Steps) -> Result<Vec<usize>, Ended> {
+        let mut by_t: Vec<usize> = (0..hits.len()).collect();
+        by_t.sort_by(|&i, &j| hits[i].0.total_cmp(&hits[j].0));
+        let mut places = DisjointSets::new(hits.len());
+        for (k, &i) in by_t.iter().enumerate() {
+            let neighbours = &by_t[k + 1..hits.len().min(k + 1 + NEIGHBOURS)];
+            steps.take(1 + neighbours.len())?;
+            for &j in neighbours {
+                if places.of(i) != places.of(j) && self.coincide(hits[i].1, hits[j].1) {
+                    places.unite(i, j);
+                }
+            }
         }
-        Ok(united)
+        Ok((0..hits.len()).map(|i| places.of(i)).collect())
     }
 
     /// Returns the index of the nearest hit. `first` is the smallest t, as rounded.
@@ -202,6 +212,30 @@ impl World {
     }
 }
 
+/// Sets of indices, each known by one of them (Tarjan 1975, with path halving).
+struct DisjointSets(Vec<usize>);
+
+impl DisjointSets {
+    /// Returns this number of sets of one index each.
+    fn new(count: usize) -> Self {
+        Self((0..count).collect())
+    }
+
+    /// Returns the index by which the set of `i` is known.
+    fn of(&mut self, mut i: usize) -> usize {
+        while self.0[i] != i {
+            self.0[i] = self.0[self.0[i]];
+            i = self.0[i];
+        }
+        i
+    }
+
+    fn unite(&mut self, i: usize, j: usize) {
+        let (i, j) = (self.of(i), self.of(j));
+        self.0[i] = j;
+    }
+}
+
 /// Returns true if two spheres agree within their errors, both in their centres and in their radii. Their points have
 /// `moved` that far.
 fn spheres_coincide([one, other]: [&Sphere; 2], moved: DVec3) -> bool {
@@ -219,6 +253,7 @@ fn largest_number(m: DMat3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::patience::tests::Counted;
     use crate::scene::parser::parse;
 
     fn world(objects: &[&str]) -> World {
@@ -247,6 +282,24 @@ mod tests {
         }
         let tilted = "Triangle { vertex0 0 0 0.1 vertex1 1 0 0.1 vertex2 0 1 0.10000001 }";
         assert!(!coincide(LOW, tilted));
+    }
+
+    #[test]
+    fn the_steps_of_uniting_grow_with_the_hits() {
+        let questions = |count: usize| {
+            let spheres: Vec<String> = (0..count)
+                .map(|i| format!("Sphere {{ center 0 0 0 radius {} }}", 1.0 - 4e-16 * i as f64))
+                .collect();
+            let world = world(&spheres.iter().map(String::as_str).collect::<Vec<_>>());
+            let ray = Ray::new(DVec3::new(0.1, 0.2, 5.0), -DVec3::Z);
+            let hits = world.ids().map(|id| (world.crossing(&ray, id).unwrap(), id)).collect();
+            let patience = Counted::up_to(usize::MAX);
+            let (_, seen) = world.foremost(&ray, hits, &mut Steps::new(&patience)).unwrap();
+            assert_eq!(seen, 0);
+            patience.asked()
+        };
+        let [few, many] = [1000, 4000].map(questions);
+        assert!(many <= 5 * few, "{few} {many}");
     }
 
     #[test]

@@ -213,7 +213,7 @@ fn drawn(
         let on_screen = world.triangles[id as usize].map(|vertex| vertices[vertex as usize]);
         let corners = || world.corners(id as usize);
         let bounds = || TriangleBounds::new(view, &screen, rows, on_screen, corners, id);
-        Some((world.may_be_hit(id).then(bounds)??, triangle_bounds::is_front(on_screen)))
+        Some((world.may_be_seen(id).then(bounds)??, triangle_bounds::is_front(on_screen)))
     });
     let of_box = |bounds: Aabb| {
         let corners = widened(bounds).corners();
