@@ -2,6 +2,7 @@
 
 use super::log::Log;
 use super::outputs::prepare_report;
+use super::processor_time::processor_time;
 use super::progress::ProgressLine;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
@@ -14,7 +15,6 @@ use crate::render::renderer::{Meshes, Renderer};
 use crate::scene::edition::Edition;
 use crate::tools::error_report::{Answer, Bench, Setting, USUAL_TARGETS, csv, measure, page, text};
 use crate::tools::warnings::no_lights;
-use cpu_time::ProcessTime;
 use std::fs;
 use std::path::Path;
 use std::time::Duration;
@@ -42,14 +42,13 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let [page_file, csv_file] = prepare_report(&files)?;
 
     // Measure.
-    let clock = || ProcessTime::now().as_duration();
     signals.note_first();
     let line = ProgressLine::new(options.progress);
     let watch = |share: f64, doing: &str| {
         line.show(|passed| told(share, doing, passed));
         signals.goes_on()
     };
-    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
+    let bench = Bench { many: &many, one: &one, clock: &processor_time, watch: &watch };
     let own = Setting::new(options.request(), options.edition.unwrap_or_default());
     let report = measure(&renderer, &own, bench, true)?;
     drop(line);
