@@ -99,7 +99,7 @@ pub struct ErrorReporting {
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, Diagnostic> {
     let words: Vec<OsString> = argv.into_iter().skip(1).map(|word| words::double(&word)).collect();
     if let Some(place) = words.iter().position(|word| word == "--h" || word == "--help") {
-        return help::text(&words[place..]).map(Command::Print);
+        return help::text(&words[place..], help::width()).map(Command::Print);
     }
     let mut command = command();
     let matches = match command.try_get_matches_from_mut(&words) {
