@@ -224,7 +224,11 @@ fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
         let expected: Vec<_> = (1..=last.min(LARGE_SIZE[1]))
             .map(|done| Progress { done, rows: LARGE_SIZE[1], rays: (done * LARGE_SIZE[0]) as u64 })
             .collect();
-        assert_eq!(*told.lock().unwrap(), expected);
+        // Long work within a row asks the watch, too.
+        let mut told = told.into_inner().unwrap();
+        told.retain(|progress| progress.done > 0);
+        told.dedup();
+        assert_eq!(told, expected);
     }
 }
 

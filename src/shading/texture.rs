@@ -95,11 +95,37 @@ fn only_child(
     }
 }
 
-/// Builds the mixture for a texture whose first child has the given weight.
+/// Calls `part` with each Phong material that has a weight, and the weight, from the last material to the first.
+/// `first` returns the part of a texture's weight that its first child gets.
 ///
 /// Textures may share children. So the weights are propagated from the last material to the first: a texture
 /// distributes its weight to its two children, which come before it. This takes linear time in the number of
 /// materials. A recursion could take exponential time.
+#[inline(always)]
+pub fn each_part(
+    materials: &[Material],
+    weights: &mut [f64],
+    mut first: impl FnMut(MaterialId, &Texture) -> f64,
+    mut part: impl FnMut(MaterialId, &Phong, f64),
+) {
+    for (id, material) in materials.iter().enumerate().rev() {
+        let weight = weights[id];
+        if weight == 0.0 {
+            continue;
+        }
+        match material {
+            Material::Phong(phong) | Material::Painted(phong, _) => part(id, phong, weight),
+            Material::Texture(texture) => {
+                let first = first(id, texture);
+                weights[texture.children[0]] += weight * first;
+                weights[texture.children[1]] += weight * (1.0 - first);
+            }
+        }
+    }
+}
+
+/// Builds the mixture for a texture whose first child has the given weight.
+///
 #[inline(always)]
 fn mix(
     materials: &[Material],
@@ -127,24 +153,14 @@ fn mix(
     weights[texture.children[0]] += first;
     weights[texture.children[1]] += 1.0 - first;
     let mut is_empty = true;
-    for (i, material) in materials.iter().enumerate().rev() {
-        let weight = weights[i];
-        if weight == 0.0 {
-            continue;
+    let first = |_, texture: &Texture| first_weight(texture, point, level);
+    each_part(materials, weights, first, |_, phong, weight| {
+        if std::mem::take(&mut is_empty) {
+            mixture.start(phong, weight);
+        } else {
+            mixture.add(phong, weight);
         }
-        match material {
-            Material::Phong(phong) | Material::Painted(phong, _) if is_empty => {
-                mixture.start(phong, weight);
-                is_empty = false;
-            }
-            Material::Phong(phong) | Material::Painted(phong, _) => mixture.add(phong, weight),
-            Material::Texture(texture) => {
-                let first = first_weight(texture, point, level);
-                weights[texture.children[0]] += weight * first;
-                weights[texture.children[1]] += weight * (1.0 - first);
-            }
-        }
-    }
+    });
     if is_empty {
         mixture.start(&Default::default(), 1.0);
     }

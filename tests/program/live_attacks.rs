@@ -207,7 +207,6 @@ fn scenes_that_take_long_end_with_their_client_and_block_nobody() {
     }
     let all = view(revision, "-size 500 500");
     leave(&server, "/objects", &bytes(&json!({ "view": all })), SECOND);
-    leave(&server, "/trace", &bytes(&json!({ "view": all, "pixel": [250, 250] })), SECOND / 4);
 }
 
 #[test]

@@ -14,12 +14,12 @@ use crate::math::robust::{offset_origin, unit};
 use crate::picture::Color;
 use crate::render::renderer::Renderer;
 use crate::scene::limits::{BRIGHTEST, LARGEST};
-use crate::scene::material::{Material, Phong};
+use crate::scene::material::{Material, Phong, Texture};
 use crate::scene::model::{Highlight, Split};
 use crate::scene::{Light, MaterialId, Object};
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
-use crate::shading::texture::{material_at, material_of_surface};
+use crate::shading::texture::{each_part, material_at, material_of_surface};
 use crate::stats::Quiet;
 use crate::trace::{
     Effects, Shadows, ending_at_light, mirrored_part, reflected, refracted_between, transmittance,
@@ -266,22 +266,15 @@ impl<'a> Student<'a> {
         material_of_surface(self.world(), surface, LEVEL, mixture)
     }
 
-    /// Mixes a material's parts at a point. A texture passes its weight on to its children, which precede it.
+    /// Mixes a material's parts at a point.
     fn mix(&self, id: MaterialId, point: DVec3, mixture: &mut Mixture) {
         let mut weights = vec![0.0; id + 1];
         weights[id] = 1.0;
         mixture.start(&Phong::default(), 0.0);
-        for (id, material) in self.world().materials[..=id].iter().enumerate().rev() {
-            match (material, weights[id]) {
-                (_, 0.0) => {}
-                (Material::Phong(phong) | Material::Painted(phong, _), weight) => mixture.add(phong, weight),
-                (Material::Texture(texture), weight) => {
-                    let first = first_weight(self.rules, texture, point);
-                    weights[texture.children[0]] += weight * first;
-                    weights[texture.children[1]] += weight * (1.0 - first);
-                }
-            }
-        }
+        let first = |_, texture: &Texture| first_weight(self.rules, texture, point);
+        each_part(&self.world().materials[..=id], &mut weights, first, |_, phong, weight| {
+            mixture.add(phong, weight);
+        });
     }
 
     /// Returns the surface's own colour: ambient light, and the lights visible from the point.

@@ -9,9 +9,9 @@ use crate::diagnostic::Diagnostic;
 use crate::math::instructions::Level;
 use crate::math::ray::Hit;
 use crate::render::renderer::Prepared;
-use crate::scene::material::{Material, Paint, Pattern, Phong};
+use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
 use crate::scene::{MaterialId, Object, Position, Scene};
-use crate::shading::texture::{first_weight, is_in_boundary};
+use crate::shading::texture::{each_part, first_weight, is_in_boundary};
 use crate::stats::Counts;
 use crate::world::{Objects, SurfacePoint, World};
 
@@ -59,22 +59,19 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let mut weights = vec![0.0; point.material + 1];
         weights[point.material] = 1.0;
         let (mut textures, mut parts, mut is_on_boundary) = (vec![], vec![], false);
-        for id in (0..=point.material).rev() {
-            let (weight, at) = (weights[id], self.material_position(id));
-            match &self.scene.materials[id] {
-                _ if weight == 0.0 => {}
-                &Material::Phong(phong) => parts.push(MaterialPart { material: id, at, weight, phong }),
-                Material::Painted(..) => {}
-                Material::Texture(texture) => self.world.with_rounded_point(point, |rounded| {
-                    let first = first_weight(texture, rounded, Level::baseline());
-                    let (name, children) = (pattern_name(texture.pattern), texture.children);
-                    weights[children[0]] += weight * first;
-                    weights[children[1]] += weight * (1.0 - first);
-                    textures.push(TextureWeight { name, material: id, at, children, first });
-                    is_on_boundary |= is_in_boundary(texture, rounded);
-                }),
-            }
-        }
+        self.world.with_rounded_point(point, |rounded| {
+            let first = |id, texture: &Texture| {
+                let (name, children) = (pattern_name(texture.pattern), texture.children);
+                let (first, at) =
+                    (first_weight(texture, rounded, Level::baseline()), self.material_position(id));
+                textures.push(TextureWeight { name, material: id, at, children, first });
+                is_on_boundary |= is_in_boundary(texture, rounded);
+                first
+            };
+            each_part(&self.scene.materials[..=point.material], &mut weights, first, |id, &phong, weight| {
+                parts.push(MaterialPart { material: id, at: self.material_position(id), weight, phong });
+            });
+        });
         parts.reverse();
         let mut material = *material;
         if parts.len() > 1 {
