@@ -5,13 +5,14 @@
 //! word is a value. So `-2` and `-.5` are numbers, and a file called `-a.tga` has to be written as
 //! `./-a.tga`.
 
-mod error;
-mod flags;
-mod help;
-mod options;
-mod outputs;
+// Each imports only from those before it.
 mod values;
+mod flags;
 mod words;
+mod error;
+mod help;
+mod outputs;
+mod options;
 
 pub use flags::command;
 pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
