@@ -1,11 +1,14 @@
 # Completions of raytracer for bash. Made from the flags by `cargo run --example shell_files`.
 
-# Offers the files with these extensions, and folders.
+# Offers the files with these extensions in any case, and folders.
 _raytracer_files() {
     local current=$1 extension name
     shift
     for extension; do
-        while IFS= read -r name; do COMPREPLY+=("$name"); done < <(compgen -f -X "!*.$extension" -- "$current")
+        while IFS= read -r name; do COMPREPLY+=("$name"); done < <(
+            shopt -s nocasematch
+            compgen -f -X "!*.$extension" -- "$current"
+        )
     done
     while IFS= read -r name; do COMPREPLY+=("$name"); done < <(compgen -d -- "$current")
     compopt -o filenames 2>/dev/null

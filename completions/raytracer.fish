@@ -15,14 +15,10 @@ function __raytracer_is_value
     return 1
 end
 
-# The files with these extensions, and folders.
+# The files that fish itself offers and that have one of these extensions, in any case, and folders.
 function __raytracer_files
-    set -l start (commandline -ct)
-    set -l names $start*/
-    for extension in $argv
-        set -a names $start*.$extension
-    end
-    string join \n -- $names
+    set -l endings / '\.'$argv
+    complete -C "__raytracer_no_command "(commandline -ct) | string match -ri -- '^.*(?:'(string join '|' $endings)')$'
 end
 
 complete -c raytracer -f

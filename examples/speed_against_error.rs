@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release --example speed_against_error`
 
-use cpu_time::ProcessTime;
 use rayon::ThreadPoolBuilder;
 use raytracer::cli::{Command, Options, parse};
+use raytracer::command::processor_time;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::scene::load::load;
@@ -106,8 +106,8 @@ fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
     let renderer = Renderer::new(load(&path)?, Meshes::Kept)?;
     let (many, one) = (ThreadPoolBuilder::new().build()?, ThreadPoolBuilder::new().num_threads(1).build()?);
-    let clock = || ProcessTime::now().as_duration();
-    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &|_, _| ControlFlow::Continue(()) };
+    let bench =
+        Bench { many: &many, one: &one, clock: &processor_time, watch: &|_, _| ControlFlow::Continue(()) };
     let own = Setting::new(options.request(), Edition::default());
     Ok(error_report::measure(&renderer, &own, bench, false)?)
 }

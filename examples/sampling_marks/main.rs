@@ -10,9 +10,9 @@
 
 mod scenes;
 
-use cpu_time::ProcessTime;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use raytracer::cli::{Command, Options, parse};
+use raytracer::command::processor_time;
 use raytracer::picture::{Color, FloatPicture};
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request};
@@ -148,9 +148,9 @@ fn time_and_error(
     let (mut least, mut sum) = (Duration::MAX, 0.0);
     for request in requests {
         let (picture, time) = one.install(|| {
-            let start = ProcessTime::now();
+            let start = processor_time();
             let rendered = prepared.render(request);
-            (rendered, start.elapsed())
+            (rendered, processor_time() - start)
         });
         least = least.min(time);
         sum += mean_square(&picture?[0], halves);

@@ -91,12 +91,15 @@ pub fn bash() -> String {
     format!(
         r#"# Completions of raytracer for bash. {ORIGIN}
 
-# Offers the files with these extensions, and folders.
+# Offers the files with these extensions in any case, and folders.
 _raytracer_files() {{
     local current=$1 extension name
     shift
     for extension; do
-        while IFS= read -r name; do COMPREPLY+=("$name"); done < <(compgen -f -X "!*.$extension" -- "$current")
+        while IFS= read -r name; do COMPREPLY+=("$name"); done < <(
+            shopt -s nocasematch
+            compgen -f -X "!*.$extension" -- "$current"
+        )
     done
     while IFS= read -r name; do COMPREPLY+=("$name"); done < <(compgen -d -- "$current")
     compopt -o filenames 2>/dev/null
@@ -160,8 +163,8 @@ fn zsh_specs(flag: &Arg) -> Vec<String> {
 fn zsh_value(value: &Value) -> String {
     let action = match &value.offer {
         // A single word in brackets would be the qualifier of a pattern.
-        Offer::Files(extension) if !extension.contains(' ') => format!("_files -g \"*.{extension}\""),
-        Offer::Files(extensions) => format!("_files -g \"*.({})\"", extensions.replace(' ', "|")),
+        Offer::Files(extension) if !extension.contains(' ') => format!("_files -g \"(#i)*.{extension}\""),
+        Offer::Files(extensions) => format!("_files -g \"(#i)*.({})\"", extensions.replace(' ', "|")),
         Offer::Folders => "_files -/".to_owned(),
         Offer::Words(words) => format!("({words})"),
         Offer::Nothing => " ".to_owned(),
@@ -197,14 +200,10 @@ function __raytracer_is_value
     return 1
 end
 
-# The files with these extensions, and folders.
+# The files that fish itself offers and that have one of these extensions, in any case, and folders.
 function __raytracer_files
-    set -l start (commandline -ct)
-    set -l names $start*/
-    for extension in $argv
-        set -a names $start*.$extension
-    end
-    string join \n -- $names
+    set -l endings / '\.'$argv
+    complete -C "__raytracer_no_command "(commandline -ct) | string match -ri -- '^.*(?:'(string join '|' $endings)')$'
 end
 
 complete -c raytracer -f

@@ -6,6 +6,7 @@ use super::words::single;
 use crate::base::escape::escape;
 use crate::diagnostic::Diagnostic;
 use crate::image_io::Format;
+use clap::builder::TypedValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -29,6 +30,18 @@ pub(super) fn unexpected<T>(word: &OsStr) -> Result<T, Diagnostic> {
     let hint = flag_before(&word, &[]).map(did_you_mean);
     fail(single(&format!("unexpected argument '{word}' found")))
         .map_err(|error: Diagnostic| Diagnostic { hint, ..error })
+}
+
+/// Parses one value of a flag that has values of several kinds.
+pub(super) fn value<P: TypedValueParser>(
+    flag: &str,
+    word: &OsStr,
+    parser: P,
+) -> Result<P::Value, Diagnostic> {
+    parser.parse_ref(&clap::Command::new(""), None, word).map_err(|mut error| {
+        error.insert(ContextKind::InvalidArg, ContextValue::String(format!("-{flag}")));
+        of_clap(error, &[])
+    })
 }
 
 /// The error of clap about these words, which have its dashes.

@@ -7,42 +7,42 @@ use crate::diagnostic::Diagnostic;
 use clap::{Arg, Id};
 use std::ffi::OsString;
 
-/// The length of the longest lines in characters.
+/// The length of the longest lines in characters, on a terminal that has room for it.
 const WIDTH: usize = 80;
 /// The characters that clap reserves before each flag for a short one. No flag has a short one.
 const ROOM: usize = 5;
 
-const USUAL_TAIL: &str = "
--help lists all flags, -help size explains one, and -help shadow lists the flags
-with this word.
-";
+const USUAL_TAIL: &str =
+    "-help lists all flags, -help size explains one, and -help shadow lists the flags with this word.";
 
-const TAIL: &str = "
-Examples:
+const TAIL: &str = "Examples:
   raytracer -input spheres.txt -size 200 200 -output spheres.tga
             -shadows -bounces 3 -weight 0.01
   raytracer -input plane.txt -size 200 200 -output plane.png
             -depth 8 20 depth.tga -normals normals.tga
 
-The exit status is 1 for a file that cannot be read or written and for an error
-in the scene, 2 for an error in the command line, 3 for a difference above
--tolerance or a -target that is not reached, and 130, 143 or 129 for a run
-stopped by Ctrl-C, SIGTERM or SIGHUP.
-";
+The exit status is 1 for a file that cannot be read or written and for an error in the scene, \
+2 for an error in the command line, 3 for a difference above -tolerance or a -target that is not \
+reached, and 130, 143 or 129 for a run stopped by Ctrl-C, SIGTERM or SIGHUP.";
 
-/// Returns the help that `words` ask for, which have clap's dashes. The first is `--h` or `--help`, and the next may
-/// tell what about.
-pub(super) fn text(words: &[OsString]) -> Result<String, Diagnostic> {
+/// Returns the length of the longest lines on this terminal.
+pub(super) fn width() -> usize {
+    terminal_size::terminal_size().map_or(WIDTH, |(width, _)| WIDTH.min(width.0.into()))
+}
+
+/// Returns the help that `words` ask for, which have clap's dashes, in lines of at most `width` characters. The first
+/// word is `--h` or `--help`, and the next may tell what about.
+pub(super) fn text(words: &[OsString], width: usize) -> Result<String, Diagnostic> {
     let topic = words.get(1).map(|word| word.to_string_lossy());
     match topic.filter(|word| !word.starts_with('-') || known(bare(word)).is_some()) {
-        Some(topic) => about(bare(&topic)),
-        None if words[0] == "--h" => Ok(usual()),
-        None => Ok(show(command()) + TAIL),
+        Some(topic) => about(bare(&topic), width),
+        None if words[0] == "--h" => Ok(usual(width)),
+        None => Ok(show(command(), width) + &tail(TAIL, width)),
     }
 }
 
 /// The first sentences about the usual flags, on one screen.
-fn usual() -> String {
+fn usual(width: usize) -> String {
     let mut built = command();
     built.build();
     let usual = |name: &Id| {
@@ -55,7 +55,7 @@ fn usual() -> String {
         // The name of a format after the picture's would leave no room beside it.
         if flag.get_id() == "output" { flag.num_args(1).value_names(["picture"]) } else { flag }
     });
-    show(usual) + USUAL_TAIL
+    show(usual, width) + &tail(USUAL_TAIL, width)
 }
 
 /// The first sentence about a flag.
@@ -65,9 +65,9 @@ fn summary(flag: &Arg) -> String {
 }
 
 /// The whole help of the flag with this name, here or in other programs; otherwise the flags with this word.
-fn about(name: &str) -> Result<String, Diagnostic> {
+fn about(name: &str, width: usize) -> Result<String, Diagnostic> {
     if let Some(flag) = known(name) {
-        let some = only(|other| other.get_id() == flag.get_id()).term_width(WIDTH + ROOM);
+        let some = only(|other| other.get_id() == flag.get_id()).term_width(width + ROOM);
         let mut some = with_three_cells(some);
         return Ok(single_dashes(&some.render_long_help().to_string()));
     }
@@ -78,7 +78,7 @@ fn about(name: &str) -> Result<String, Diagnostic> {
         help.chain(names).chain([flag.get_id().to_string()]).any(has_part)
     };
     if command().get_arguments().any(has_word) {
-        return Ok(show(only(has_word)));
+        return Ok(show(only(has_word), width));
     }
     // The error for an unknown flag has a suggestion.
     let words = [OsString::from(format!("--{name}"))];
@@ -103,8 +103,14 @@ fn only(is_shown: impl Fn(&Arg) -> bool) -> clap::Command {
     })
 }
 
-fn show(command: clap::Command) -> String {
-    single_dashes(&with_three_cells(command).term_width(WIDTH + ROOM).render_help().to_string())
+fn show(command: clap::Command, width: usize) -> String {
+    single_dashes(&with_three_cells(command).term_width(width + ROOM).render_help().to_string())
+}
+
+/// Wraps a text below the flags, after an empty line.
+fn tail(text: &'static str, width: usize) -> String {
+    let mut lines = clap::Command::new("").help_template("{about}").about(text).term_width(width);
+    format!("\n{}\n", lines.render_help().to_string().trim_end())
 }
 
 /// Shows three values of `-grid`. One value is a word, which its text names, and two are an error.
@@ -125,37 +131,40 @@ fn single_dashes(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn fits(text: &str) -> bool {
-        text.lines().all(|line| line.chars().count() <= WIDTH) && !text.contains("--")
+    fn fits(text: &str, width: usize) -> bool {
+        text.lines().all(|line| line.chars().count() <= width) && !text.contains("--")
     }
 
     #[test]
     fn help_names_every_flag_and_fits_the_screen() {
-        let text = text(&["--help".into()]).unwrap();
-        for flag in command().get_arguments() {
-            assert!(text.contains(&format!("\n  -{}", flag.get_id())), "{flag:?}");
+        for width in [WIDTH, 60] {
+            let text = text(&["--help".into()], width).unwrap();
+            for flag in command().get_arguments() {
+                assert!(text.contains(&format!("\n  -{}", flag.get_id())), "{flag:?}");
+            }
+            assert!(fits(&text, width) && fits(&usual(width), width), "{text}");
+            assert!(["size", "shadow"].iter().all(|word| fits(&about(word, width).unwrap(), width)));
         }
-        assert!(fits(&text), "{text}");
     }
 
     #[test]
     fn a_grid_has_three_numbers_of_cells() {
-        for text in [text(&["--help".into()]), about("grid"), about("cells")] {
+        for text in [text(&["--help".into()], WIDTH), about("grid", WIDTH), about("cells", WIDTH)] {
             assert!(text.as_ref().is_ok_and(|text| text.contains("-grid <nx> <ny> <nz>")), "{text:?}");
         }
     }
 
     #[test]
     fn the_usual_flags_are_ten_on_one_screen() {
-        let text = usual();
+        let text = usual(WIDTH);
         assert_eq!(text.lines().filter(|line| line.starts_with("  -")).count(), 10);
-        assert!(fits(&text) && text.lines().count() <= 24, "{text}");
+        assert!(fits(&text, WIDTH) && text.lines().count() <= 24, "{text}");
     }
 
     #[test]
     fn a_word_lists_the_flags_that_have_it() {
         let listed = |word: &str| {
-            let text = about(bare(word)).unwrap();
+            let text = about(bare(word), WIDTH).unwrap();
             let flags = text.lines().filter_map(|line| line.strip_prefix("  -")?.split(' ').next());
             flags.map(str::to_owned).collect::<Vec<_>>()
         };
@@ -165,6 +174,6 @@ mod tests {
         for (word, flag) in [("-o", "output"), ("spp", "jittered_samples"), ("--normal", "normals")] {
             assert_eq!(listed(word), [flag]);
         }
-        assert!(about("shadwos").unwrap_err().to_string().contains("did you mean '-shadows'?"));
+        assert!(about("shadwos", WIDTH).unwrap_err().to_string().contains("did you mean '-shadows'?"));
     }
 }

@@ -5,13 +5,14 @@
 //! word is a value. So `-2` and `-.5` are numbers, and a file called `-a.tga` has to be written as
 //! `./-a.tga`.
 
-mod error;
-mod flags;
-mod help;
-mod options;
-mod outputs;
+// Each imports only from those before it.
 mod values;
+mod flags;
 mod words;
+mod error;
+mod help;
+mod outputs;
+mod options;
 
 pub use flags::command;
 pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
@@ -99,7 +100,7 @@ pub struct ErrorReporting {
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, Diagnostic> {
     let words: Vec<OsString> = argv.into_iter().skip(1).map(|word| words::double(&word)).collect();
     if let Some(place) = words.iter().position(|word| word == "--h" || word == "--help") {
-        return help::text(&words[place..]).map(Command::Print);
+        return help::text(&words[place..], help::width()).map(Command::Print);
     }
     let mut command = command();
     let matches = match command.try_get_matches_from_mut(&words) {

@@ -1,9 +1,9 @@
 //! The options of a run that renders or compares: the flags, checked together.
 
-use super::error::fail;
+use super::error::{fail, value};
 use super::flags::{Flags, MAX_INT};
 use super::outputs::{Output, outputs};
-use super::values::{NOT_NEGATIVE, Sides, json_target, lossy_or_null, number, picture, value};
+use super::values::{NOT_NEGATIVE, Sides, json_target, lossy_or_null, number, picture};
 use crate::base::memory::Bytes;
 use crate::caster::choose::{Resolution, Structure};
 use crate::diagnostic::Diagnostic;

@@ -1,8 +1,8 @@
 //! The pictures to write: what each shows, and where it goes.
 
-use super::error::{fail, invalid, unexpected};
+use super::error::{fail, invalid, unexpected, value};
 use super::flags::Flags;
-use super::values::{FINITE, NOT_BYTES, NOT_PICTURE, SIDES, lossy, number, value};
+use super::values::{FINITE, NOT_BYTES, NOT_PICTURE, SIDES, lossy, number};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::Format;
 use crate::render::{Cost, Layer};

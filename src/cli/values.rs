@@ -1,12 +1,8 @@
-//! Parsers of values. clap calls them for most flags; [`value`] calls them for flags with values of several kinds.
+//! Parsers of values. clap calls them for most flags, and `value` of `error.rs` where values are of several kinds.
 
-use super::error::of_clap;
-use crate::diagnostic::Diagnostic;
 use crate::image_io::Format;
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use clap::error::{ContextKind, ContextValue};
 use serde::Serializer;
-use std::ffi::OsStr;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -29,18 +25,6 @@ pub(super) const NOT_PART: &str = "must end in .tga or .png, as parts do";
 
 /// One side of a picture, or both.
 pub(super) type Sides = Vec<usize>;
-
-/// Parses one value of a flag that has values of several kinds.
-pub(super) fn value<P: TypedValueParser>(
-    flag: &str,
-    word: &OsStr,
-    parser: P,
-) -> Result<P::Value, Diagnostic> {
-    parser.parse_ref(&clap::Command::new(""), None, word).map_err(|mut error| {
-        error.insert(ContextKind::InvalidArg, ContextValue::String(format!("-{flag}")));
-        of_clap(error, &[])
-    })
-}
 
 /// Parses a side, or both in the form `200x150`.
 pub(super) fn sides(word: &str) -> Result<Sides, &'static str> {

@@ -2,6 +2,7 @@
 
 use super::log::Log;
 use super::outputs::prepare_report;
+use super::processor_time::processor_time;
 use super::progress::ProgressLine;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
@@ -12,12 +13,13 @@ use crate::diagnostic::Diagnostic;
 use crate::image_io::{check_distinct, put_in_place};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::scene::edition::Edition;
-use crate::tools::error_report::{Answer, Bench, Setting, USUAL_TARGETS, csv, measure, page, text};
+use crate::tools::error_report::{
+    Answer, Bench, ErrorReport, Setting, USUAL_TARGETS, csv, measure, page, text,
+};
 use crate::tools::warnings::no_lights;
-use cpu_time::ProcessTime;
 use std::fs;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 /// Measures and writes.
 pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<Outcome, End> {
@@ -42,16 +44,15 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let [page_file, csv_file] = prepare_report(&files)?;
 
     // Measure.
-    let clock = || ProcessTime::now().as_duration();
     signals.note_first();
     let line = ProgressLine::new(options.progress);
     let watch = |share: f64, doing: &str| {
         line.show(|passed| told(share, doing, passed));
         signals.goes_on()
     };
-    let bench = Bench { many: &many, one: &one, clock: &clock, watch: &watch };
+    let bench = Bench { many: &many, one: &one, clock: &processor_time, watch: &watch };
     let own = Setting::new(options.request(), options.edition.unwrap_or_default());
-    let report = measure(&renderer, &own, bench, true)?;
+    let report = ErrorReport { origin: origin(), ..measure(&renderer, &own, bench, true)? };
     drop(line);
 
     // Report.
@@ -96,9 +97,47 @@ fn command(options: &Options, setting: &Setting) -> String {
     words.join(" ")
 }
 
+/// Returns the program, the day, the processor and the system.
+fn origin() -> String {
+    let seconds = SystemTime::UNIX_EPOCH.elapsed().map_or(0, |time| time.as_secs());
+    let program = format!("raytracer {}, {}", env!("CARGO_PKG_VERSION"), date(seconds / 86_400));
+    let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+    let words: Vec<String> = [Some(program), processor(), Some(system)].into_iter().flatten().collect();
+    words.join(", ")
+}
+
+/// Returns the processor's name, where the system tells it in a file or, on Windows, in a variable.
+fn processor() -> Option<String> {
+    let lines = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let named = lines.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    named.map(|(_, name)| name.to_owned()).or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
+}
+
+/// Returns the date of a day, counted from the first of 1970. Source: H. Hinnant, "chrono-Compatible Low-Level Date
+/// Algorithms", `civil_from_days`.
+fn date(day: u64) -> String {
+    // Years start in March, so that the day of a leap year comes last.
+    let day = day + 719_468;
+    let (era, day) = (day / 146_097, day % 146_097);
+    let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let (year, month) = (400 * era + year + month / 10, (month + 2) % 12 + 1);
+    format!("{year}-{month:02}-{day:02}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        let days = [0, 58, 59, 11_016, 11_017, 20_785, 47_540, 47_541].map(date);
+        let dates = ["1970-01-01", "1970-02-28", "1970-03-01", "2000-02-29", "2000-03-01", "2026-11-28"];
+        assert_eq!(days[..6], dates);
+        assert_eq!(days[6..], ["2100-02-28", "2100-03-01"]);
+    }
 
     #[test]
     fn the_time_left_is_that_of_the_rest() {

@@ -189,12 +189,31 @@ fn a_person_reads_it_in_a_terminal() {
     }
     let lines: Vec<&str> = run.stdout.lines().collect();
     assert_eq!(lines[2], "  for an RMSE of     CPU s     RMSE  choose");
+    // The front has each setting that is recommended, and says how many others it has.
+    let start = lines.iter().position(|line| line.contains("front")).unwrap();
+    let front: Vec<&str> =
+        lines[start + 1..].iter().copied().take_while(|line| line.starts_with("      ")).collect();
+    assert!(lines[3..7].iter().all(|line| front.iter().any(|row| row[16..] == line[16..])), "{}", run.stdout);
+    let csv = table(&folder, "r/report.csv");
+    assert!(csv.len() > front.len() + 1);
+    let (title, _) = lines[start].split_once("CPU s").unwrap();
+    let count = |text: &str| text.trim().split_once(" of ").map(|(_, all)| all.parse::<usize>().unwrap());
+    assert!(
+        title.trim() == "the front" || title.starts_with(&format!("  front, {} of ", front.len())),
+        "{title}"
+    );
+    assert!(count(title).is_none_or(|all| all > front.len()), "{title}");
+    // Program, date, processor, system.
+    let origin = lines.iter().find(|line| line.starts_with("raytracer 0.")).unwrap();
+    let day = origin.split(", ").nth(1).unwrap().split('-').map(str::len).collect::<Vec<_>>();
+    assert!(day == [4, 2, 2] && origin.ends_with(std::env::consts::ARCH), "{origin}");
     let targets =
         lines[3..7].iter().map(|line| line.split_whitespace().next().unwrap().trim_end_matches('*'));
     assert_eq!(targets.collect::<Vec<_>>(), ["0.5", "1", "2", "4"]);
     let page = String::from_utf8(folder.read("r/report.html")).unwrap();
     assert_eq!(page.matches("<button type=\"button\">Copy</button>").count(), 4);
     assert_eq!(page.matches("<code>raytracer -input s.txt -size 6 5 -").count(), 5, "and the line measured");
+    assert!(page.contains(&format!("measured by {origin}.")));
 }
 
 #[test]

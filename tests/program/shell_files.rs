@@ -22,6 +22,7 @@ fn root() -> &'static Path {
 fn output(program: &str, arguments: &[&str], folder: &Path) -> Option<String> {
     let mut command = Command::new(program);
     command.args(arguments).current_dir(folder).stdin(Stdio::null()).env("TERM", "dumb");
+    command.env("HOME", folder.join("home"));
     match command.output() {
         Ok(output) => {
             let error = String::from_utf8_lossy(&output.stderr);
@@ -38,7 +39,13 @@ fn output(program: &str, arguments: &[&str], folder: &Path) -> Option<String> {
 /// A folder with files and folders to choose from.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    for name in ["one.txt", "two words.txt", "p.tga", "q.png", "other.c", "r.json", "s.exr"] {
+    fs::create_dir_all(folder.path().join("home/h folder")).expect("a folder");
+    for name in ["home/hut.TXT", "home/hut.c", "home/h folder/deep.txt"] {
+        fs::write(folder.path().join(name), "").expect("a file");
+    }
+    for name in
+        ["one.txt", "two words.txt", "p.tga", "q.png", "other.c", "r.json", "s.exr", "UP.TXT", "P2.Tga"]
+    {
         fs::write(folder.path().join(name), "").expect("a file");
     }
     fs::create_dir(folder.path().join("scenes")).expect("a folder");
@@ -49,16 +56,27 @@ fn folder() -> TempDir {
 const TYPED: &[(&[&str], &[&str])] = &[
     (&["-siz"], &["-size"]),
     (&["-input", "one.txt", "-shad"], &["-shade_back", "-shadows"]),
-    (&["-input", ""], &["one.txt", "scenes", "two words.txt"]),
-    (&["-size", "3", "4", "-output", ""], &["p.tga", "q.png", "s.exr", "scenes"]),
-    (&["-depth", "-2", ".5", ""], &["p.tga", "q.png", "s.exr", "scenes"]),
+    (&["-input", ""], &["UP.TXT", "home", "one.txt", "scenes", "two words.txt"]),
+    (&["-input", "U"], &["UP.TXT"]),
+    (&["-compare", "P"], &["P2.Tga"]),
+    (&["-size", "3", "4", "-output", ""], &["P2.Tga", "home", "p.tga", "q.png", "s.exr", "scenes"]),
+    (&["-depth", "-2", ".5", ""], &["P2.Tga", "home", "p.tga", "q.png", "s.exr", "scenes"]),
     (&["-compare", "s"], &["s.exr", "scenes"]),
-    (&["-merge", "p.tga", ""], &["p.tga", "q.png", "scenes"]),
+    (&["-merge", "p.tga", ""], &["P2.Tga", "home", "p.tga", "q.png", "scenes"]),
     (&["-grid", ""], &["auto", "none"]),
     (&["-cost_map", ""], &["cells", "rays", "tests"]),
-    (&["-grade", ""], &["scenes"]),
+    (&["-grade", ""], &["home", "scenes"]),
     (&["-normal", "q"], &["q.png"]),
     (&["-size", ""], &[]),
+];
+
+/// Words that fish reads in its own way: the home folder, blanks and open quotes.
+const TYPED_IN_FISH: &[(&str, &[&str])] = &[
+    ("~/h", &["~/h folder", "~/hut.TXT"]),
+    ("$HOME/h", &["$HOME/h folder", "$HOME/hut.TXT"]),
+    ("home/h\\ folder/", &["home/h folder/deep.txt"]),
+    ("\"home/h f", &["home/h folder"]),
+    ("\\'home/h folder/", &["home/h folder/deep.txt"]),
 ];
 
 /// The sorted lines without the slash after a folder.
@@ -105,15 +123,17 @@ fn bash_completes() {
 fn fish_completes() {
     let folder = folder();
     let script = root().join("completions/raytracer.fish");
-    for (words, expected) in TYPED {
-        let code = format!("source {}; complete -C 'raytracer {}'", script.display(), words.join(" "));
+    let typed = TYPED.iter().map(|(words, expected)| (words.join(" "), *expected));
+    let in_fish = TYPED_IN_FISH.iter().map(|(word, expected)| (format!("-input {word}"), *expected));
+    for (words, expected) in typed.chain(in_fish) {
+        let code = format!("source {}; complete -C 'raytracer {words}'", script.display());
         let Some(offered) = output("fish", &["--no-config", "-c", &code], folder.path()) else { return };
         // A description follows after a tab.
         let names: String = offered
             .lines()
             .map(|line| line.split('\t').next().unwrap_or_default().to_owned() + "\n")
             .collect();
-        assert_eq!(lines(&names.replace('\\', "")), *expected, "{words:?}");
+        assert_eq!(lines(&names.replace('\\', "")), expected, "{words:?}");
     }
 }
 

@@ -46,6 +46,20 @@ fn a_finished_run_says_what_it_wrote_and_how_long_it_took() {
 }
 
 #[test]
+fn help_is_as_wide_as_the_terminal() {
+    let folder = Folder::new();
+    for (columns, longest) in [(60, 55..=60), (200, 75..=80)] {
+        let mut command = Command::new("script");
+        let line = format!("stty rows 24 cols {columns}; {} -help", env!("CARGO_BIN_EXE_raytracer"));
+        command.args(["-qec", &line, "/dev/null"]).current_dir(folder.path()).stdin(Stdio::null());
+        let Ok(output) = command.output() else { return skip("script is not installed") };
+        let told = String::from_utf8(output.stdout).expect("text");
+        let most = told.lines().map(|line| line.trim_end().chars().count()).max().unwrap_or(0);
+        assert!(longest.contains(&most), "{columns}: {told}");
+    }
+}
+
+#[test]
 fn errors_have_colour_on_a_terminal_that_may_have_it() {
     let folder = Folder::with_scene(&scene(1, "Sphere { center 0 0 zero radius .7 }"));
     let Some((told, status)) = on_terminal(&folder, "-sise", None) else { return };

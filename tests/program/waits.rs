@@ -7,6 +7,7 @@ use crate::live_server::{Server, view};
 #[cfg(feature = "gui")]
 use crate::support::scene;
 use crate::support::{Folder, send, sphere};
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::sys::signal::Signal;
 #[cfg(feature = "gui")]
 use serde_json::json;
@@ -156,10 +157,10 @@ fn a_signal_ends_the_wait_for_room_in_a_pipe_and_complete_pictures_are_kept() {
 /// Writes to a pipe until there is no room in it.
 fn fill_up(output: &mut PipeWriter) {
     let own = output.as_fd().try_clone_to_owned().unwrap();
-    let flags = rustix::fs::fcntl_getfl(&own).unwrap();
-    rustix::fs::fcntl_setfl(&own, flags | rustix::fs::OFlags::NONBLOCK).unwrap();
+    let flags = OFlag::from_bits_retain(fcntl(&own, FcntlArg::F_GETFL).unwrap());
+    fcntl(&own, FcntlArg::F_SETFL(flags | OFlag::O_NONBLOCK)).unwrap();
     while output.write(&[0; 1]).is_ok() {}
-    rustix::fs::fcntl_setfl(&own, flags).unwrap();
+    fcntl(&own, FcntlArg::F_SETFL(flags)).unwrap();
 }
 
 #[test]

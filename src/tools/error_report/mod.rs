@@ -27,6 +27,7 @@ pub use text::text;
 use crate::picture::Picture;
 use crate::sampling::filter::Filter;
 use curve::{Point, Power};
+use std::cmp::Ordering;
 use std::time::Duration;
 
 /// An invisible error: one level, the step from one byte to the next.
@@ -41,6 +42,8 @@ pub struct ErrorReport {
     /// The effect of rounding, apart from sampling. `None` if it was not measured.
     pub numerical: Option<Numerical>,
     pub planned: usize,
+    /// The program, the machine and the date of the measurements, as one line. Empty if the caller does not tell.
+    pub origin: String,
     /// The time of all measurements.
     pub time: Duration,
 }
@@ -192,9 +195,16 @@ pub struct Answer<'a> {
 impl<'a> Answer<'a> {
     /// Chooses among all settings that flags can express, with any samples and filter. `None` if nothing was measured.
     pub fn new(report: &'a ErrorReport, target: f64, command: impl Fn(&Setting) -> String) -> Option<Self> {
-        // Those that reach the target are in the order of their times, and the others of their errors.
-        let rank = |one: &Measurement| [if one.error <= target { 0.0 } else { one.error }, one.least()];
-        let order = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a.total_cmp(&c).then(b.total_cmp(&d));
+        // Those that reach the target are in the order of their times, and the others of their errors. The first is
+        // on the front, so of those as fast it has the least error.
+        let rank = |one: &Measurement| {
+            let [time, error] = one.point();
+            if error <= target { [0.0, time, error] } else { [error, time, error] }
+        };
+        let order = |a: [f64; 3], b: [f64; 3]| {
+            let unequal = a.iter().zip(&b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
+            unequal.unwrap_or(Ordering::Equal)
+        };
         let chosen = report.candidates().min_by(|one, other| order(rank(one), rank(other)))?;
         Some(Self { target, chosen, command: command(&chosen.setting) })
     }

@@ -56,6 +56,7 @@ pub fn measure(
         groups: vec![],
         numerical: None,
         planned: plan.iter().map(Vec::len).sum(),
+        origin: String::new(),
         time: Duration::ZERO,
     };
     let half = f64::from(reference::SAMPLES) / bench.many.current_num_threads() as f64;

@@ -3,8 +3,8 @@
 use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
 use crate::stats::RULE;
 
-/// The largest number of rows of the front.
-const MOST_ROWS: usize = 12;
+/// The largest number of rows of the front, beside its last one and those of the answers.
+const MOST_ROWS: usize = 9;
 
 /// Returns the answers and the front of all filters. One answer is written as a command to paste, several as rows. The
 /// page and the table have everything else.
@@ -25,17 +25,26 @@ pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
             }
         }
     }
-    // The front, thinned evenly if it has too many rows.
+    // The front, thinned evenly if it has too many rows. The answers are on it and stay.
     let front = report.front();
-    if !front.is_empty() {
-        lines.push("  the front          CPU s     RMSE  setting".into());
+    let step = front.len().div_ceil(MOST_ROWS).max(1);
+    let is_answer = |one: &Measurement| answers.iter().any(|answer| std::ptr::eq(answer.chosen, one));
+    let is_shown = |k: usize| k.is_multiple_of(step) || k + 1 == front.len() || is_answer(front[k]);
+    let rows = (0..front.len()).filter(|&k| is_shown(k));
+    let rows: Vec<String> = rows.map(|k| row(&" ".repeat(16), front[k])).collect();
+    let title = match front.len() {
+        all if all > rows.len() => format!("front, {} of {all}", rows.len()),
+        _ => "the front".into(),
+    };
+    if !rows.is_empty() {
+        lines.push(format!("  {title:<16}   CPU s     RMSE  setting"));
     }
-    let shown = front.len().min(MOST_ROWS);
-    for k in 0..shown {
-        lines.push(row(&" ".repeat(16), front[k * (front.len() - 1) / (shown - 1).max(1)]));
-    }
+    lines.extend(rows);
     lines.extend(report.numerical.iter().flat_map(numerical));
     lines.push(note(report));
+    if !report.origin.is_empty() {
+        lines.push(report.origin.clone());
+    }
     lines.push(
         "each against its own filter's converged picture; report.html and report.csv have everything".into(),
     );
