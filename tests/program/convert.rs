@@ -1,8 +1,11 @@
 //! Pictures in other formats, with and without a scene.
 
-use crate::support::{Folder, finish, sphere};
+#[cfg(unix)]
+use crate::support::finish;
+use crate::support::{Folder, sphere};
 use raytracer::image_io::read_picture;
 use std::fs::File;
+#[cfg(unix)]
 use std::process::Command;
 
 const RENDER: &str = "-input s.txt -size 21 15 -shadows";
