@@ -56,7 +56,7 @@ fn black(bytes: &[u8]) -> Vec<u8> {
     [&bytes[..18], &vec![0; bytes.len() - 18]].concat()
 }
 
-/// The same picture with a level more in one pixel of the middle, and a level less in another.
+/// Returns the picture with a level more in one pixel of the middle, and a level less in another.
 fn nudged(bytes: &[u8]) -> Vec<u8> {
     let mut changed = bytes.to_vec();
     let middle = 18 + 3 * (9 * 24 + 10);

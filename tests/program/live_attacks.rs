@@ -170,7 +170,7 @@ fn rays_that_meet_much_end_with_their_client() {
 
 /// The cells of a grid, and surfaces of which a ray meets thousands in almost one place.
 #[test]
-fn scenes_that_take_long_end_with_their_client_and_block_nobody() {
+fn scenes_that_take_long_end_with_their_client_and_block_no_other() {
     let folder = Folder::with_scene(&sphere());
     let server = Server::start(folder.path(), "-size 4 4");
     let grid =
@@ -210,7 +210,7 @@ fn scenes_that_take_long_end_with_their_client_and_block_nobody() {
 }
 
 #[test]
-fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_nobody() {
+fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_no_other() {
     let folder = Folder::with_scene(GLASS);
     let server = on_one_thread(&folder);
     let deep = view(0, &format!("-size 2048 2048 {DEEP}"));

@@ -19,13 +19,14 @@ use rayon::prelude::*;
 
 /// The smallest number of speckles. Fewer pixels may match by chance.
 const MIN_PIXELS: usize = 3;
-/// The smallest share of speckles among the wrong pixels if these are scattered, and if they are hardly scattered.
+/// The smallest share of speckles among the wrong pixels: if at least [`SCATTERED`] of the neighbours are unlike, and if
+/// fewer are.
 const MIN_SHARES: [f64; 2] = [0.6, 0.95];
 /// The smallest share of unlike neighbours among scattered pixels. If pixels differ at random with probability p, this
 /// share is 2 (1 - p) / (2 - p). In a region it is small.
 const SCATTERED: f64 = 0.3;
-/// The smallest such share of pixels that are hardly scattered.
-const HARDLY_SCATTERED: f64 = 0.1;
+/// The smallest share of unlike neighbours at which speckles are looked for.
+const LEAST_SCATTERED: f64 = 0.1;
 /// The largest number of pixels examined.
 const MAX_PIXELS: usize = 1 << 8;
 /// With more bounces, a pixel has too many rays to look for speckles.
@@ -42,7 +43,7 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
         && request.sampler.is_center()
         && request.filter.support() == 0
         && !request.is_reduced;
-    if !can_show || scattered < HARDLY_SCATTERED {
+    if !can_show || scattered < LEAST_SCATTERED {
         return None;
     }
     let examined: Vec<usize> =

@@ -457,7 +457,8 @@ impl<'a> Student<'a> {
         if self.breaks(Rule::ShadowsHalve) { 0.5 + 0.5 * passed } else { passed }
     }
 
-    /// Returns the fraction of a light that a shadow ray lets pass. Where it leaves a transparent object, this is the object's colour to the power of the distance inside (Beer's law).
+    /// Returns the fraction of a light that a shadow ray lets pass. Where it leaves a transparent object, this is the
+    /// object's colour to the power of the distance inside (Beer's law).
     ///
     /// Surfaces that contain the light's position are crossed at the light if the ray was inside an object before. So
     /// it does not matter which of them the ray hits by rounding. An opaque one blocks the light.

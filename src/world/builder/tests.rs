@@ -132,7 +132,7 @@ fn objects(count: usize, object: impl FnMut(usize) -> String) -> Vec<String> {
 }
 
 #[test]
-fn the_steps_of_building_grow_hardly_faster_than_the_scene() {
+fn the_steps_of_building_grow_with_the_scene() {
     let families: [(&str, f64, Family); 11] = [
         ("random planes", 6.0, |rng, count| {
             let object = |_: usize| {
