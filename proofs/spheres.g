@@ -1,11 +1,10 @@
 # A sphere is inserted into every cell where a ray may find it, although roundings move its surface.
-#@ src/caster/insertion.rs SPHERE_ROUNDINGS = 128.0
+#@ src/caster/insertion.rs SPHERE_ROUNDINGS = 64.0
 #
 # All lengths are in units of the radius r, and errors in units of u; f is the vector from the centre to the ray's
 # origin. A point that the sphere's test finds is off the surface by some u r, plus an error that is proportional to the
 # distance of the origin from the surface, which dda.g counts. A cell within whose padding it lies is listed if the
-# squared distances from the centre to the cell's nearest and farthest points are at most, or at least, r^2 up to
-# SPHERE_ROUNDINGS.
+# distance from the sphere's centre to the cell's is at most r (1 + SPHERE_ROUNDINGS u) and half of the padded diagonal.
 #
 # The test. If d is the direction and t a root that is off by e, then |o + t d - c|^2 - r^2 is off by 2 sqrt(a disc) e,
 # and the distance from the surface by half of that over r, where sqrt(a disc) = |d| r cos i, and i is the angle between
@@ -30,20 +29,19 @@
 # - f's own rounding, as a whole, and the 0.67 above are 1.67 (h + r).
 # The part in h is `far`, counted in dda.g, and that in r, with another 2 * 9 for the other root, is `far_r`.
 #
-# Insertion. The centre in cells has 3 roundings, of r and of the lattice's cells; the latter are below the half unit of
-# fixed-point t per cell by which the source's bound on the crossing exceeds the error (see dda.g). The difference to the
-# cell and the size of a cell, rounded, and their product are 3 more. The squared length has 3; r^2, the factor and
-# their product have one each.
-SPHERE_ROUNDINGS = 128.0;
+# Insertion. The distance has 3 roundings (of the differences, of their squares and sums, and of the root, by half), and the
+# sum with which it is compared 2. Their parts in the size of a cell are below the half unit of fixed-point t per cell by
+# which the source's bound on the crossing exceeds the error (see dda.g).
+SPHERE_ROUNDINGS = 64.0;
 disc_r = 3.5; disc_f = 2.7;
 close = disc_r + disc_f * 2 + 5 * 2 + 3 * 2 * 3 + 5 * 3;
 ALONG = 9.06;
 far = ALONG + 1.67;
 far_r = disc_r + 1.34 + ALONG + 1 + 1.67 + 2 * 9;
-insertion = 2 * 3 + 2 * 3 + 3 + 3;
+insertion = 3 + 2;
 
-{ (2 * close + insertion) * 1.0001 / SPHERE_ROUNDINGS <= 1
-/\ (2 * far_r + insertion) * 1.0001 / SPHERE_ROUNDINGS <= 1
+{ (close + insertion) * 1.0001 / SPHERE_ROUNDINGS <= 1
+/\ (far_r + insertion) * 1.0001 / SPHERE_ROUNDINGS <= 1
 /\ ALONG * ALONG >= 82
 /\ far * 1.0001 <= 10.75
 /\ 10.75 * 1.73206 <= 18.7

@@ -15,33 +15,34 @@ pub mod lattice;
 pub mod dda;
 #[doc(hidden)]
 pub mod insertion;
+pub mod cell_counts;
 pub mod choose;
 mod contents;
 mod box8;
 mod division;
 mod tree;
-mod query;
+mod search;
 mod structure;
+pub use cell_counts::{CourseSteps, Fullness};
 #[doc(hidden)]
 pub use crate::math::instructions::Level;
 pub use lattice::NotBuilt;
-pub use query::RayOrigin;
-pub use structure::{Fullness, StructureSize};
+pub use search::RayOrigin;
+#[doc(hidden)]
+pub use structure::{AccelerationStructure, StructureSize};
 
 use crate::base::patience::{Endless, Patience, Steps};
 use crate::caster::block::NONE;
 use crate::caster::bounds::Entry;
-use crate::caster::choose::{Layout, Rays};
-use crate::caster::query::Query;
-use crate::caster::structure::{AccelerationStructure, Order};
+use crate::caster::cell_counts::CellCounts;
+use crate::caster::choose::Layout;
+use crate::caster::search::{All, Any, Goal, Nearest, Search};
 use crate::math::instructions;
 use crate::math::ray::{Hit, Ray, Visible};
-use crate::stats::{Probe, Quiet};
 use crate::world::World;
 use fearless_simd::{Simd, dispatch};
 use fearless_simd_macros::simd;
-use glam::DVec2;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
 #[derive(Clone, Debug)]
@@ -50,12 +51,12 @@ pub struct Caster<'w> {
     pub world: &'w World,
     /// The instructions that the inner loops use.
     pub level: Level,
-    /// Contains every finite primitive; `None` if the world has no finite primitives.
+    /// Contains every finite primitive; `None` if the world has no finite primitives, or if no ray meets them.
     structure: Option<Arc<AccelerationStructure>>,
+    /// The cells of the grid for which steps are counted, if there is a grid.
+    counts: Option<Arc<CellCounts>>,
     /// Ends the search along a ray that takes long. The result is not used then.
     patience: &'w dyn Patience,
-    /// The structure for many rays, if [`Caster::for_rays`] may build it. Copies of the caster share it.
-    for_many_rays: Option<Arc<OnceLock<Arc<AccelerationStructure>>>>,
 }
 
 impl<'w> Caster<'w> {
@@ -66,22 +67,39 @@ impl<'w> Caster<'w> {
 
     /// Returns a caster with this acceleration structure, which uses these instructions.
     pub fn with(world: &'w World, layout: Layout, level: Level) -> Result<Self, NotBuilt> {
-        Self::within(world, layout, level, &Endless)
+        Ok(Self { level, ..Self::of_planes(world).with_structure(Self::build(world, layout, &Endless)?) })
     }
 
-    /// Returns a caster like [`Caster::with`], which is built as long as there is patience.
-    pub fn within(
-        world: &'w World,
+    /// Returns a caster that tests the planes alone, for rays of which it is known that they hit nothing else.
+    pub fn of_planes(world: &'w World) -> Self {
+        let level = instructions::available()[0];
+        Self { world, level, structure: None, counts: None, patience: &Endless }
+    }
+
+    /// Builds the acceleration structure of a world, as long as there is patience; `None` if the world has no finite
+    /// primitives.
+    pub fn build(
+        world: &World,
         layout: Layout,
-        level: Level,
         patience: &dyn Patience,
-    ) -> Result<Self, NotBuilt> {
+    ) -> Result<Option<Arc<AccelerationStructure>>, NotBuilt> {
         let build = || AccelerationStructure::new(world, layout, patience).map(Arc::new);
-        let structure = (world.finite_count() > 0).then(build).transpose()?;
-        Ok(Self { world, level, structure, patience: &Endless, for_many_rays: None })
+        (world.finite_count() > 0).then(build).transpose()
     }
 
-    /// Returns this caster, which searches and builds as long as there is patience.
+    /// Returns this caster with the structure that was built of its world.
+    pub fn with_structure(self, structure: Option<Arc<AccelerationStructure>>) -> Self {
+        Self { structure, ..self }
+    }
+
+    /// Returns this caster, which counts steps in a grid of this number of cells along each axis.
+    pub fn counting(self, cells: [usize; 3], patience: &dyn Patience) -> Result<Self, NotBuilt> {
+        let count = || CellCounts::of_world(self.world, cells, patience).map(Arc::new);
+        let counts = (self.world.finite_count() > 0).then(count).transpose()?;
+        Ok(Self { counts, ..self })
+    }
+
+    /// Returns this caster, which searches as long as there is patience.
     pub fn patient<'a>(&self, patience: &'a dyn Patience) -> Caster<'a>
     where
         'w: 'a,
@@ -89,40 +107,14 @@ impl<'w> Caster<'w> {
         Caster { patience, ..self.clone() }
     }
 
-    /// Lets [`Caster::for_rays`] replace a list by a grid or a tree.
-    pub fn replaceable(self) -> Self {
-        let for_many_rays = (!self.is_selective()).then(Arc::default);
-        Self { for_many_rays, ..self }
-    }
-
-    /// Returns a caster that takes the least total time for about this number of rays: this one, or if it is
-    /// replaceable and the rays pay for it, one with a grid or a tree. That structure is built once.
-    pub fn for_rays(&self, rays: Rays) -> Self {
-        let Some(shared) = &self.for_many_rays else { return self.clone() };
-        let layout = if shared.get().is_none() { Layout::chosen(self.world, rays) } else { Layout::List };
-        // Threads do not wait for each other, since the build itself runs on them. So two may build the structure.
-        if layout != Layout::List
-            && let Ok(structure) = AccelerationStructure::new(self.world, layout, self.patience)
-        {
-            let _ = shared.set(Arc::new(structure));
-        }
-        Self { structure: shared.get().or(self.structure.as_ref()).cloned(), ..self.clone() }
-    }
-
-    /// Returns true if a ray is tested only against some of the primitives: those in the grid cells or tree boxes that
-    /// it meets.
+    /// Returns true if a ray is tested only against some of the primitives: those in the cells or leaves that it meets.
     pub fn is_selective(&self) -> bool {
-        self.structure.as_ref().is_some_and(|structure| !matches!(structure.order, Order::List))
+        self.structure.as_ref().is_some_and(|structure| structure.is_selective())
     }
 
-    /// Returns the number of grid cells along each axis, or `None` without a grid.
-    pub fn cells(&self) -> Option<[usize; 3]> {
-        self.structure.as_ref()?.cells()
-    }
-
-    /// Returns how full the grid cells are, with this number of the fullest cells; `None` without a grid.
+    /// Returns how full the grid cells are for which steps are counted, with this number of the fullest cells.
     pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
-        self.structure.as_ref()?.fullness(fullest)
+        self.counts.as_ref().map(|counts| counts.fullness(fullest))
     }
 
     /// Returns the size of the acceleration structure, for tests.
@@ -132,21 +124,21 @@ impl<'w> Caster<'w> {
 
     /// Returns the nearest hit on the ray.
     #[inline]
-    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.nearest(ray, RayOrigin::FREE, probe).map(|visible| self.world.hit(ray, visible))
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.nearest(ray, RayOrigin::FREE).map(|visible| self.world.hit(ray, visible))
     }
 
     /// Finds the primitive that the ray hits first; the decision is exact.
     #[inline(always)]
-    pub fn nearest<P: Probe>(&self, ray: &Ray, origin: RayOrigin, probe: &mut P) -> Option<Visible> {
-        let best = self.cast::<_, false>(ray, origin, probe);
+    pub fn nearest(&self, ray: &Ray, origin: RayOrigin) -> Option<Visible> {
+        let best = dispatch!(self.level, simd => self.nearest_at(simd, ray, origin));
         (best.primitive != NONE).then_some(best)
     }
 
     /// Returns true if the ray hits anything.
     #[inline(always)]
-    pub fn any<P: Probe>(&self, ray: &Ray, origin: RayOrigin, probe: &mut P) -> bool {
-        self.cast::<_, true>(ray, origin, probe).primitive != NONE
+    pub fn any(&self, ray: &Ray, origin: RayOrigin) -> bool {
+        dispatch!(self.level, simd => self.any_at(simd, ray, origin))
     }
 
     /// Returns true if the ray hits this triangle.
@@ -172,102 +164,66 @@ impl<'w> Caster<'w> {
         planes.any(|(id, plane)| id != origin.primitive && plane.intersect(ray).is_some())
     }
 
-    /// Finds the primitive that the ray hits first, or any that it hits, or [`NONE`], with the caster's instructions.
-    #[inline(always)]
-    fn cast<P: Probe, const ANY: bool>(&self, ray: &Ray, origin: RayOrigin, probe: &mut P) -> Visible {
-        let [a, b, c, d] = ray.pairs();
-        #[cfg(target_arch = "x86_64")]
-        if let Level::Avx2(simd) = self.level {
-            return self.cast_at::<_, P, ANY>(simd, a, b, c, d, origin, probe);
-        }
-        self.cast_with_few::<P, ANY>(a, b, c, d, origin, probe)
+    /// Returns the steps that the course's program takes to find this nearest hit of the ray. Without a grid it tests
+    /// every primitive. The planes are not in the grid.
+    pub fn course_steps(&self, ray: &Ray, nearest: Option<Visible>) -> CourseSteps {
+        let mut steps = match &self.counts {
+            Some(counts) => {
+                let t = nearest.map_or(ray.t_max, |visible| self.world.hit(ray, visible).t);
+                counts.steps(self.world, ray, t, t + self.world.coincidence_reach(t))
+            }
+            None => CourseSteps { tests: self.world.finite_count() as u64, cells: 0 },
+        };
+        steps.tests += self.world.planes.len() as u64;
+        steps
     }
 
-    /// Casts a ray without AVX2. This is a function of its own, so that the ray stays in registers with AVX2: `dispatch`
-    /// passes it through memory, which takes a tenth of the time of a short ray.
-    #[inline(never)]
-    fn cast_with_few<P: Probe, const ANY: bool>(
-        &self,
-        a: DVec2,
-        b: DVec2,
-        c: DVec2,
-        d: DVec2,
-        origin: RayOrigin,
-        probe: &mut P,
-    ) -> Visible {
-        dispatch!(self.level, simd => self.cast_at::<_, P, ANY>(simd, a, b, c, d, origin, probe))
-    }
-
-    /// Casts a ray as [`cast`](Self::cast) does. It returns [`NONE`] instead of an `Option`, and takes the ray as pairs
-    /// of coordinates, because these fit into registers.
     #[simd]
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    fn cast_at<S: Simd, P: Probe, const ANY: bool>(
-        &self,
-        simd: S,
-        a: DVec2,
-        b: DVec2,
-        c: DVec2,
-        d: DVec2,
-        origin: RayOrigin,
-        probe: &mut P,
-    ) -> Visible {
-        let ray = Ray::of_pairs([a, b, c, d]);
-        let entry = self.entry(simd, &ray);
-        // Most rays that hit nothing end here.
-        if !P::COUNTS && matches!(entry, Entry::Misses) && self.world.planes.is_empty() {
-            return Visible { primitive: NONE, t_bound: ray.t_max };
-        }
-        // Functions that are not inlined read this copy, so that `ray` itself stays in registers.
-        let stored = ray;
-        let mut query = Query::<P, ANY>::new(self.world, &stored, probe);
-        query.patience = self.patience;
-        self.search(simd, &ray, origin, &entry, &mut query);
-        let (best, is_undecided) = (query.best, query.is_undecided);
-        if !ANY && is_undecided { self.foremost(simd, &stored, origin, best) } else { best }
+    fn nearest_at<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin) -> Visible {
+        let mut search = Search::new(self.world, ray, Nearest::new(self.world, ray), self.patience);
+        self.search(simd, origin, &mut search);
+        let Nearest { best, is_undecided, .. } = search.goal;
+        if is_undecided { self.foremost(simd, ray, origin, best) } else { best }
     }
 
-    /// Returns how the ray enters the structure.
+    #[simd]
     #[inline(always)]
-    fn entry<S: Simd>(&self, simd: S, ray: &Ray) -> Entry<S> {
-        // A closure would not be compiled for the instructions of the caller.
-        match self.structure.as_deref() {
-            Some(structure) => structure.region.entry(simd, ray, ray.t_max),
+    fn any_at<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin) -> bool {
+        let mut search = Search::new(self.world, ray, Any::new(ray), self.patience);
+        self.search(simd, origin, &mut search);
+        search.goal.is_hit
+    }
+
+    #[inline(always)]
+    fn search<S: Simd, G: Goal>(&self, simd: S, origin: RayOrigin, search: &mut Search<G>) {
+        let entry = match self.structure.as_deref() {
+            Some(structure) => structure.region.entry(simd, search.ray, search.ray.t_max),
             None => Entry::Misses,
+        };
+        // Most rays that hit nothing end here.
+        if matches!(entry, Entry::Misses) && self.world.planes.is_empty() {
+            return;
         }
-    }
-
-    #[inline(always)]
-    fn search<S: Simd, P: Probe, const ANY: bool>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        origin: RayOrigin,
-        entry: &Entry<S>,
-        query: &mut Query<P, ANY>,
-    ) {
-        if query.start(ray, origin) && ANY {
+        if search.start(origin) && G::IS_ANY {
             return;
         }
         if let Some(structure) = self.structure.as_deref() {
-            structure.traverse(simd, entry, query);
+            structure.traverse(simd, &entry, search);
         }
     }
 
     /// Decides which primitive a ray sees if it hits several so close together that their t do not decide. Another
-    /// query collects them, since the first query may have hit some of them before it found the nearest one.
+    /// search collects them, since the first one may have hit some of them before it found the nearest one.
     #[cold]
     #[inline(never)]
     fn foremost<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin, nearest: Visible) -> Visible {
         let t = self.world.hit(ray, nearest).t;
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
-        let (mut probe, mut hits) = (Quiet, vec![]);
-        let mut query = Query::<_, false>::for_all(self.world, &ray_to_there, &mut probe, &mut hits);
-        query.patience = self.patience;
-        self.search(simd, &ray_to_there, origin, &self.entry(simd, &ray_to_there), &mut query);
-        let foremost = self.world.foremost(ray, hits, &mut Steps::new(self.patience));
+        let mut search = Search::new(self.world, &ray_to_there, All::new(&ray_to_there), self.patience);
+        self.search(simd, origin, &mut search);
+        let foremost = self.world.foremost(ray, search.goal.hits, &mut Steps::new(self.patience));
         foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })
     }
 }
@@ -285,20 +241,15 @@ mod tests {
     use crate::scene::parser::parse;
 
     #[test]
-    fn a_caster_tells_whether_it_has_a_grid_and_of_which_cells() {
+    fn a_caster_without_finite_primitives_has_no_structure() {
         let world = |objects: &str| {
             let camera = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }";
             World::new(&parse(&format!("{camera} Group {{ {objects} }}")).unwrap(), &[]).unwrap()
         };
         let sphere = world("numObjects 1 Material { } Sphere { center 0 0 0 radius 1 }");
         let plane = world("numObjects 1 Material { } Plane { normal 0 0 1 offset 0 }");
-        for (world, cells, expected) in [
-            (&sphere, Some([2, 3, 4]), Some([2, 3, 4])),
-            (&sphere, None, None),
-            (&plane, Some([2, 3, 4]), None),
-        ] {
+        for (world, cells) in [(&sphere, Some([2, 3, 4])), (&sphere, None), (&plane, Some([2, 3, 4]))] {
             let caster = Caster::new(world, cells).unwrap();
-            assert_eq!((caster.is_selective(), caster.cells()), (expected.is_some(), expected));
             assert_eq!(caster.size() == StructureSize::default(), world.finite_count() == 0);
         }
     }

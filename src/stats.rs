@@ -5,27 +5,6 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::time::Duration;
 
-/// Counts the steps of a traversal. The default methods do nothing and cost nothing.
-pub trait Probe {
-    /// True if it counts. Then the traversal takes all steps of the course's program: cell by cell, with an exact test
-    /// of every primitive there.
-    const COUNTS: bool = false;
-
-    /// Notes that a ray was tested against `count` primitives. Misses count, too.
-    #[inline(always)]
-    fn intersections(&mut self, _count: usize) {}
-
-    /// Notes a step from one grid cell to the next, or out of the grid.
-    #[inline(always)]
-    fn cell(&mut self) {}
-}
-
-/// Counts nothing and costs nothing.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Quiet;
-
-impl Probe for Quiet {}
-
 /// The events that the course's program counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
@@ -53,20 +32,6 @@ impl Counts {
             intersections: self.intersections + other.intersections,
             cells_traversed: self.cells_traversed + other.cells_traversed,
         }
-    }
-}
-
-impl Probe for Counts {
-    const COUNTS: bool = true;
-
-    #[inline(always)]
-    fn intersections(&mut self, count: usize) {
-        self.intersections += count as u64;
-    }
-
-    #[inline(always)]
-    fn cell(&mut self) {
-        self.cells_traversed += 1;
     }
 }
 

@@ -27,7 +27,7 @@ mod secondary;
 mod shadow;
 
 pub use hints::{Blocker, FirstHit, Hints, NoHints};
-pub use observer::{Event, Observer, PathEnd, RayCount, Secondary};
+pub use observer::{Event, Observer, PathEnd, Quiet, RayCount, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
 pub(crate) use optics::{mirrored_part, refracted_between};
 pub(crate) use secondary::MOST_WAITING;
@@ -166,10 +166,20 @@ impl<'a, H: Hints> Tracer<'a, H> {
         *sum = color;
     }
 
-    /// Returns the first hit of a ray.
+    /// Casts a ray.
+    #[inline(always)]
+    fn cast<O: Observer>(&self, ray: &Ray, origin: RayOrigin, observer: &mut O) -> Option<Visible> {
+        let visible = self.caster.nearest(ray, origin);
+        if O::COUNTS {
+            observer.steps(self.caster.course_steps(ray, visible));
+        }
+        visible
+    }
+
+    /// Returns the first hit of a camera ray or a secondary ray.
     #[inline(always)]
     fn nearest<O: Observer>(&self, ray: &Ray, origin: RayOrigin, observer: &mut O) -> Option<Visible> {
-        let visible = self.caster.nearest(ray, origin, observer);
+        let visible = self.cast(ray, origin, observer);
         observer.observe(|| Event::Met(visible.map(|visible| self.world().hit(ray, visible))));
         visible
     }

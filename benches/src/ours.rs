@@ -4,17 +4,17 @@ use crate::contestant::{Cast, FlatRay};
 use raytracer::caster::choose::{Layout, Rays};
 use raytracer::caster::{Caster, NotBuilt, RayOrigin};
 use raytracer::math::instructions;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 impl Cast for Caster<'_> {
     #[inline(always)]
     fn closest(&self, ray: &FlatRay) -> f64 {
-        Caster::closest(self, &ray.exact(), &mut Quiet).map_or(f64::INFINITY, |hit| hit.t)
+        Caster::closest(self, &ray.exact()).map_or(f64::INFINITY, |hit| hit.t)
     }
 
     fn count_closest(&self, rays: &[FlatRay]) -> usize {
-        rays.iter().filter(|ray| self.nearest(&ray.exact(), RayOrigin::FREE, &mut Quiet).is_some()).count()
+        rays.iter().filter(|ray| self.nearest(&ray.exact(), RayOrigin::FREE).is_some()).count()
     }
 
     #[inline(always)]

@@ -12,7 +12,7 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::scene::model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
 use raytracer::scene::obj::parse_obj;
 use raytracer::scene::{self, Background, MeshFile, Object, Scene};
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 use std::path::Path;
 
@@ -62,7 +62,7 @@ fn shoot(mesh: &Mesh, scale: f64) -> Result<Shot, Box<dyn std::error::Error>> {
     for y in (0..SIDE).rev() {
         for x in 0..SIDE {
             let ray = camera.ray(DVec2::new(x as f64, y as f64), DVec2::ZERO);
-            let hit = caster.closest(&ray, &mut Quiet);
+            let hit = caster.closest(&ray);
             let [a, b] = hit.map_or([SKY; 2], |hit| brightness(&caster, &ray, hit));
             fixed.push(a);
             ours.push(b);
@@ -84,7 +84,7 @@ fn brightness(caster: &Caster, ray: &Ray, hit: Hit) -> [u8; 2] {
     let fixed = Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t).as_vec3().as_dvec3(), to_light) };
     let start = offset_origin(surface.position, surface.normal, to_light, surface.extent);
     [fixed, Ray::new(start, to_light)].map(|shadow| {
-        let lit = !caster.any(&shadow, RayOrigin::FREE, &mut Quiet);
+        let lit = !caster.any(&shadow, RayOrigin::FREE);
         (30.0 + if lit { 200.0 * cosine } else { 0.0 }) as u8
     })
 }

@@ -29,24 +29,14 @@ pub struct Block {
     pub error_bounds: FilterErrorBounds,
     /// The ids of the triangles in the world; [`NONE`] in an empty lane.
     pub ids: [u32; LANES],
-    /// In the last block of a cell: the start and the end of the cell's range in the list of primitives that are not
-    /// triangles.
-    pub non_triangles: [u32; 2],
-    /// In the first block of a cell: the number of the cell's blocks.
-    pub count: u32,
     /// Fills the last cache line.
-    _padding: [u32; 3],
+    _padding: [u32; 6],
 }
 
 impl Block {
     /// Returns a block of these triangles, which end at the first [`NONE`], without their coordinates.
     pub fn new(ids: [u32; LANES]) -> Self {
         Self { ids, ..Self::zeroed() }
-    }
-
-    /// Returns the number of triangles.
-    pub fn triangles(&self) -> usize {
-        self.ids.iter().filter(|&&id| id != NONE).count()
     }
 
     /// Fills a new block with the coordinates of its triangles. If `all_in_frame` is true, all triangles of the world

@@ -1,4 +1,4 @@
-//! Chooses the acceleration structure: a list, a uniform grid or a tree. All policies are in this module.
+//! Chooses the acceleration structure: a list, a uniform grid or a tree.
 //!
 //! *Memory.* A grid of chosen resolution for n primitives holds at most max(16 n, 65,536) references. (A reference is a
 //! primitive listed in a cell.) It has about as many cells as there are primitives, and fewer if their boxes would
@@ -14,22 +14,19 @@ use serde::Serialize;
 /// The acceleration structure to build. All of them find the same hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// A list of the primitives that rays may hit.
+    /// A list of the primitives.
     List,
     /// A uniform grid with this number of cells along each axis.
     Grid([usize; 3]),
     /// A tree of boxes.
     Tree,
-    /// As in the course's program, so that the counts are comparable: a list of all primitives, or a grid with this
-    /// number of cells along each axis.
-    Course(Option<[usize; 3]>),
 }
 
 /// The requested acceleration structure. All of them give the same pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Structure {
-    /// The structure with the least total time.
+    /// A tree, or a list of few primitives.
     #[default]
     Any,
     /// A list of all primitives.
@@ -48,85 +45,31 @@ pub enum Resolution {
     Auto,
 }
 
-/// The approximate number of rays for which a structure is built.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rays {
-    /// Rays from the camera.
-    pub camera: usize,
-    /// Rays of all kinds that are cast through the structure.
-    pub cast: usize,
-}
+/// Measured: a tree pays from this number of triangles on, where a sphere counts as eight triangles.
+const LEAST: usize = 32;
 
-impl Rays {
-    /// Returns the counts for this number of camera rays, all of which are cast.
-    pub fn cast(camera: usize) -> Self {
-        Self { camera, cast: camera }
-    }
-}
+/// Measured: from this number of rays per primitive on, the time per ray matters more than the time to build a grid.
+const MANY_RAYS: usize = 8;
 
 impl Structure {
-    /// Returns the layout to build for a world and this approximate number of rays. If the rays are counted,
-    /// [`Structure::Any`] gives a list, as in the course's program.
-    pub fn layout(self, world: &World, rays: Rays, is_counted: bool) -> Layout {
-        let grid = match self {
-            Self::Any if !is_counted => return Layout::chosen(world, rays),
-            Self::Any | Self::List => None,
-            Self::Grid(Resolution::Cells(cells)) => Some(cells),
-            Self::Grid(Resolution::Auto) => Some(affordable_cells(world, wanted_cells(world, rays.camera))),
-        };
-        match grid {
-            _ if is_counted => Layout::Course(grid),
-            Some(cells) => Layout::Grid(cells),
-            None => Layout::List,
+    /// Returns the layout to build for a world and about this number of rays from the camera.
+    pub fn layout(self, world: &World, camera_rays: usize) -> Layout {
+        let tests = world.visible_count() + (LANES - 1) * world.shapes.len();
+        match self {
+            Self::Any if tests >= LEAST => Layout::Tree,
+            Self::Any | Self::List => Layout::List,
+            Self::Grid(Resolution::Cells(cells)) => Layout::Grid(cells),
+            Self::Grid(Resolution::Auto) => {
+                Layout::Grid(affordable_cells(world, wanted_cells(world, camera_rays)))
+            }
         }
     }
 }
-
-/// Measured: a grid pays from this number of triangles on, where a sphere counts as eight triangles. Building it takes
-/// as long as testing this number of rays against all primitives.
-const LEAST: usize = 32;
-
-/// Measured: from this number of rays per primitive on, the time per ray matters more than the time to build.
-const MANY_RAYS: usize = 8;
-
-/// Measured: from this number of primitives on, a tree is faster than a grid, although the grid takes a third of the
-/// time to build.
-const LARGE: usize = 20_000;
-
-/// Measured: a tree is faster if a primitive shares its cell with more than this number on average. This is five times
-/// the mean over the occupied cells of an evenly tessellated mesh. For one ray per primitive, building the tree takes
-/// as long as testing this number of primitives.
-const CROWDED: usize = 96;
 
 impl Layout {
     /// Returns the number of cells along each axis if this is a grid.
     pub fn cells(self) -> Option<[usize; 3]> {
-        match self {
-            Self::Grid(cells) => Some(cells),
-            Self::Course(cells) => cells,
-            Self::List | Self::Tree => None,
-        }
-    }
-
-    /// Returns the uniform grid of `-grid auto` for about this number of rays from the camera.
-    pub fn automatic(world: &World, rays: usize) -> Self {
-        Self::Grid(affordable_cells(world, wanted_cells(world, rays)))
-    }
-
-    /// Returns the layout with the least total time for building and for these rays. A tree is chosen for very many
-    /// primitives, and for primitives that no uniform grid separates, because most of them are close together or extend
-    /// through many cells.
-    pub fn chosen(world: &World, rays: Rays) -> Self {
-        let count = world.finite_count();
-        let tests = world.visible_count() + (LANES - 1) * world.shapes.len();
-        if tests < LEAST || rays.cast < LEAST {
-            return Self::List;
-        }
-        let is_large = count >= LARGE && rays.cast >= count.saturating_mul(MANY_RAYS);
-        let cells = wanted_cells(world, rays.camera);
-        let fits =
-            most_references(world, &Lattice::new(bounds_of(world), cells)) <= affordable_references(world);
-        if is_large || !fits || is_crowded(world, cells, rays.cast) { Self::Tree } else { Self::Grid(cells) }
+        if let Self::Grid(cells) = self { Some(cells) } else { None }
     }
 }
 
@@ -150,21 +93,6 @@ fn affordable_cells(world: &World, wanted: [usize; 3]) -> [usize; 3] {
 /// Returns the number of references that a grid of chosen resolution may hold.
 fn affordable_references(world: &World) -> u64 {
     (16 * world.finite_count() as u64).max(65_536)
-}
-
-/// Returns true if the cells are so crowded, counted by the primitives' centres, that a tree pays for these rays.
-fn is_crowded(world: &World, cells: [usize; 3], rays: usize) -> bool {
-    let count = world.finite_count();
-    let lattice = Lattice::new(bounds_of(world), cells);
-    let mut counts = vec![0u32; lattice.index_count()];
-    for id in 0..count as u32 {
-        let Aabb { min, max } = world.box_of(id);
-        let middle = lattice.to_cells(0.5 * (min + max));
-        counts[lattice.index([0, 1, 2].map(|axis| lattice.cell_at(axis, middle[axis])))] += 1;
-    }
-    let squares: u64 = counts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
-    let mean = squares / count.max(1) as u64;
-    mean > CROWDED.saturating_mul(1 + count / rays.max(1)) as u64
 }
 
 /// Returns the number of cells along each axis for about `total` cubic cells in a box. A side counts as at least a
@@ -230,11 +158,11 @@ mod tests {
         world(&finite.chain([plane]).collect::<Vec<_>>())
     }
 
-    /// Returns a world of small triangles around points that fill the unit cube, or a part of it, evenly.
-    fn scattered(count: usize, part: f64, size: f64) -> World {
+    /// Returns a world of small triangles around points that fill the unit cube evenly.
+    fn scattered(count: usize) -> World {
         let triangle = |i: usize| {
-            let [x, y, z] = (part * (DVec3::new(0.618, 0.754, 0.569) * i as f64).fract()).to_array();
-            let (right, up) = (x + size, y + size);
+            let [x, y, z] = (DVec3::new(0.618, 0.754, 0.569) * i as f64).fract().to_array();
+            let (right, up) = (x + 0.01, y + 0.01);
             format!("Triangle {{ vertex0 {x} {y} {z} vertex1 {right} {y} {z} vertex2 {x} {up} {z} }}")
         };
         let far = "Triangle { vertex0 1 1 1 vertex1 1.01 1 1 vertex2 1 1.01 1 }".to_string();
@@ -242,61 +170,26 @@ mod tests {
     }
 
     #[test]
-    fn where_any_structure_will_do_a_list_is_built_unless_another_pays() {
-        let is_list = |(triangles, spheres), cast| {
-            Layout::chosen(&nested(triangles, spheres), Rays::cast(cast)) == Layout::List
-        };
-        assert_eq!(
-            [(31, 0), (32, 0), (0, 3), (0, 4), (24, 1)].map(|counts| is_list(counts, 32)),
-            [true, false, true, false, false]
-        );
-        assert!(is_list((1000, 0), 31) && is_list((0, 0), 1000));
-    }
-
-    #[test]
-    fn even_primitives_get_a_grid_and_crowded_ones_a_tree() {
-        let rays = Rays::cast(1 << 20);
-        assert_eq!(Layout::chosen(&scattered(2000, 1.0, 0.02), rays), Layout::Grid([13, 13, 12]));
-        assert_eq!(Layout::chosen(&scattered(2000, 0.01, 0.0002), rays), Layout::Tree);
-        // The triangles are evenly spaced, but each is in many cells.
-        assert_eq!(Layout::chosen(&scattered(2000, 0.2, 9.0), rays), Layout::Tree);
-    }
-
-    #[test]
-    fn a_tree_is_built_for_enough_rays_only() {
-        let crowded = scattered(2000, 0.01, 0.0002);
-        assert!(matches!(Layout::chosen(&crowded, Rays::cast(50)), Layout::Grid(_)));
-        assert_eq!(Layout::chosen(&crowded, Rays::cast(1000)), Layout::Tree);
-    }
-
-    #[test]
-    fn a_tree_pays_for_middling_worlds_that_many_rays_are_cast_into() {
-        let chosen =
-            |world: &World, camera, cast| Layout::chosen(world, Rays { camera, cast }) == Layout::Tree;
-        let middling = scattered(20_000, 1.0, 0.005);
-        let many = 8 * middling.finite_count();
-        assert_eq!([many - 1, many].map(|cast| chosen(&middling, 0, cast)), [false, true]);
-        assert!(!chosen(&scattered(10_000, 1.0, 0.005), 0, many));
+    fn few_primitives_are_a_list_and_many_a_tree() {
+        let layouts = [(31, 0), (32, 0), (0, 3), (0, 4), (24, 1), (0, 0)]
+            .map(|(triangles, spheres)| Structure::Any.layout(&nested(triangles, spheres), 1000));
+        let [list, tree] = [Layout::List, Layout::Tree];
+        assert_eq!(layouts, [list, tree, list, tree, tree, list]);
     }
 
     #[test]
     fn for_few_rays_there_are_fewer_cells() {
-        let world = scattered(2196, 1.0, 0.01);
-        assert_eq!(Layout::automatic(&world, 8 * 2197), Layout::Grid([13; 3]));
-        assert_eq!(Layout::automatic(&world, 8 * 2197 - 1), Layout::Grid([10; 3]));
+        let world = scattered(2196);
+        let automatic = |rays| Structure::Grid(Resolution::Auto).layout(&world, rays);
+        assert_eq!(automatic(8 * 2197), Layout::Grid([13; 3]));
+        assert_eq!(automatic(8 * 2197 - 1), Layout::Grid([10; 3]));
     }
 
     #[test]
     fn what_is_asked_for_is_built() {
-        let (world, rays) = (nested(1000, 0), Rays::cast(1000));
-        assert_eq!(Structure::List.layout(&world, rays, false), Layout::List);
-        let literal = Structure::Grid(Resolution::Cells([5, 1, 9]));
-        assert_eq!(literal.layout(&world, Rays::default(), false), Layout::Grid([5, 1, 9]));
-        assert_eq!(literal.layout(&world, rays, true), Layout::Course(Some([5, 1, 9])));
-        for structure in [Structure::Any, Structure::List] {
-            assert_eq!(structure.layout(&world, rays, true), Layout::Course(None));
-        }
-        let automatic = Structure::Grid(Resolution::Auto).layout(&world, rays, false);
-        assert_eq!(automatic, Layout::automatic(&world, 1000));
+        let world = nested(1000, 0);
+        assert_eq!(Structure::List.layout(&world, 1000), Layout::List);
+        let cells = Structure::Grid(Resolution::Cells([5, 1, 9]));
+        assert_eq!(cells.layout(&world, 0), Layout::Grid([5, 1, 9]));
     }
 }

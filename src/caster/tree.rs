@@ -17,7 +17,7 @@ use std::ops::Range;
 /// A branch of a tree: the index of a node, or an index marked with one of the following bits.
 pub type Branch = u32;
 
-/// Marks a leaf. The other bits are the index of its block.
+/// Marks a leaf. The other bits are its index in the contents.
 pub const LEAF: Branch = 1 << 31;
 
 /// Marks a branch with a frame of its own. The other bits are its index among such branches.
@@ -39,8 +39,8 @@ pub struct Small {
     /// The branch, in the coordinates of its frame.
     pub branch: Branch,
     pub region: Region,
-    /// The blocks of its leaves.
-    pub blocks: Range<usize>,
+    /// Its leaves.
+    pub leaves: Range<usize>,
 }
 
 impl Tree {
@@ -54,12 +54,12 @@ impl Tree {
     ) -> Result<(Self, Contents), NotBuilt> {
         memory::ask(least_bytes(ids.len())).map_err(|_| NotBuilt::TooLarge)?;
         let division = Division::new((world, patience), ids, &frame, 0)?;
-        let contents = Contents::with_capacity(division.leaves())?;
+        let contents = Contents::with_capacity(division.leaves(), division.leaves(), world)?;
         let mut growing = Growing { world, tree: Self::default(), contents, frames: vec![(0, frame)] };
         growing.tree.root = growing.add(division, frame);
         let Growing { tree, mut contents, frames, .. } = growing;
         contents.fill(world, &frames, patience)?;
-        let fits = tree.nodes.len() <= SMALL as usize && contents.blocks.len() <= SMALL as usize;
+        let fits = tree.nodes.len() <= SMALL as usize && contents.len() <= SMALL as usize;
         if fits { Ok((tree, contents)) } else { Err(NotBuilt::TooLarge) }
     }
 }
@@ -85,16 +85,15 @@ impl Growing<'_> {
         match division {
             Division::Leaf(ids) => {
                 self.contents.push(self.world, &ids);
-                LEAF | (self.contents.blocks.len() as Branch - 1)
+                LEAF | (self.contents.len() as Branch - 1)
             }
             Division::Small(small) => {
                 let (region, division) = *small;
-                let start = self.contents.blocks.len();
-                self.frames.push((start, region.frame));
+                let start = self.contents.len();
+                self.frames.push((self.contents.blocks.len(), region.frame));
                 let branch = self.add(division, region.frame);
-                let end = self.contents.blocks.len();
-                self.frames.push((end, frame));
-                self.tree.small.push(Small { branch, region, blocks: start..end });
+                self.frames.push((self.contents.blocks.len(), frame));
+                self.tree.small.push(Small { branch, region, leaves: start..self.contents.len() });
                 SMALL | (self.tree.small.len() as Branch - 1)
             }
             Division::Node(children) => {

@@ -176,7 +176,7 @@ mod tests {
     use crate::base::patience::Endless;
     use crate::caster::{Caster, RayOrigin};
     use crate::scene::parser::parse;
-    use crate::stats::Quiet;
+    use crate::trace::Quiet;
     use proptest::prelude::*;
 
     /// An octahedron of glass with a light inside and two outside.
@@ -214,12 +214,12 @@ mod tests {
             let corners @ [a, b, c] = world.corners(face);
             let (point, outward) = (a + u * (b - a) + v * (c - a), normal(&corners));
             let camera_ray = Ray::new(point + outward, -outward);
-            let Some(hit) = caster.closest(&camera_ray, &mut Quiet) else { return Ok(()) };
+            let Some(hit) = caster.closest(&camera_ray) else { return Ok(()) };
             let surface = world.surface(&camera_ray, &hit);
             let direction = unit(DVec3::from_array(direction));
             if meshes.block(1, &surface, direction) {
                 let start = crate::math::robust::offset_origin(surface.position, surface.normal, direction, surface.extent);
-                prop_assert!(caster.any(&Ray::new(start, direction), RayOrigin::on(&world, surface.primitive), &mut Quiet));
+                prop_assert!(caster.any(&Ray::new(start, direction), RayOrigin::on(&world, surface.primitive)));
             }
             prop_assert!(!meshes.block(0, &surface, direction));
         }

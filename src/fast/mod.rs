@@ -27,8 +27,6 @@ pub use raster::{Footprint, VisibilityBuffer};
 pub struct Demand {
     /// Width and height of the whole picture in pixels.
     pub size: [usize; 2],
-    /// The columns to render.
-    pub columns: Range<usize>,
     /// The camera rays that go into the scene. `None` if there are none.
     pub footprint: Option<Footprint>,
     /// True if rays may be inside transparent objects.
@@ -66,11 +64,6 @@ impl Hints for RasterHints {
     }
 }
 
-/// Returns true if rasterization finds the first hits of most camera rays.
-pub fn finds_first_hits(camera: &Camera, world: &World, size: [usize; 2]) -> bool {
-    VisibilityBuffer::suits(camera, world, size)
-}
-
 impl RasterHints {
     /// Returns hints about shadows. There are fewer of them if the patience is over.
     pub fn new(world: &World, demand: Demand, patience: &dyn Patience) -> Self {
@@ -90,13 +83,11 @@ impl RasterHints {
         Self { visibility: buffer.map(Arc::new), ..self.clone() }
     }
 
-    /// Returns the number of pixels in these rows whose camera rays must be cast.
-    pub fn unsure(&self, rows: Range<usize>) -> usize {
-        let Demand { columns, footprint, .. } = &self.demand;
+    /// Returns true if camera rays must be cast, since the first hits of some are not known.
+    pub fn are_incomplete(&self) -> bool {
         match &self.visibility {
-            Some(buffer) => buffer.unsure(columns.clone()),
-            None if footprint.is_some() => columns.len() * rows.len(),
-            None => 0,
+            Some(buffer) => buffer.is_incomplete(),
+            None => self.demand.footprint.is_some(),
         }
     }
 }

@@ -5,7 +5,6 @@ use crate::diagnostic::Diagnostic;
 use crate::render::renderer::Prepared;
 use crate::render::{Request, Stop};
 use crate::scene::Camera;
-use crate::stats::Quiet;
 use crate::tools::explain::{Explainer, ObjectPart};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -22,11 +21,11 @@ pub fn object_map(
 ) -> Result<(Vec<ObjectPart>, Vec<u8>), Diagnostic> {
     let known = Explainer::new(prepared)?;
     let view = prepared.camera(&Request { camera, ..Request::new([width, height]) });
-    let caster = prepared.caster().patient(stop);
+    let caster = prepared.caster(stop)?;
     // All rays are cast, without rasterization.
     let seen = |pixel: usize| {
         let at = DVec2::new((pixel % width) as f64, (height - 1 - pixel / width) as f64);
-        let nearest = || caster.nearest(&view.ray(at, DVec2::ZERO), RayOrigin::FREE, &mut Quiet);
+        let nearest = || caster.nearest(&view.ray(at, DVec2::ZERO), RayOrigin::FREE);
         if stop.is_over() { None } else { nearest().map(|visible| visible.primitive) }
     };
     let primitives: Vec<Option<u32>> = (0..width * height).into_par_iter().map(seen).collect();

@@ -5,7 +5,7 @@ use super::limits::*;
 use super::lock;
 use super::scenes::{OpenScene, Scenes, is_too_large};
 use crate::base::memory;
-use crate::caster::choose::{Rays, Resolution, Structure};
+use crate::caster::choose::{Resolution, Structure};
 use crate::caster::insertion::{bounds_of, most_references};
 use crate::caster::lattice::Lattice;
 use crate::cli::{Options, Output};
@@ -18,9 +18,6 @@ use crate::tools::explain::CostMap;
 use self_cell::self_cell;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-
-/// A typical number of rays while a scene is turned, by which its structure is chosen.
-const MANY_RAYS: usize = 1 << 21;
 
 /// A view of a scene, as the controls and the hand have set it.
 #[derive(Clone)]
@@ -148,7 +145,7 @@ impl Scenes {
         let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
         let (layers, draws_cells) = (vec![Layer::Color], shows_cells);
         let whole = Request { layers, tracing, draws_cells, ..view.options.request() };
-        let rays = (counts || shows_cells).then(|| whole.camera_rays());
+        let rays = (structure == Structure::Grid(Resolution::Auto)).then(|| whole.camera_rays());
         let preparation = (scene.revision, structure, counts, shows_cells, rays);
         if let Some((_, ready)) = lock(&self.ready).iter().find(|(known, _)| *known == preparation) {
             return Ok(ready.clone());
@@ -164,11 +161,8 @@ impl Scenes {
             memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
         }
         // Without the lock, so that others need not wait. Two requests may prepare the same.
-        let ready = Arc::new(Ready::try_new(scene.clone(), |scene| {
-            let is_turned = !counts && !shows_cells;
-            let rays = if is_turned { Rays::cast(MANY_RAYS) } else { scene.renderer.rays(&whole) };
-            scene.renderer.prepare_within(&whole, rays, stop)
-        })?);
+        let ready =
+            Arc::new(Ready::try_new(scene.clone(), |scene| scene.renderer.prepare_within(&whole, stop))?);
         let mut all = lock(&self.ready);
         all.push((preparation, ready.clone()));
         while all.len() > MAX_PREPARED || is_too_large(all.iter().map(|(_, ready)| ready.borrow_owner())) {

@@ -6,6 +6,7 @@
 
 use crate::base::patience::{Ended, Patience, Steps};
 use crate::caster::NotBuilt;
+use crate::caster::cell_counts::CellCounts;
 use crate::caster::dda::Dda;
 use crate::caster::insertion;
 use crate::caster::lattice::Lattice;
@@ -22,13 +23,7 @@ const TOUCH: f64 = 1e-5;
 
 /// The number of primitives that the course's program inserts into each cell.
 #[derive(Clone, Debug)]
-pub struct Occupancy {
-    lattice: Lattice,
-    /// The counts by the index of the cell, with [`BORDER`] in the cells around the lattice.
-    counts: Vec<u32>,
-}
-
-const BORDER: u32 = u32::MAX;
+pub struct Occupancy(CellCounts);
 
 /// The face through which a ray enters an occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,14 +56,7 @@ impl Occupancy {
         cells: [usize; 3],
         patience: &dyn Patience,
     ) -> Result<Self, NotBuilt> {
-        let lattice = Lattice::new(bounds, cells);
-        lattice.ask_for_entries()?;
-        let mut counts = vec![BORDER; lattice.index_count()];
-        let [nx, ny, nz] = cells;
-        for (j, k) in (0..nz).flat_map(|k| (0..ny).map(move |j| (j, k))) {
-            counts[lattice.index([0, j, k])..][..nx].fill(0);
-        }
-        let mut occupancy = Self { lattice, counts };
+        let mut occupancy = Self(CellCounts::empty(Lattice::new(bounds, cells))?);
         if !bounds.is_empty() {
             let mut steps = Steps::new(patience);
             placements(scene).try_for_each(|placement| occupancy.insert(&placement, meshes, &mut steps))?;
@@ -81,16 +69,18 @@ impl Occupancy {
         match *placement.object {
             Object::Sphere { center, radius, .. } if placement.transform.is_none() => {
                 let mut touched = vec![];
-                insertion::of_ball_by_centers(&self.lattice, center, radius, 0.0, &mut touched);
-                touched.iter().for_each(|&index| self.counts[index as usize] += 1);
+                insertion::of_ball(&self.0.lattice, center, radius, 0.0, &mut touched);
+                self.0.add(&touched);
                 steps.take(touched.len())
             }
-            Object::Triangle { vertices, .. } => self.insert_box(Aabb::around(vertices.map(map)), steps),
-            Object::Box { min, max, .. } => self.insert_box(placement.course_box(Aabb { min, max }), steps),
+            Object::Triangle { vertices, .. } => self.0.add_box(&Aabb::around(vertices.map(map)), TOUCH, steps),
+            Object::Box { min, max, .. } => {
+                self.0.add_box(&placement.course_box(Aabb { min, max }), TOUCH, steps)
+            },
             Object::Grid { ref surface, .. } => self.insert_mesh(surface, map, steps),
             Object::Mesh { mesh, .. } => self.insert_mesh(&meshes[mesh], map, steps),
             _ => match placement.object.shape_box() {
-                Some(of_object) => self.insert_box(placement.course_box(of_object), steps),
+                Some(of_object) => self.0.add_box(&placement.course_box(of_object), TOUCH, steps),
                 None => Ok(()),
             },
         }
@@ -103,16 +93,9 @@ impl Occupancy {
         steps: &mut Steps,
     ) -> Result<(), Ended> {
         let corners = |triangle: &[u32; 3]| triangle.map(|v| map(vertices[v as usize]));
-        triangles.iter().try_for_each(|triangle| self.insert_box(Aabb::around(corners(triangle)), steps))
-    }
-
-    fn insert_box(&mut self, bounds: Aabb, steps: &mut Steps) -> Result<(), Ended> {
-        // A list of the cells would take as much memory as all counts.
-        for run in insertion::runs_of_box(&self.lattice, &bounds, TOUCH) {
-            steps.take(1 + run.len() / 8)?;
-            self.counts[run].iter_mut().for_each(|count| *count += 1);
-        }
-        Ok(())
+        triangles
+            .iter()
+            .try_for_each(|triangle| self.0.add_box(&Aabb::around(corners(triangle)), TOUCH, steps))
     }
 
     /// Returns the colour that a camera ray sees: the face of the first occupied cell in the ambient and diffuse light
@@ -123,9 +106,9 @@ impl Occupancy {
 
     /// Returns the face of the first occupied cell along the ray.
     fn first_face(&self, ray: &Ray) -> Option<Face> {
-        let (mut dda, [entry, _]) = Dda::of_ray(&self.lattice, ray)?;
+        let (mut dda, [entry, _]) = Dda::of_ray(&self.0.lattice, ray)?;
         let mut index = dda.index();
-        if self.counts[index] > 0 {
+        if self.0.at(index).is_some_and(|count| count > 0) {
             return Some(self.face(index, entry, self.entry_axis(entry, ray), ray));
         }
         loop {
@@ -133,9 +116,8 @@ impl Occupancy {
             // If a ray crosses several faces at once, visit the cells one by one: x before y before z.
             for axis in (0..3).filter(|axis| unchanged_axes >> axis & 1 == 0) {
                 index = index.wrapping_add_signed(dda.stride(axis));
-                match self.counts[index] {
+                match self.0.at(index)? {
                     0 => {}
-                    BORDER => return None,
                     _ => {
                         let t = self.entry_across(axis, index, ray);
                         return Some(self.face(index, t, axis, ray));
@@ -148,7 +130,7 @@ impl Occupancy {
     /// Returns the face with this axis as its normal through which the ray enters an occupied cell at `t`.
     fn face(&self, index: usize, t: f64, axis: usize, ray: &Ray) -> Face {
         let normal = DVec3::AXES[axis] * -ray.direction[axis].signum();
-        Face { t, normal, color: count_color(self.counts[index]) }
+        Face { t, normal, color: count_color(self.0.at(index).unwrap_or(0)) }
     }
 
     /// Returns the axis of the face through which the ray enters the grid at `entry`. A ray that starts inside gets the
@@ -157,14 +139,14 @@ impl Occupancy {
         if entry <= ray.t_min {
             return ray.direction.abs().max_position();
         }
-        let (at, Aabb { min, max }) = (ray.at(entry), self.lattice.bounds);
+        let (at, Aabb { min, max }) = (ray.at(entry), self.0.lattice.bounds);
         (at - min).abs().min((at - max).abs()).min_position()
     }
 
     /// Returns the t where the ray enters a cell through the face with this axis as its normal.
     fn entry_across(&self, axis: usize, index: usize, ray: &Ray) -> f64 {
-        let cell = self.lattice.cell_of(index)[axis] + f64::from(ray.direction[axis] < 0.0);
-        let face = self.lattice.bounds.min[axis] + cell * self.lattice.cell_size[axis];
+        let cell = self.0.lattice.cell_of(index)[axis] + f64::from(ray.direction[axis] < 0.0);
+        let face = self.0.lattice.bounds.min[axis] + cell * self.0.lattice.cell_size[axis];
         (face - ray.origin[axis]) / ray.direction[axis]
     }
 }
@@ -208,7 +190,7 @@ mod tests {
         let bounds = Aabb { min: DVec3::ZERO, max: DVec3::new(4.0, 4.0, 2.0) };
         let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 4, 2], &Endless).unwrap();
         for &cell in cells {
-            occupancy.counts[occupancy.lattice.index(cell)] += 1;
+            occupancy.0.add(&[occupancy.0.lattice.index(cell) as u32]);
         }
         occupancy
     }
@@ -254,12 +236,12 @@ mod tests {
             };
             let in_sphere = (corner + 0.5).distance(DVec3::new(1.2, 1.1, 1.0)) <= 0.7 + 0.75f64.sqrt();
             let expected = boxes.iter().filter(|b| touches(b)).count() as u32 + u32::from(in_sphere);
-            assert_eq!(occupancy.counts[occupancy.lattice.index(cell)], expected, "{cell:?}");
+            assert_eq!(occupancy.0.at(occupancy.0.lattice.index(cell)), Some(expected), "{cell:?}");
             total += expected;
         }
         assert!(total > 16);
-        let border = occupancy.counts.iter().filter(|&&count| count == BORDER).count();
-        assert_eq!(border, occupancy.lattice.index_count() - 32);
+        let inside = (0..occupancy.0.lattice.index_count()).filter(|&index| occupancy.0.at(index).is_some());
+        assert_eq!(inside.count(), 32);
     }
 
     #[test]
@@ -357,7 +339,7 @@ mod tests {
         let bounds = Aabb { min: DVec3::new(1.0, 2.0, 3.0), max: DVec3::new(3.0, 8.0, 4.0) };
         let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 2, 1], &Endless).unwrap();
         for cell in [[0, 0, 0], [2, 1, 0]] {
-            occupancy.counts[occupancy.lattice.index(cell)] += 1;
+            occupancy.0.add(&[occupancy.0.lattice.index(cell) as u32]);
         }
         for (origin, direction, t, normal) in [
             ([0.0, 5.5, 3.5], DVec3::X, 2.0, DVec3::NEG_X),

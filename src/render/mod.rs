@@ -21,8 +21,7 @@ pub use stop::Stop;
 pub use crate::picture::Window;
 
 use crate::base::memory::{self, NoMemory};
-use crate::camera::Camera;
-use crate::caster::Caster;
+use crate::caster::NotBuilt;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::sampling::blur::Blur;
 use crate::sampling::sampler::Sampler;
@@ -32,6 +31,7 @@ use filter_picture::render_filter;
 use glam::DVec2;
 use plan::{Plan, Planner};
 use rayon::prelude::*;
+use renderer::Prepared;
 use row::RowSampler;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -71,6 +71,8 @@ pub enum Stopped {
     Output,
     /// The system has too little memory for the rows that must be in memory at the same time.
     Memory(NoMemory),
+    /// The structure into which rays are cast does not fit into memory.
+    Structure,
     /// Too many secondary rays of one camera ray wait to be traced.
     Rays,
 }
@@ -81,6 +83,7 @@ impl fmt::Display for Stopped {
             Self::Cancelled { rows } => write!(f, "stopped after {rows} rows"),
             Self::Output => write!(f, "the rows are not taken any more"),
             Self::Memory(refused) => refused.fmt(f),
+            Self::Structure => NotBuilt::TooLarge.fmt(f),
             Self::Rays => write!(
                 f,
                 "the rays of one pixel split without end: more than {MOST_WAITING} wait to be traced; \
@@ -91,6 +94,15 @@ impl fmt::Display for Stopped {
 }
 
 impl std::error::Error for Stopped {}
+
+impl From<NotBuilt> for Stopped {
+    fn from(error: NotBuilt) -> Self {
+        match error {
+            NotBuilt::TooLarge => Self::Structure,
+            NotBuilt::Ended => Self::Cancelled { rows: 0 },
+        }
+    }
+}
 
 impl From<NoMemory> for Stopped {
     fn from(refused: NoMemory) -> Self {
@@ -112,8 +124,7 @@ pub struct Rendered {
 /// Rows are traced in parallel on rayon's current thread pool and handed out in order. Neither the colours nor the
 /// counts depend on the number of threads. Only some rows are in memory at a time, never the whole picture.
 pub fn render(
-    scene: (&Camera, &Caster),
-    view: View,
+    prepared: &Prepared,
     request: &Request,
     watch: Watch,
     take_row: TakeRow,
@@ -131,7 +142,7 @@ pub fn render(
         Some(blur) => blur.add(row).map_or(ControlFlow::Continue(()), |row| take_row(layer, &row)),
         None => take_row(layer, row),
     };
-    let rendered = render_strips(scene, view, request, watch, &mut reduce)?;
+    let rendered = render_strips(prepared, request, watch, &mut reduce)?;
     for (layer, blur) in blurs.iter_mut().enumerate() {
         if let Some(row) = blur.as_mut().and_then(Blur::end)
             && take_row(layer, &row).is_break()
@@ -144,8 +155,7 @@ pub fn render(
 
 /// Renders the layers of a request strip by strip. Does not reduce their colours.
 fn render_strips(
-    scene: (&Camera, &Caster),
-    view: View,
+    prepared: &Prepared,
     request: &Request,
     watch: Watch,
     take_row: TakeRow,
@@ -154,7 +164,7 @@ fn render_strips(
     // No strip takes more memory than the first one.
     memory::ask(Strip::below(request, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
-    let tracer = PictureTracer::new(scene, view, request, &tally);
+    let tracer = PictureTracer::new(prepared, request, &tally);
     let mut planner = Planner::new(&tracer);
     let pixels = request.cost().map_or(0, |_| request.window_size().iter().product());
     let mut rendered = Rendered { counts: Counts::default(), costs: memory::with_room(pixels)? };
@@ -171,24 +181,23 @@ fn render_strips(
 /// Renders the colours of these rows of the window, counted from its top, with each of these samplers. The colours are
 /// not reduced. Each row is rendered by itself.
 pub fn render_some_rows(
-    scene: (&Camera, &Caster),
-    view: View,
+    prepared: &Prepared,
     request: &Request,
     samplers: &[Sampler],
     rows: &[usize],
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), &|_| ControlFlow::Continue(()));
-    let tracer = PictureTracer::new(scene, view, request, &tally);
+    let tracer = PictureTracer::new(prepared, request, &tally);
     // The plan of adaptive samples is the same for all samplers.
     let mut planner = Planner::new(&tracer);
     planner.as_mut().map_or(Ok(()), |planner| planner.prepare(&request.traced_rows(request.rows())))?;
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
-        let tracer = PictureTracer::new(scene, view, request, &tally);
+        let tracer = PictureTracer::new(prepared, request, &tally);
         let colors = |row: &usize| {
             let end = request.rows().end - row;
             let strip = Strip::below(request, end, end - 1);
-            let traced = strip.trace(end - 1..end, &tracer.rows(strip.traced()), planner.as_ref()).pop();
+            let traced = strip.trace(end - 1..end, &tracer.rows(strip.traced())?, planner.as_ref()).pop();
             traced.map(|row| row.colors).ok_or_else(|| tally.reason())
         };
         let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
@@ -200,8 +209,7 @@ pub fn render_some_rows(
 /// Returns the offsets of the samples of the pixel in this column and row from the bottom left. Returns an empty list if
 /// the watch cancels.
 pub fn offsets(
-    scene: (&Camera, &Caster),
-    view: View,
+    prepared: &Prepared,
     request: &Request,
     [column, row]: [usize; 2],
     watch: Watch,
@@ -217,7 +225,7 @@ pub fn offsets(
     let window = Some(Window { x: column, y: request.size[1] - 1 - row, width: 1, height: 1 });
     let pixel = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tally = Tally::new(1, watch);
-    let tracer = PictureTracer::new(scene, view, pixel, &tally);
+    let tracer = PictureTracer::new(prepared, pixel, &tally);
     let mut planner = Planner::new(&tracer);
     planner.as_mut().and_then(|planner| planner.prepare(&(row..row + 1)).ok());
     planner.as_ref().and_then(|planner| planner.plan(row)).map_or(vec![], |plan| offsets(Some(plan)))
@@ -226,8 +234,7 @@ pub fn offsets(
 /// Renders a request into memory. Returns a picture for each of its layers, and the counts. Fails if a layer has no
 /// pixels or does not fit into memory.
 pub fn render_in_memory(
-    scene: (&Camera, &Caster),
-    view: View,
+    prepared: &Prepared,
     request: &Request,
 ) -> Result<(Vec<FloatPicture>, Counts), BadSize> {
     let empty = |layer: &Layer| FloatPicture::with_room(request.layer_size(layer));
@@ -237,12 +244,12 @@ pub fn render_in_memory(
         ControlFlow::Continue(())
     };
     let never_cancels = |_| ControlFlow::Continue(());
-    let Rendered { counts, costs } = match render(scene, view, request, &never_cancels, &mut take_row) {
+    let Rendered { counts, costs } = match render(prepared, request, &never_cancels, &mut take_row) {
         Ok(rendered) => rendered,
         // Neither callback ends the render.
         Err(Stopped::Cancelled { .. } | Stopped::Output) => Rendered::default(),
         // Rays that split without end take too much memory.
-        Err(Stopped::Memory(_) | Stopped::Rays) => {
+        Err(Stopped::Memory(_) | Stopped::Structure | Stopped::Rays) => {
             let [width, height] = request.window_size();
             return Err(BadSize { width, height });
         }

@@ -121,7 +121,7 @@ impl<'a> Planner<'a> {
         let reflects =
             request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let reflected = if reflects { brightest(world) } else { 1.0 };
-        let small_things = SmallThings::new(picture.camera, world);
+        let small_things = SmallThings::new(&picture.camera, world);
         Some(Self { picture, request, settings, small_things, reflected, bands: vec![] })
     }
 
@@ -146,7 +146,7 @@ impl<'a> Planner<'a> {
     }
 
     fn band(&self, rows: Range<usize>) -> Option<Band> {
-        let tracer = self.picture.rows(rows.clone());
+        let tracer = self.picture.rows(rows.clone()).ok()?;
         let tiles: Vec<_> = tiles(&self.request.traced_columns(), self.request.size[0]).collect();
         let columns = tiles.first().map_or(0, |tile| tile.start)..tiles.last().map_or(0, |tile| tile.end);
         let pixels = columns.len() * rows.len();

@@ -3,11 +3,10 @@
 use crate::base::memory::with_room;
 use crate::base::patience::{Endless, Patience};
 use crate::camera::Camera;
-use crate::caster::choose::{Layout, Rays, Structure};
-use crate::caster::{Caster, Fullness, NotBuilt};
+use crate::caster::choose::{Layout, Structure};
+use crate::caster::{AccelerationStructure, Caster, Fullness, NotBuilt};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
-use crate::math::instructions;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Rendered, Request, Stopped, TakeRow, Tracing, View, Watch};
@@ -21,6 +20,7 @@ use crate::world::World;
 use glam::DVec2;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 
 /// A scene with its meshes, in world space.
 #[derive(Debug)]
@@ -95,45 +95,36 @@ impl Renderer {
         (!self.world.bounds.is_empty()).then_some(self.world.bounds)
     }
 
-    /// Prepares the scene for a request: builds the structure that it asks for, or counts the primitives in each cell of
-    /// the grid that is drawn in place of the scene. For the latter the renderer must have kept the scene's meshes. The
+    /// Prepares the scene for a request, with the structure that it asks for, or with the counts of primitives in the
+    /// cells that are drawn in place of the scene. For the latter the renderer must have kept the scene's meshes. The
     /// result renders other requests, too.
     pub fn prepare(&self, request: &Request) -> Result<Prepared<'_>, NotBuilt> {
-        self.prepare_within(request, self.rays(request), &Endless)
+        self.prepare_within(request, &Endless)
     }
 
-    /// Prepares the scene like [`Renderer::prepare`], but for about this number of rays.
-    pub fn prepare_for(&self, request: &Request, rays: Rays) -> Result<Prepared<'_>, NotBuilt> {
-        self.prepare_within(request, rays, &Endless)
-    }
-
-    /// Returns the approximate number of rays of a request.
-    pub(crate) fn rays(&self, request: &Request) -> Rays {
-        let cast = request.cast_rays(&self.camera(request), &self.world);
-        Rays { camera: request.camera_rays(), cast }
-    }
-
-    /// Prepares the scene for about this number of rays, as long as there is patience.
+    /// Prepares the scene like [`Renderer::prepare`], as long as there is patience.
     pub(crate) fn prepare_within(
         &self,
         request: &Request,
-        rays: Rays,
         patience: &dyn Patience,
     ) -> Result<Prepared<'_>, NotBuilt> {
         let Request { structure, tracing, .. } = *request;
-        let draws_cells = request.draws_cells && matches!(structure, Structure::Grid(_));
-        let layout = structure.layout(&self.world, rays, tracing == Tracing::Counted);
-        let build = |layout| Caster::within(&self.world, layout, instructions::available()[0], patience);
-        let caster = match build(if draws_cells { Layout::List } else { layout }) {
-            Ok(caster) if structure == Structure::Any && tracing == Tracing::Fast => Ok(caster.replaceable()),
-            // The user did not request the structure that does not fit into memory, so use a list instead.
-            Err(_) if structure == Structure::Any => build(Layout::List),
-            caster => caster,
-        }?;
+        let layout = structure.layout(&self.world, request.camera_rays());
         let cells = layout.cells();
+        let draws_cells = request.draws_cells && cells.is_some();
         let count = |cells| Occupancy::new(&self.scene, &self.meshes, self.world.bounds, cells, patience);
         let occupancy = cells.filter(|_| draws_cells).map(count).transpose()?;
-        Ok(Prepared { renderer: self, caster, occupancy, cells })
+        let mut planes = Caster::of_planes(&self.world);
+        if let (Some(cells), Tracing::Counted) = (cells, tracing) {
+            planes = planes.counting(cells, patience)?;
+        }
+        let layout = if draws_cells { Layout::List } else { layout };
+        let prepared = Prepared { renderer: self, layout, planes, structure: OnceLock::new(), occupancy, cells };
+        // Rasterization may leave no ray to cast.
+        if structure != Structure::Any || tracing == Tracing::Counted {
+            prepared.build(patience)?;
+        }
+        Ok(prepared)
     }
 
     /// Returns the camera of a request's pictures.
@@ -147,7 +138,11 @@ impl Renderer {
 #[derive(Debug)]
 pub struct Prepared<'r> {
     renderer: &'r Renderer,
-    caster: Caster<'r>,
+    layout: Layout,
+    /// The caster without a structure.
+    planes: Caster<'r>,
+    /// The structure, once rays need it.
+    structure: OnceLock<Option<Arc<AccelerationStructure>>>,
     /// The cells that are drawn in place of the scene, if any.
     occupancy: Option<Occupancy>,
     cells: Option<[usize; 3]>,
@@ -159,17 +154,48 @@ impl Prepared<'_> {
         self.cells
     }
 
-    /// Returns statistics of the primitives in the grid's cells, with up to `fullest` of the fullest cells. Returns
-    /// `None` without a grid.
+    /// Returns how full the cells of the grid are, with up to this number of the fullest; `None` without a grid, or if
+    /// steps are not counted.
     pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
-        self.caster.fullness(fullest)
+        self.planes.fullness(fullest)
+    }
+
+    /// Builds the structure, as long as there is patience.
+    fn build(&self, patience: &dyn Patience) -> Result<&Option<Arc<AccelerationStructure>>, NotBuilt> {
+        if let Some(structure) = self.structure.get() {
+            return Ok(structure);
+        }
+        let structure = match Caster::build(self.world(), self.layout, patience) {
+            // Nothing asks for a tree.
+            Err(NotBuilt::TooLarge) if self.layout == Layout::Tree => {
+                Caster::build(self.world(), Layout::List, patience)?
+            }
+            structure => structure?,
+        };
+        // Two threads may build it. They do not wait for each other, since building runs on all threads.
+        Ok(self.structure.get_or_init(|| structure))
+    }
+
+    /// Returns the caster, which searches as long as there is patience. Its structure is built when it is needed first.
+    pub(crate) fn caster<'a>(&'a self, patience: &'a dyn Patience) -> Result<Caster<'a>, NotBuilt> {
+        let structure = self.build(patience)?.clone();
+        Ok(self.planes.patient(patience).with_structure(structure))
+    }
+
+    /// Returns the caster like [`Prepared::caster`], or one of the planes alone if the structure is not built.
+    pub(crate) fn caster_so_far<'a>(&'a self, patience: &'a dyn Patience) -> Caster<'a> {
+        self.planes.patient(patience).with_structure(self.structure.get().cloned().flatten())
+    }
+
+    /// Returns the scene in world space.
+    pub fn world(&self) -> &World {
+        &self.renderer.world
     }
 
     /// Renders the layers of a request into memory, in the order of the request. Fails if a picture has no pixels or
     /// does not fit into memory.
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
-        let scene = (&self.camera(request), &self.caster);
-        render::render_in_memory(scene, self.view(), request).map(|(pictures, _)| pictures)
+        render::render_in_memory(self, request).map(|(pictures, _)| pictures)
     }
 
     /// Renders the only layer of a request into memory. Returns it, and the counts.
@@ -197,7 +223,7 @@ impl Prepared<'_> {
         watch: Watch,
         take_row: TakeRow,
     ) -> Result<Rendered, Stopped> {
-        render::render((&self.camera(request), &self.caster), self.view(), request, watch, take_row)
+        render::render(self, request, watch, take_row)
     }
 
     /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers.
@@ -208,8 +234,7 @@ impl Prepared<'_> {
         samplers: &[Sampler],
         rows: &[usize],
     ) -> Result<Vec<Vec<Color>>, Stopped> {
-        let scene = (&self.camera(request), &self.caster);
-        render::render_some_rows(scene, self.view(), request, samplers, rows)
+        render::render_some_rows(self, request, samplers, rows)
     }
 
     /// Returns the number of grid cells along each axis if they are drawn in place of the scene.
@@ -222,11 +247,6 @@ impl Prepared<'_> {
         self.renderer
     }
 
-    /// Returns the caster, which finds the hits of rays.
-    pub(crate) fn caster(&self) -> &Caster<'_> {
-        &self.caster
-    }
-
     /// Returns the camera of a request's pictures.
     pub(crate) fn camera(&self, request: &Request) -> Camera {
         self.renderer.camera(request)
@@ -235,15 +255,15 @@ impl Prepared<'_> {
     /// Returns the samples of the pixel in this column and row from the bottom left: their offsets from its centre,
     /// and the parts of the pixel that they represent, up to a factor. Returns an empty list if the watch cancels.
     pub(crate) fn samples(&self, request: &Request, pixel: [usize; 2], watch: Watch) -> Vec<(DVec2, f64)> {
-        let scene = (&self.camera(request), &self.caster);
-        let offsets = render::offsets(scene, self.view(), request, pixel, watch);
+        let offsets = render::offsets(self, request, pixel, watch);
         // Adaptive samples of pixels that contribute to each other represent parts of their pixels.
         let is_alone = request.adaptive.is_none() || request.filter.support() == 0;
         let part = if is_alone { 1.0 } else { 1.0 / offsets.len() as f64 };
         offsets.into_iter().map(|offset| (offset, part)).collect()
     }
 
-    fn view(&self) -> View<'_> {
+    /// Returns the subject of the layers of colours.
+    pub(super) fn view(&self) -> View<'_> {
         match (&self.occupancy, self.renderer.scene.shows) {
             (Some(occupancy), _) => View::Cells(occupancy),
             (None, Shows::Scene) => View::Scene,

@@ -1,7 +1,6 @@
 //! The request: the layers to render, and how to render them.
 
 use super::layer::{Cost, Layer};
-use crate::camera::Camera;
 use crate::caster::choose::Structure;
 use crate::picture::Window;
 use crate::render::grid_view::Occupancy;
@@ -12,20 +11,9 @@ use crate::sampling::sample_packet::Stage;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene;
 use crate::scene::edition::Edition;
-use crate::scene::material::Material;
-use crate::trace::{Effects, Shadows};
-use crate::world::World;
+use crate::trace::Effects;
 use serde::Serialize;
 use std::ops::Range;
-
-#[cfg(feature = "fast")]
-use crate::fast::finds_first_hits;
-
-/// Returns false: without hints all rays are cast.
-#[cfg(not(feature = "fast"))]
-fn finds_first_hits(_: &Camera, _: &World, _: [usize; 2]) -> bool {
-    false
-}
 
 /// The way to trace a picture. The picture does not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -74,8 +62,7 @@ pub struct Request {
     pub is_reduced: bool,
     /// The layers, in the order in which rows are handed out.
     pub layers: Vec<Layer>,
-    /// The structure that rays are cast into. [`Structure::Any`] is the one with the least total time, or a list if rays
-    /// are counted as in the course's program. The picture does not depend on it.
+    /// The structure that rays are cast into. The picture does not depend on it.
     pub structure: Structure,
     /// The way to trace. The picture does not depend on it.
     pub tracing: Tracing,
@@ -201,30 +188,11 @@ impl Request {
     pub fn camera_rays(&self) -> usize {
         self.size[0] * self.size[1] * self.samples()
     }
-
-    /// Returns the approximate number of rays that are certainly cast: none if rasterization finds the first hits. It
-    /// may leave some rays to be cast. They are counted when it has run.
-    pub(crate) fn cast_rays(&self, camera: &Camera, world: &World) -> usize {
-        let Effects { shadows, bounces, .. } = self.effects;
-        let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
-            || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
-        let casts_centers = !finds_first_hits(camera, world, self.size);
-        let casts_for_colors = casts_centers || !self.sampler.is_center() || casts_secondary_rays;
-        let traces = [self.measured() > Stage::Rays, self.traces_colors(Tracing::Fast)];
-        let pixels: usize = self.window_size().iter().product();
-        match traces {
-            [true, _] if casts_centers => pixels * self.samples(),
-            [_, true] if casts_for_colors => pixels * self.samples(),
-            _ => 0,
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::drand48::Drand48;
-    use crate::sampling::sampler::Pattern;
 
     #[test]
     fn a_window_counts_from_the_top_and_is_clipped_to_the_picture() {
@@ -264,52 +232,5 @@ mod tests {
             assert_eq!(request.support(), if has_colors { 2 } else { 0 }, "{layers:?}");
             assert_eq!(request.measured(), measured, "{layers:?}");
         }
-    }
-
-    #[test]
-    fn no_rays_count_as_cast_that_rasterization_replaces() {
-        let rays_of = |text: &str, request: &Request| {
-            let text = format!(
-                "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }}
-                 Lights {{ numLights 1 DirectionalLight {{ direction 0 0 -1 color 1 1 1 }} }} {text}"
-            );
-            let scene = crate::scene::parser::parse(&text).unwrap();
-            let world = World::new(&scene, &[]).unwrap();
-            request.cast_rays(&Camera::new(&scene.camera, request.size), &world)
-        };
-        let triangle =
-            "Group { numObjects 1 Material { } Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 } }";
-        let sphere = "Group { numObjects 1 Material { } Sphere { center 0 0 0 radius 1 } }";
-        let mirror = triangle.replace("{ }", "{ reflectiveColor 0 0 1 }");
-        let glass = triangle.replace("{ }", "{ transparentColor 1 0 0 }");
-        let colors = request_of(&[Layer::Color]);
-        let sampled = |layer| {
-            let sampler = Sampler::new(Pattern::Jittered, 3, Drand48::UNSEEDED);
-            Request { sampler, ..request_of(&[layer]) }
-        };
-        let with = |effects| Request { effects, ..colors.clone() };
-        let shadows = with(Effects { shadows: Shadows::Transparent, ..Effects::default() });
-        let bounces = with(Effects { bounces: 1, ..Effects::default() });
-        for (text, request, rays) in [
-            (triangle, &colors, 0),
-            (sphere, &colors, 48),
-            (triangle, &shadows, 48),
-            (triangle, &bounces, 0),
-            (&mirror, &bounces, 48),
-            (&glass, &bounces, 48),
-            (&mirror, &colors, 0),
-            (triangle, &sampled(Layer::Color), 144),
-            (triangle, &sampled(Layer::Samples { zoom: 1 }), 144),
-            (triangle, &sampled(DEPTH), 0),
-            (sphere, &sampled(DEPTH), 144),
-            (sphere, &request_of(&[DEPTH]), 48),
-            (sphere, &request_of(&[Layer::Filter { zoom: 1 }]), 0),
-            (sphere, &request_of(&[]), 0),
-        ] {
-            assert_eq!(rays_of(text, request), rays, "{text} {request:?}");
-        }
-        let window = Some(Window { x: 1, y: 1, width: 2, height: 3 });
-        assert_eq!(rays_of(sphere, &Request { window, ..colors.clone() }), 6);
-        assert_eq!(sampled(DEPTH).camera_rays(), 144);
     }
 }

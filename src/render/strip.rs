@@ -70,7 +70,7 @@ impl<'a> Strip<'a> {
         rendered: &mut Rendered,
         take_row: TakeRow,
     ) -> Result<(), Stopped> {
-        let tracer = &picture.rows(self.traced());
+        let tracer = &picture.rows(self.traced())?;
         let batch = match self.request.support() {
             0 => ROWS_PER_BATCH * rayon::current_num_threads(),
             _ => self.rows.len(),

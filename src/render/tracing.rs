@@ -1,11 +1,11 @@
 //! Traces the samples of a picture, either counted or as fast as possible.
 
+use super::Stopped;
+use super::renderer::Prepared;
 use super::request::{Request, Tracing, View};
 use super::tally::Tally;
 use crate::camera::Camera;
-use crate::caster::Caster;
-#[cfg(feature = "fast")]
-use crate::caster::choose::Rays;
+use crate::caster::{Caster, NotBuilt};
 #[cfg(feature = "fast")]
 use crate::fast::{Demand, Footprint, RasterHints};
 use crate::picture::Color;
@@ -13,18 +13,18 @@ use crate::sampling::sample_packet::{SamplePacket, Stage};
 use crate::stats::Counts;
 #[cfg(not(feature = "fast"))]
 use crate::trace::NoHints;
-#[cfg(feature = "fast")]
-use crate::trace::Shadows;
-use crate::trace::{Memory, RayCount, Tracer};
+use crate::scene::material::Material;
+use crate::trace::{Effects, Memory, RayCount, Shadows, Tracer};
 use fearless_simd::dispatch;
 use std::ops::Range;
 
 /// Traces the samples of a picture.
 #[derive(Clone)]
 pub struct PictureTracer<'a> {
-    pub camera: &'a Camera,
+    prepared: &'a Prepared<'a>,
+    pub camera: Camera,
+    /// The caster of the scene, or one of the planes alone as long as no ray needs more.
     pub caster: Caster<'a>,
-    pub view: View<'a>,
     pub request: &'a Request,
     pub tally: &'a Tally<'a>,
     #[cfg(feature = "fast")]
@@ -34,35 +34,52 @@ pub struct PictureTracer<'a> {
 }
 
 impl<'a> PictureTracer<'a> {
-    pub fn new(
-        (camera, caster): (&'a Camera, &'a Caster<'a>),
-        view: View<'a>,
-        request: &'a Request,
-        tally: &'a Tally<'a>,
-    ) -> Self {
+    pub fn new(prepared: &'a Prepared<'a>, request: &'a Request, tally: &'a Tally<'a>) -> Self {
         #[cfg(feature = "fast")]
-        let hints = RasterHints::new(caster.world, demand(view, request), tally);
+        let hints = RasterHints::new(prepared.world(), demand(&prepared.view(), request), tally);
         #[cfg(not(feature = "fast"))]
         let hints = NoHints;
-        Self { camera, caster: caster.patient(tally), view, request, tally, hints }
+        let (camera, caster) = (prepared.camera(request), prepared.caster_so_far(tally));
+        Self { prepared, camera, caster, request, tally, hints }
     }
 
-    /// Returns a tracer that is prepared for these rows, counted from the bottom.
-    #[cfg(feature = "fast")]
-    pub fn rows(&self, rows: Range<usize>) -> Self {
-        if self.request.tracing == Tracing::Counted {
-            return self.clone();
+    /// Returns a tracer that is prepared for these rows, counted from the bottom: with their first hits, as far as
+    /// rasterization finds them, and with a structure if other rays are cast.
+    pub fn rows(&self, rows: Range<usize>) -> Result<Self, Stopped> {
+        let mut own = self.clone();
+        if self.casts_further_rays() {
+            own.caster = self.caster()?;
         }
-        let hints = self.hints.in_rows(self.camera, &self.caster, rows.clone());
-        // The other rows have about as many unsure pixels.
-        let (camera, all_rows) = (self.request.camera_rays(), self.request.rows().len());
-        let cast = hints.unsure(rows.clone()) * all_rows / rows.len().max(1);
-        Self { caster: self.caster.for_rays(Rays { camera, cast }), hints, ..self.clone() }
+        #[cfg(feature = "fast")]
+        if self.request.tracing == Tracing::Fast {
+            own.hints = self.hints.in_rows(&self.camera, &own.caster, rows);
+            if own.hints.are_incomplete() {
+                own.caster = self.caster()?;
+            }
+        }
+        #[cfg(not(feature = "fast"))]
+        let _ = rows;
+        Ok(own)
     }
 
-    #[cfg(not(feature = "fast"))]
-    pub fn rows(&self, _: Range<usize>) -> Self {
-        self.clone()
+    fn caster(&self) -> Result<Caster<'a>, Stopped> {
+        self.prepared.caster(self.tally).map_err(|error| match error {
+            NotBuilt::Ended => self.tally.reason(),
+            NotBuilt::TooLarge => Stopped::Structure,
+        })
+    }
+
+    /// Returns true if other rays are cast than those that rasterization may replace.
+    fn casts_further_rays(&self) -> bool {
+        let Request { effects: Effects { shadows, bounces, .. }, tracing, .. } = *self.request;
+        let world = self.prepared.world();
+        let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
+            || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
+        let has_colors =
+            self.request.traces_colors(tracing) && matches!(self.prepared.view(), View::Scene);
+        let has_hints = cfg!(feature = "fast") && tracing == Tracing::Fast;
+        (has_colors && casts_secondary_rays)
+            || !has_hints && (has_colors || self.request.measured() > Stage::Rays)
     }
 
     /// Traces the samples of a packet in row `j` up to a stage, and computes their colours if they are wanted. Does not
@@ -76,7 +93,8 @@ impl<'a> PictureTracer<'a> {
         memory: &mut Memory,
         counts: &mut Counts,
     ) {
-        let Self { camera, caster, view, request: Request { effects, tracing, size, .. }, .. } = self;
+        let Self { camera, caster, request: Request { effects, tracing, size, .. }, .. } = self;
+        let view = self.prepared.view();
         if memory.is_cut() {
             return;
         }
@@ -118,7 +136,7 @@ fn place_color([column, row]: [usize; 2], [width, height]: [usize; 2]) -> Color 
 
 /// Returns the rays that a request needs if it does not count.
 #[cfg(feature = "fast")]
-fn demand(view: View, request: &Request) -> Demand {
+fn demand(view: &View, request: &Request) -> Demand {
     let is_scene = matches!(view, View::Scene);
     let colors = request.tracing == Tracing::Fast && request.traces_colors(Tracing::Fast) && is_scene;
     let footprint = if colors && !request.sampler.is_center() { Footprint::Pixel } else { Footprint::Center };
@@ -126,7 +144,6 @@ fn demand(view: View, request: &Request) -> Demand {
     let is_blocked_or_not = colors && request.effects.shadows == Shadows::Opaque;
     Demand {
         size: request.size,
-        columns: request.columns(),
         footprint: (request.measured() > Stage::Rays || colors).then_some(footprint),
         enters_objects: request.effects.bounces > 0,
         shadow_rays: if is_blocked_or_not { samples } else { 0 },
@@ -170,34 +187,6 @@ mod tests {
             let request = Request { sampler, effects, layers, ..Request::new([6, 5]) };
             let demand = demand(view, &request);
             assert_eq!((demand.footprint, demand.shadow_rays), (footprint, colors), "{request:?}");
-        }
-    }
-
-    #[test]
-    fn rays_that_rasterization_leaves_get_a_grid_if_they_are_many() {
-        let triangle = |k: usize| {
-            let [x, y] = [k % 8, k / 8].map(|n| 0.25 * n as f64 - 1.0);
-            format!("Triangle {{ vertex0 {x} {y} 0 vertex1 {} {y} 0 vertex2 {x} {} 0 }} ", x + 0.25, y + 0.25)
-        };
-        let triangles: String = (0..64).map(triangle).collect();
-        // A far vertex makes the error bounds of all depths large.
-        for (far, is_selective) in [(1.0, false), (1e9, true)] {
-            let text = format!(
-                "PerspectiveCamera {{ center 0.013 0.029 5 direction 0 0 -1 up 0 1 0 angle 25 }}
-                 Group {{ numObjects 65 Material {{ }} {triangles}
-                 Triangle {{ vertex0 0 0 -1 vertex1 {far} 0 -1 vertex2 0 {far} -1 }} }}"
-            );
-            let scene = parse(&text).unwrap();
-            let world = World::new(&scene, &[]).unwrap();
-            let camera = Camera::new(&scene.camera, [40, 40]);
-            let request = Request::new([40, 40]);
-            let has_grid = |caster: Caster| {
-                let tally = Tally::new(40, &|_| std::ops::ControlFlow::Continue(()));
-                let tracer = PictureTracer::new((&camera, &caster), View::Scene, &request, &tally);
-                tracer.rows(0..40).caster.is_selective()
-            };
-            assert_eq!(has_grid(Caster::new(&world, None).unwrap().replaceable()), is_selective, "{far}");
-            assert!(!has_grid(Caster::new(&world, None).unwrap()));
         }
     }
 }

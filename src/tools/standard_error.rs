@@ -9,7 +9,6 @@
 //! much. These rows are chosen with a higher probability, and weighted less.
 
 use crate::base::memory::NoMemory;
-use crate::caster::choose::Structure;
 use crate::picture::Color;
 use crate::render::renderer::Prepared;
 use crate::render::{Layer, Request, Stopped, Tracing, Window};
@@ -42,10 +41,6 @@ pub fn standard_error(prepared: &Prepared, request: &Request) -> Result<Option<f
         return Ok(None);
     }
     let request = Request { layers: vec![Layer::Color], tracing: Tracing::Fast, ..request.clone() };
-    // Counted rays test a list of all primitives, as in the course's program. These rays are not counted.
-    let is_free = request.structure == Structure::Any;
-    let chosen = if is_free { prepared.renderer().prepare(&request).ok() } else { None };
-    let prepared = chosen.as_ref().unwrap_or(prepared);
     match of_colors(prepared, &request) {
         Err(Stopped::Memory(refused)) => Err(refused),
         found => Ok(found.ok()),

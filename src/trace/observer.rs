@@ -4,14 +4,18 @@ use crate::math::ray::{Hit, Ray};
 use crate::picture::Color;
 use crate::scene::material::Phong;
 use crate::shading::light::Incident;
-use crate::stats::{Counts, Probe, Quiet};
+use crate::caster::CourseSteps;
+use crate::stats::Counts;
 use crate::world::SurfacePoint;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Observes the tracer. The default methods do nothing and cost nothing. If the observer counts ([`Probe::COUNTS`]),
-/// the tracer takes all steps of the course's program. Otherwise it skips work that cannot change the picture.
-pub trait Observer: Probe {
+/// Observes the tracer. The default methods do nothing and cost nothing.
+pub trait Observer {
+    /// True if the observer counts. Then the tracer takes all steps of the course's program. Otherwise it skips work that
+    /// cannot change the picture.
+    const COUNTS: bool = false;
+
     /// Notes a camera ray, or a reflected or refracted one.
     #[inline(always)]
     fn non_shadow_ray(&mut self) {}
@@ -20,14 +24,23 @@ pub trait Observer: Probe {
     #[inline(always)]
     fn shadow_ray(&mut self) {}
 
+    /// Notes the steps of a ray, if the observer counts.
+    fn steps(&mut self, _steps: CourseSteps) {}
+
     /// Notes an event. Observers that do not need the event never call `event`.
     #[inline(always)]
     fn observe<'e>(&mut self, _event: impl FnOnce() -> Event<'e>) {}
 }
 
+/// Counts nothing and costs nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Quiet;
+
 impl Observer for Quiet {}
 
 impl Observer for Counts {
+    const COUNTS: bool = true;
+
     #[inline(always)]
     fn non_shadow_ray(&mut self) {
         self.non_shadow_rays += 1;
@@ -37,13 +50,17 @@ impl Observer for Counts {
     fn shadow_ray(&mut self) {
         self.shadow_rays += 1;
     }
+
+    #[inline(always)]
+    fn steps(&mut self, CourseSteps { tests, cells }: CourseSteps) {
+        self.intersections += tests;
+        self.cells_traversed += cells;
+    }
 }
 
 /// Counts rays of any kind and nothing else. So the tracer may skip work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RayCount(pub u64);
-
-impl Probe for RayCount {}
 
 impl Observer for RayCount {
     #[inline(always)]

@@ -95,8 +95,8 @@ impl<H: Hints> Tracer<'_, H> {
         observer.observe(|| Event::ShadowRay(ray));
         let is_hit = match blocker {
             // The course's program searches the nearest hit, even if any hit would do.
-            _ if O::COUNTS => self.caster.nearest(&ray, origin, observer).is_some(),
-            Blocker::Any | Blocker::Certain => self.caster.any(&ray, origin, observer),
+            _ if O::COUNTS => self.cast(&ray, origin, observer).is_some(),
+            Blocker::Any | Blocker::Certain => self.caster.any(&ray, origin),
             Blocker::Only(triangle) => {
                 self.caster.hits_triangle(&ray, triangle, origin) || self.caster.hits_plane(&ray, origin)
             }
@@ -130,7 +130,7 @@ impl<H: Hints> Tracer<'_, H> {
             if crossing % CROSSINGS_AT_ONCE == CROSSINGS_AT_ONCE - 1 && self.caster.is_over() {
                 break;
             }
-            let Some(visible) = self.caster.nearest(&ray, origin, observer) else { break };
+            let Some(visible) = self.cast(&ray, origin, observer) else { break };
             let (hit, surface) = (self.world().hit(&ray, visible), self.surface(&ray, visible));
             let is_exit = surface.normal.dot(ray.direction) >= 0.0;
             if at_light.iter().any(|place| place.is_crossed(hit.primitive, ray.direction, is_exit)) {

@@ -5,7 +5,8 @@ use crate::caster::Caster;
 use crate::caster::choose::Layout;
 use crate::math::instructions;
 use crate::scene::parser::parse;
-use crate::stats::{Counts, Quiet};
+use crate::stats::Counts;
+use crate::trace::Quiet;
 use glam::DVec3;
 
 /// The background colour in the text of [`Setting::new`].

@@ -10,7 +10,7 @@ use raytracer::caster::{Caster, StructureSize};
 use raytracer::math::instructions;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// A scene with its name. It is built for about the given number of primitives.
@@ -177,12 +177,12 @@ fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
             let casters = [automatic(&world, many, with), chosen(&world, few), chosen(&world, many), tree];
             let mut hits = 0;
             for ray in rays_at(&world, count) {
-                let expected = everything.closest(&ray, &mut Quiet);
+                let expected = everything.closest(&ray);
                 hits += usize::from(expected.is_some());
                 for caster in &casters {
-                    assert_eq!(caster.closest(&ray, &mut Quiet), expected, "{name}, {n}: {ray:?}");
+                    assert_eq!(caster.closest(&ray), expected, "{name}, {n}: {ray:?}");
                     assert_eq!(
-                        caster.any(&ray, RayOrigin::FREE, &mut Quiet),
+                        caster.any(&ray, RayOrigin::FREE),
                         expected.is_some(),
                         "{name}, {n}: {ray:?}"
                     );

@@ -7,7 +7,8 @@ use raytracer::caster::choose::Layout;
 use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::{Hit, Ray};
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 
 const OBJECTS: [&str; 4] = [
     "TriangleMesh { obj_file bunny_5k.obj }",
@@ -45,7 +46,7 @@ fn hits_depend_neither_on_instructions_nor_on_structure() {
     let world = world(&OBJECTS.map(String::from), &[rabbit()]);
     let reference = Caster::with(&world, Layout::List, Level::baseline()).unwrap();
     let expected: Vec<(Ray, Option<Hit>)> =
-        rays().map(|ray| (ray, reference.closest(&ray, &mut Quiet))).collect();
+        rays().map(|ray| (ray, reference.closest(&ray))).collect();
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
     for level in instructions::available() {
         for layout in [
@@ -64,9 +65,9 @@ fn hits_depend_neither_on_instructions_nor_on_structure() {
                 let single = if is_fine { expected.len() } else { expected.len() / 10 };
                 for (ray, hit) in &expected[..single] {
                     let context = (level, layout, ray);
-                    assert_eq!(caster.closest(ray, &mut Quiet), *hit, "{context:?}");
-                    assert_eq!(caster.closest(ray, &mut Counts::default()), *hit, "{context:?}");
-                    assert_eq!(caster.any(ray, RayOrigin::FREE, &mut Quiet), hit.is_some(), "{context:?}");
+                    assert_eq!(caster.closest(ray), *hit, "{context:?}");
+                    assert_eq!(caster.closest(ray), *hit, "{context:?}");
+                    assert_eq!(caster.any(ray, RayOrigin::FREE), hit.is_some(), "{context:?}");
                 }
             }
         }
@@ -85,12 +86,12 @@ fn what_is_tested_first_changes_no_answer() {
             let step = if layout == Layout::List { 50 } else { 1 };
             for ray in rays().step_by(step) {
                 let expected =
-                    caster.nearest(&ray, RayOrigin::FREE, &mut Quiet).map(|visible| visible.primitive);
+                    caster.nearest(&ray, RayOrigin::FREE).map(|visible| visible.primitive);
                 for leaves in round.clone() {
                     let origin = RayOrigin::on(&world, Some(leaves));
-                    let found = caster.nearest(&ray, origin, &mut Quiet);
+                    let found = caster.nearest(&ray, origin);
                     assert_eq!(found.map(|visible| visible.primitive), expected, "{ray:?}");
-                    assert_eq!(caster.any(&ray, origin, &mut Quiet), expected.is_some());
+                    assert_eq!(caster.any(&ray, origin), expected.is_some());
                 }
             }
         }

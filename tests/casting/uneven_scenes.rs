@@ -9,7 +9,8 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::instructions::{self, Level};
 use raytracer::math::ray::Ray;
 use raytracer::scene::load::load;
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// The rabbit alone, or in one corner of a stadium that is `times` as large: a floor of two triangles, stands
@@ -73,13 +74,13 @@ fn what_is_chosen_gives_the_hits_that_testing_everything_gives() {
         for radius in [1.0, 20.0 * size] {
             let mut hits = 0;
             for ray in rays(3000, radius) {
-                let expected = everything.closest(&ray, &mut Quiet);
+                let expected = everything.closest(&ray);
                 hits += usize::from(expected.is_some());
                 for caster in &casters {
-                    assert_eq!(caster.closest(&ray, &mut Quiet), expected, "{size} {ray:?}");
-                    assert_eq!(caster.closest(&ray, &mut Counts::default()), expected, "{size} {ray:?}");
+                    assert_eq!(caster.closest(&ray), expected, "{size} {ray:?}");
+                    assert_eq!(caster.closest(&ray), expected, "{size} {ray:?}");
                     assert_eq!(
-                        caster.any(&ray, RayOrigin::FREE, &mut Quiet),
+                        caster.any(&ray, RayOrigin::FREE),
                         expected.is_some(),
                         "{size} {ray:?}"
                     );
@@ -108,8 +109,8 @@ fn a_small_thing_across_a_flat_crowded_cell_is_hit_from_afar() {
             let target = DVec3::new(9.92 + 0.02 * random(), 0.03 + 0.02 * random(), 9.903);
             let origin = DVec3::new(-3.0 * random(), 0.05 + 0.1 * random(), -2.0);
             let ray = Ray::new(origin, target - origin);
-            assert_eq!(caster.closest(&ray, &mut Quiet).map(|hit| hit.primitive), Some(200), "{ray:?}");
-            assert!(caster.any(&ray, RayOrigin::FREE, &mut Quiet));
+            assert_eq!(caster.closest(&ray).map(|hit| hit.primitive), Some(200), "{ray:?}");
+            assert!(caster.any(&ray, RayOrigin::FREE));
         }
     }
 }
@@ -129,7 +130,7 @@ fn a_rabbit_in_a_stadium_costs_little_more_than_the_rabbit_alone() {
     let with = instructions::available()[0];
     let world = stadium(None);
     let alone = chosen(&world, 1_000_000, with);
-    let at_rabbit = || rays(60_000, 1.0).filter(|ray| alone.any(ray, RayOrigin::FREE, &mut Quiet));
+    let at_rabbit = || rays(60_000, 1.0).filter(|ray| alone.any(ray, RayOrigin::FREE));
     assert!(at_rabbit().count() > 10_000);
     let least = work(&alone, at_rabbit());
     for size in [10.0, 1e3, 1e5] {

@@ -9,7 +9,8 @@ use crate::support::rng::Rng;
 use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::{Ray, Visible};
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 use raytracer::world::{Primitive, World};
 
 /// The rays that are cast at one pair of surfaces.
@@ -142,9 +143,9 @@ fn seen(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 3] {
         // Each object has the material of its index.
         let first = hits.iter().map(|&(_, id)| id).min_by_key(|&id| (material(id), id));
         let found = [
-            casters[0].closest(&ray, &mut Quiet),
-            casters[1].closest(&ray, &mut Quiet),
-            casters[1].closest(&ray, &mut Counts::default()),
+            casters[0].closest(&ray),
+            casters[1].closest(&ray),
+            casters[1].closest(&ray),
         ];
         let wrong = found.iter().any(|hit| hit.map(|hit| hit.primitive) != first);
         failures.note(wrong, || {

@@ -14,7 +14,8 @@ use raytracer::math::ray::Ray;
 use raytracer::picture::Color;
 use raytracer::scene::Object;
 use raytracer::scene::material::{Material, Phong};
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 use raytracer::trace::{Effects, Memory, Tracer};
 use raytracer::world::World;
 
@@ -64,7 +65,7 @@ fn is_transmitted(object: &Object, index: f64, ray: &Ray) -> Option<bool> {
     scene.materials = vec![Material::Phong(Phong { diffuse: Color::ZERO, ..glass })];
     let world = World::new(&scene, &[]).expect("a valid scene");
     let caster = Caster::new(&world, None).expect("no grid");
-    caster.closest(ray, &mut Quiet)?;
+    caster.closest(ray)?;
     let effects = Effects { bounces: 1, shade_back: true, ..Effects::default() };
     let mut counts = Counts::default();
     Tracer::new(&caster, effects).color(ray, &mut Memory::default(), &mut counts);

@@ -15,7 +15,7 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::{Object, Position};
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// Something whose nearest point is up to 1e30 away, below the ground or beside everything.
@@ -94,7 +94,7 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
         let target = touched + away * DVec3::new(cosine, 0.0, sine);
         let to_eye = DVec3::new(cosine, rng.range(0.05, 1.0), sine).normalize();
         let ray = Ray::new(target + 5.0 * scale * to_eye, -to_eye);
-        let Some(hit) = caster.closest(&ray, &mut Quiet) else { continue };
+        let Some(hit) = caster.closest(&ray) else { continue };
         let surface = world.surface(&ray, &hit);
         // The ball is the last of the shapes.
         if hit.primitive + 1 == world.first_plane() {
@@ -121,7 +121,7 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
         });
         let by_world = 32.0 * UNIT_ROUNDOFF * (surface.position.abs().max_element() + world.max_abs_coord);
         let from = surface.position + by_world * DVec3::Y;
-        let textbook = caster.any(&Ray::new(from, direction), RayOrigin::FREE, &mut Quiet) != is_in_shadow;
+        let textbook = caster.any(&Ray::new(from, direction), RayOrigin::FREE) != is_in_shadow;
         let found = [1, is_in_shadow as u64, wrong, textbook as u64];
         counts = std::array::from_fn(|k| counts[k] + found[k]);
     }

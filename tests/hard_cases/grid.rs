@@ -15,7 +15,7 @@ use raytracer::caster::lattice::Lattice;
 use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// The numbers of rays for which ours differs from the brute force, for which the textbook's grid does in f64
@@ -38,10 +38,10 @@ pub fn differences(
     let one = |index| {
         let ray = draw(&mut Rng::at(seed, index), index);
         let expected = brute.closest(&ray);
-        let found = caster.closest(&ray, &mut Quiet);
+        let found = caster.closest(&ray);
         let differs = found.map(|h| (h.t.to_bits(), h.primitive))
             != expected.map(|h| (h.t.to_bits(), h.primitive))
-            || caster.any(&ray, RayOrigin::FREE, &mut Quiet) != expected.is_some();
+            || caster.any(&ray, RayOrigin::FREE) != expected.is_some();
         failures.note(differs, || {
             format!("{}\n{found:?} {expected:?}", failed_ray(case, seed, index, ray.origin, ray.direction))
         });

@@ -15,7 +15,7 @@ use raytracer::caster::lattice::Lattice;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// The largest distance, in cells, of the ray from the cell that the DDA is in at the same t.
@@ -148,7 +148,7 @@ fn objects_where_the_dda_is_least_accurate() {
         let slope = rng.range(0.3, 0.5);
         let direction = DVec3::new(1.0, slope, 0.0);
         let ray = Ray::new(position - (position.x - lattice.bounds.min.x + 0.5) * direction, direction);
-        let missed = caster.closest(&ray, &mut Quiet).is_none();
+        let missed = caster.closest(&ray).is_none();
         failures.note(missed, || failed_ray(27, SEED, index, ray.origin, ray.direction));
         ([missed as u64], [])
     };
@@ -213,7 +213,7 @@ fn case_27_objects_at_cell_corners() {
                     (origin.x, origin.y) = (origin.y, origin.x);
                 }
                 let ray = Ray::new(origin, (a + b + c) / 3.0 - origin);
-                let found = caster.closest(&ray, &mut Quiet).map(|h| h.primitive);
+                let found = caster.closest(&ray).map(|h| h.primitive);
                 // Another triangle may be in front of the target, but the ray never misses both.
                 let missed = found.is_none();
                 failures.note(missed, || failed_ray(27, SEED, index, ray.origin, ray.direction));

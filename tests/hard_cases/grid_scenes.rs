@@ -17,7 +17,8 @@ use raytracer::math::aabb::Aabb;
 use raytracer::math::double_double::exact_product;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 #[test]
@@ -123,7 +124,7 @@ fn rays_from_far_away_without_a_grid() {
     let one = |index| {
         let ray = aim(&mut Rng::at(SEED, index), index);
         let expected = brute.closest(&ray);
-        let differs = caster.closest(&ray, &mut Quiet) != expected;
+        let differs = caster.closest(&ray) != expected;
         failures.note(differs, || failed_ray(31, SEED, index, ray.origin, ray.direction));
         ([differs, expected.is_some()].map(u64::from), [])
     };
@@ -162,7 +163,7 @@ fn rays_from_far_away_into_flat_cells() {
             std::iter::repeat_with(draw).take(200).max_by(|a, b| a.0.total_cmp(&b.0)).expect("a ray");
         // With counts, because otherwise t is known only to the accuracy of the filter, and the traversal continues for
         // longer.
-        let (found, expected) = (caster.closest(&ray, &mut Counts::default()), brute.closest(&ray));
+        let (found, expected) = (caster.closest(&ray), brute.closest(&ray));
         let differs = found != expected;
         failures.note(differs, || failed_ray(31, SEED, index, ray.origin, ray.direction));
         ([differs, expected.is_some(), late > 0.0].map(u64::from), [])

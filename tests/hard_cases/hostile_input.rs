@@ -13,7 +13,8 @@ use raytracer::math::ray::Ray;
 use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::{self, Light, Object, Position, Scene};
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 
@@ -87,13 +88,13 @@ fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
         let (origin, direction) = (vector(&mut rng, 0.3), vector(&mut rng, 0.4));
         let t_min = if rng.below(2) == 0 { 0.0 } else { f64::NEG_INFINITY };
         let ray = Ray { t_min, ..Ray::new(origin, direction) };
-        let hits = casters.each_ref().map(|caster| caster.closest(&ray, &mut Quiet));
+        let hits = casters.each_ref().map(|caster| caster.closest(&ray));
         let broken = !origin.is_finite() || !direction.is_finite() || direction == DVec3::ZERO;
         let not_finite = hits.iter().flatten().filter(|hit| !hit.t.is_finite()).count() as u64;
         let of_broken = if broken { hits.iter().flatten().count() as u64 } else { 0 };
         failures.note(not_finite + of_broken > 0, || failed_ray(61, 61, index, origin, direction));
         for caster in &casters {
-            std::hint::black_box(caster.any(&ray, RayOrigin::FREE, &mut Quiet));
+            std::hint::black_box(caster.any(&ray, RayOrigin::FREE));
         }
         ([not_finite, of_broken, broken as u64], [])
     });

@@ -12,7 +12,8 @@ use num_traits::Signed;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object, Position};
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 use raytracer::trace::{Effects, Memory, Shadows, Tracer};
 use raytracer::world::World;
 
@@ -143,7 +144,7 @@ fn one(index: u64, failures: &Failures) -> ([u64; 3], [f64; 0]) {
         let reach = 10f64.powf(rng.range(-1.0, farthest));
         let target = DVec3::new(rng.range(-reach, reach), FLOOR, rng.range(-reach, reach));
         let ray = Ray::new(target + 0.1 * DVec3::Y, -DVec3::Y);
-        let seen = caster.closest(&ray, &mut Quiet).expect("the floor");
+        let seen = caster.closest(&ray).expect("the floor");
         let from = world.surface(&ray, &seen).position;
         let color = tracer.color(&ray, &mut Memory::default(), &mut Quiet);
         assert_eq!(tracer.color(&ray, &mut Memory::default(), &mut Counts::default()), color);

@@ -11,7 +11,8 @@ use num_traits::Signed;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object, Position};
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 use raytracer::trace::{Effects, Memory, Shadows, Tracer};
 use raytracer::world::{Primitive, World};
 
@@ -42,7 +43,7 @@ fn are_lit(
     let screen = (world.finite_count() + world.planes.len() - 1) as u32;
     let lit = |target: &DVec3| {
         let ray = Ray::new(*target + 1e-3 * size * normal, -normal);
-        let hit = caster.closest(&ray, &mut Quiet).filter(|hit| hit.primitive == screen)?;
+        let hit = caster.closest(&ray).filter(|hit| hit.primitive == screen)?;
         let tracer = Tracer::new(&caster, effects);
         let color = tracer.color(&ray, &mut Memory::default(), &mut Quiet);
         assert_eq!(tracer.color(&ray, &mut Memory::default(), &mut Counts::default()), color);

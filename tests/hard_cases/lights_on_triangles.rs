@@ -14,7 +14,8 @@ use raytracer::math::instructions;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{Light, Object, Position};
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 use raytracer::trace::{Effects, Memory, Observer, Shadows, Tracer};
 use raytracer::world::World;
 
@@ -142,7 +143,7 @@ impl Lit {
 
     fn color(&self, caster: &Caster, ray: &Ray, observer: &mut impl Observer) -> Option<DVec3> {
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
-        let hit = caster.closest(ray, &mut Quiet)?;
+        let hit = caster.closest(ray)?;
         let is_plane = hit.primitive as usize == self.world.finite_count();
         is_plane.then(|| Tracer::new(caster, effects).color(ray, &mut Memory::default(), observer))
     }

@@ -12,7 +12,7 @@ use num_traits::{Signed, Zero};
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::{Primitive, World};
 use std::cmp::Ordering;
 
@@ -102,7 +102,7 @@ fn seen(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 3] {
     let [mut cast, mut farther, mut higher, mut textbook] = [0; 4];
     for ray in &rays {
         let t = [0, 1].map(|id| world.crossing(ray, id));
-        let (Some(found), [Some(one), Some(other)]) = (caster.closest(ray, &mut Quiet), t) else { continue };
+        let (Some(found), [Some(one), Some(other)]) = (caster.closest(ray), t) else { continue };
         let order = exact_order(&world, ray, [0, 1]);
         let is_farther = |id: u32| order == if id == 0 { Ordering::Greater } else { Ordering::Less };
         cast += 1;
@@ -186,7 +186,7 @@ fn planes(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 2] {
         let direction = rng.direction();
         let towards = world.planes[0].ahead_of(eye) * world.planes[0].normal.dot(direction);
         let ray = Ray::new(eye, if towards < 0.0 { -direction } else { direction });
-        let Some(found) = caster.closest(&ray, &mut Quiet) else { continue };
+        let Some(found) = caster.closest(&ray) else { continue };
         cast += 1;
         wrong += u64::from(found.primitive != nearer);
     }

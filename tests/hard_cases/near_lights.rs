@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object};
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::trace::{Effects, Memory, Shadows, Tracer};
 
 fn point_light(position: DVec3) -> Light {
@@ -24,7 +24,7 @@ fn seen(object: &Object, light: Light, ray: &Ray) -> DVec3 {
     let world = world_with(vec![object.clone()], vec![light], &[]);
     let caster = Caster::new(&world, None).expect("no grid");
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
-    caster.closest(ray, &mut Quiet).expect("the ray is aimed at the object");
+    caster.closest(ray).expect("the ray is aimed at the object");
     Tracer::new(&caster, effects).color(ray, &mut Memory::default(), &mut Quiet)
 }
 
@@ -138,7 +138,7 @@ struct Terminator {
 }
 
 fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator> {
-    let hit = caster.closest(ray, &mut Quiet)?;
+    let hit = caster.closest(ray)?;
     let world = caster.world;
     let surface = world.surface(ray, &hit);
     let corners = world.corners(hit.primitive as usize);
@@ -151,7 +151,7 @@ fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator>
     });
     let lit = |normal: DVec3| normal.dot(to_light) > 0.0;
     let blocked = |from: DVec3| {
-        caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), RayOrigin::FREE, &mut Quiet)
+        caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), RayOrigin::FREE)
     };
     let flat_lit = lit(surface.normal);
     let effects = Effects { shadows: Shadows::Opaque, shade_back: false, bounces: 0, min_weight: 0.0 };

@@ -16,7 +16,7 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::{Object, Position};
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::{SurfacePoint, World};
 
 const SEED: u64 = 3700;
@@ -149,7 +149,7 @@ impl Stage {
 /// The surface that a ray of the stage hits, in a world without the cover.
 fn surface(stage: &Stage, world: &World, rng: &mut Rng) -> Option<SurfacePoint> {
     let (caster, ray) = (Caster::new(world, None).expect("no grid"), stage.ray(rng));
-    Some(world.visible_surface(&ray, caster.nearest(&ray, RayOrigin::FREE, &mut Quiet)?))
+    Some(world.visible_surface(&ray, caster.nearest(&ray, RayOrigin::FREE)?))
 }
 
 /// A direction outward, or to either side of a flat primitive, with this cosine to the normal.
@@ -187,7 +187,7 @@ fn no_ray_meets_the_surface_that_it_leaves() {
         let direction = direction(&stage, &surface, cosine, rng);
         let caster = Caster::new(&world, None).expect("no grid");
         let single = Ray::new(surface.position.as_vec3().as_dvec3(), direction);
-        Some([blocked(&caster, &surface, direction), caster.any(&single, RayOrigin::FREE, &mut Quiet)])
+        Some([blocked(&caster, &surface, direction), caster.any(&single, RayOrigin::FREE)])
     });
 }
 
@@ -208,6 +208,6 @@ fn no_ray_skips_what_covers_the_surface() {
         let covered = stage.world(Some(gap));
         let caster = Caster::new(&covered, None).expect("no grid");
         let fixed = Ray { t_min: FIXED * stage.size, ..secondary(&surface, direction) };
-        Some([!blocked(&caster, &surface, direction), !caster.any(&fixed, RayOrigin::FREE, &mut Quiet)])
+        Some([!blocked(&caster, &surface, direction), !caster.any(&fixed, RayOrigin::FREE)])
     });
 }

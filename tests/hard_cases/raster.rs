@@ -11,7 +11,7 @@ use raytracer::caster::Caster;
 use raytracer::fast::{Footprint, VisibilityBuffer};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::render::{Layer, Request, Tracing};
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::trace::FirstHit;
 use raytracer::world::World;
 use raytracer::world::plane::Plane;
@@ -45,7 +45,7 @@ pub fn compare(
     for [i, j] in view.pixels() {
         for offset in offsets(footprint, rng) {
             let ray = view.camera.ray(DVec2::new(i as f64, j as f64), offset);
-            let truth = caster.closest(&ray, &mut Quiet);
+            let truth = caster.closest(&ray);
             let seen = buffer.first_hit(world, &ray, [i, j]);
             let wrong = is_wrong(world, &ray, seen, truth);
             failures.note(wrong, || format!("{rng:?}, pixel {i} {j} {offset}: {seen:?} {truth:?}"));
@@ -227,7 +227,7 @@ fn a_pixel_sees_what_its_ray_hits() {
         let mut counts = [0; 5];
         for pixel in view.pixels().filter(|&[_, j]| j >= first) {
             let (ray, [i, j]) = (view.ray(pixel), pixel);
-            let truth = caster.closest(&ray, &mut Quiet);
+            let truth = caster.closest(&ray);
             let seen = buffer.first_hit(&world, &ray, [i, j]);
             let wrong = is_wrong(&world, &ray, seen, truth);
             failures

@@ -13,7 +13,7 @@ use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::Object;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::trace::{reflected, refracted};
 use raytracer::world::{SurfacePoint, World};
 
@@ -44,7 +44,7 @@ fn shell_path(impact: f64, inner: f64) -> Option<Vec<u32>> {
 fn followed(world: &World, ray: Ray, next: impl Fn(&SurfacePoint, DVec3) -> Ray) -> Vec<u32> {
     let caster = Caster::new(world, None).expect("no grid");
     let (mut ray, mut path, mut inside) = (ray, vec![], 0usize);
-    while let Some(hit) = caster.closest(&ray, &mut Quiet) {
+    while let Some(hit) = caster.closest(&ray) {
         path.push(hit.primitive);
         let surface = world.surface(&ray, &hit);
         let entering = surface.normal.dot(ray.direction) < 0.0;
@@ -121,7 +121,7 @@ fn mirror_error(rng: &mut Rng, bounces: u64) -> ([u64; 0], [f64; 3]) {
     let (mut ray, mut place) = (start, DVec3::ZERO);
     let (mut place32, mut direction32) = (start.origin.as_vec3(), start.direction.as_vec3());
     for _ in 0..bounces {
-        let hit = caster.closest(&ray, &mut Quiet).expect("a mirror");
+        let hit = caster.closest(&ray).expect("a mirror");
         let surface = world.surface(&ray, &hit);
         place = surface.position;
         ray = secondary(&surface, reflected(ray.direction, surface.normal));

@@ -15,7 +15,7 @@ use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::material::{Material, Pattern, Texture};
 use raytracer::shading::checkerboard::error_bounds_to_boundary;
 use raytracer::shading::texture::first_weight;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 fn checkerboard(world_to_texture: DAffine3) -> Texture {
@@ -93,7 +93,7 @@ fn board_rays(rng: &mut Rng, rays: usize, failures: &Failures) -> ([u64; 3], [f6
         let eye = target + half * rng.range(0.01, 3.0) * rng.direction();
         let [eye, target] = [eye, target].map(|p| map.transform_point3(p));
         let ray = Ray::new(eye, target - eye);
-        let Some(hit) = caster.closest(&ray, &mut Quiet) else { continue };
+        let Some(hit) = caster.closest(&ray) else { continue };
         let surface = world.surface(&ray, &hit);
         // Across the surface the cell is known. Along it, it is unless the point is at a line of the board.
         let q = back.transform_point3(surface.position) / cell;

@@ -16,7 +16,7 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::Object;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::{SurfacePoint, World};
 
 /// The rabbit on a plane, scaled and translated, with what determines its shadows.
@@ -58,7 +58,7 @@ impl Stage {
         let eye = self.middle + 2.0 * self.extent * DVec3::new(out.x, out.y.abs() + 0.1, out.z);
         let target = self.middle + 0.6 * self.extent * rng.in_cube();
         let ray = Ray::new(eye, (target - eye).normalize());
-        let hit = caster.closest(&ray, &mut Quiet)?;
+        let hit = caster.closest(&ray)?;
         let surface = self.world.surface(&ray, &hit);
         let side = if surface.normal.dot(ray.direction) < 0.0 { surface.normal } else { -surface.normal };
         let along = side.cross(rng.direction()).normalize();
@@ -94,7 +94,7 @@ impl Stage {
             Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t).as_vec3().as_dvec3(), direction) },
             Ray::new(integer_offset(ray.at(hit.t).as_vec3(), side.as_vec3()).as_dvec3(), direction),
         ]
-        .map(|r| caster.any(&r, RayOrigin::FREE, &mut Quiet));
+        .map(|r| caster.any(&r, RayOrigin::FREE));
         Some(Shadow { truth, found: [blocked(caster, &surface, direction), fixed, integer] })
     }
 }
@@ -253,7 +253,7 @@ fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
         // The point is seen from below, where nothing is in the way.
         let eye = DVec3::new(rng.range(-1.0, 1.0), height - 2.0, rng.range(-1.0, 1.0));
         let ray = Ray::new(eye, DVec3::new(across.x, height, across.z) - eye);
-        let hit = caster.closest(&ray, &mut Quiet).expect("the ground");
+        let hit = caster.closest(&ray).expect("the ground");
         let surface = world.surface(&ray, &hit);
         let (sine, cosine) = rng.range(0.0, std::f64::consts::TAU).sin_cos();
         let tangent = rng.range(0.0, if covered { 5.6 } else { 0.05 });
@@ -266,7 +266,7 @@ fn gap_shadows(world: &World, height: f64, inputs: u64, seed: u64) -> [u64; 4] {
             Ray { t_min: FIXED, ..Ray::new(ray.at(hit.t), direction) },
             Ray::new(integer_offset(ray.at(hit.t).as_vec3(), up.as_vec3()).as_dvec3(), direction),
         ]
-        .map(|r| caster.any(&r, RayOrigin::FREE, &mut Quiet));
+        .map(|r| caster.any(&r, RayOrigin::FREE));
         let wrong = [blocked(&caster, &surface, direction), a, b, c].map(|b| (b != covered) as u64);
         failures.note(wrong[0] > 0, || failed_ray(42, seed, index, ray.origin, ray.direction));
         (wrong, [])

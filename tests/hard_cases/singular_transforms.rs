@@ -14,7 +14,7 @@ use raytracer::caster::Caster;
 use raytracer::diagnostic::Diagnostic;
 use raytracer::math::ray::{Ray, Visible};
 use raytracer::math::robust::{DETERMINANT_ROUNDINGS, unit};
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// The number of roundings that the tests assume. It is stated here independently of the source.
@@ -153,7 +153,7 @@ fn is_unit(v: DVec3) -> bool {
 /// Whether a ray from outside hits a transformed unit sphere, with a normal of unit length.
 fn has_sound_normal(world: &World, m: DMat3) -> bool {
     let ray = Ray::new(DVec3::ZERO, unit(m * DVec3::new(0.3, 0.4, 0.5)));
-    let hit = Caster::new(world, None).expect("no grid").closest(&ray, &mut Quiet);
+    let hit = Caster::new(world, None).expect("no grid").closest(&ray);
     hit.is_some_and(|hit| is_unit(world.surface(&ray, &hit).normal))
 }
 

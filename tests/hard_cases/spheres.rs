@@ -13,7 +13,7 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::Object;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::shape::Form;
 use raytracer::world::sphere::Sphere;
 
@@ -264,12 +264,12 @@ fn leave(rng: &mut Rng) -> Option<([u64; 3], [f64; 1])> {
     let object = Object::Sphere { center: sphere.center, radius: sphere.radius, material: 0 };
     let world = world_of(vec![object]);
     let caster = Caster::new(&world, None).expect("no grid");
-    let hit = caster.closest(&ray, &mut Quiet)?;
+    let hit = caster.closest(&ray)?;
     let surface = world.surface(&ray, &hit);
     let truth = far_side(&sphere, surface.position, out)?;
     let secondary = secondary(&surface, out);
     let origin = RayOrigin::on(&world, surface.triangle);
-    let found = caster.nearest(&secondary, origin, &mut Quiet).map(|visible| visible.t_bound);
+    let found = caster.nearest(&secondary, origin).map(|visible| visible.t_bound);
     let spurious = found.is_some_and(|t| truth.is_none_or(|far| t < 0.5 * far));
     let lost = found.is_none() && truth.is_some();
     let error = match (found, nearest(&sphere, &secondary)) {

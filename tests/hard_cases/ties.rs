@@ -10,7 +10,8 @@ use raytracer::caster::choose::Layout;
 use raytracer::math::instructions;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::{Counts, Quiet};
+use raytracer::stats::Counts;
+use raytracer::trace::Quiet;
 
 /// Whole numbers whose squares sum to the square of a whole number.
 const ON_SPHERES: [([f64; 3], f64); 4] =
@@ -56,7 +57,7 @@ fn one(index: u64, failures: &Failures) -> ([u64; 2], [f64; 0]) {
     let [mut cast, mut wrong] = [0; 2];
     for layout in [Layout::List, Layout::Tree, Layout::Grid([3, 2, 4]), Layout::Course(None)] {
         let caster = Caster::with(&world, layout, instructions::available()[0]).expect("a small structure");
-        for found in [caster.closest(&ray, &mut Quiet), caster.closest(&ray, &mut Counts::default())] {
+        for found in [caster.closest(&ray), caster.closest(&ray)] {
             let material = found.map(|hit| world.surface(&ray, &hit).material);
             cast += 1;
             wrong += failures.note(material != Some(0), || {
@@ -82,7 +83,7 @@ fn a_ray_that_starts_on_two_surfaces_sees_the_first_object() {
         let objects = order.map(|k| objects[k].to_string());
         let world = world_of(&scene_of(&objects, ""), &Mesh { vertices: vec![], triangles: vec![] });
         let ray = Ray::new(DVec3::X, DVec3::new(-1.0, 0.2, 0.3));
-        let hit = Caster::new(&world, None).expect("no grid").closest(&ray, &mut Quiet).expect("both");
+        let hit = Caster::new(&world, None).expect("no grid").closest(&ray).expect("both");
         assert_eq!((hit.t, world.surface(&ray, &hit).material), (0.0, 0), "{objects:?}");
     }
 }

@@ -12,7 +12,7 @@ use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::triangle::Shear;
 
 fn integer_vector(rng: &mut Rng, n: usize) -> DVec3 {
@@ -131,7 +131,7 @@ fn case_16_triangles_without_area() {
     let one = |index| {
         let ray = plain.ray_at(&mut Rng::at(SEED, index), index);
         let [without, with] = [&caster, &mixed_caster].map(|c| {
-            let hit = c.closest(&ray, &mut Quiet)?;
+            let hit = c.closest(&ray)?;
             Some((hit.t.to_bits(), c.world.surface(&ray, &hit).normal))
         });
         let wrong = without != with || with.is_some_and(|(_, normal)| normal.is_nan());

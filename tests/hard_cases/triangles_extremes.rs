@@ -19,7 +19,7 @@ use raytracer::math::ray::Ray;
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::Scene;
 use raytracer::scene::parser::parse;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 use raytracer::world::triangle::{Shear, normal, point};
 
@@ -47,7 +47,7 @@ fn case_20_a_sphere_of_many_sizes_in_a_grid() {
             let shear = Shear::new(&ray);
             let hits = closed.rings[i].iter().filter_map(|&t| shear.intersect(closed.corners(t).each_ref()));
             let in_front = hits.filter(|&t| t > 0.0 && t.is_finite()).count();
-            let wrong = in_front != 1 || caster.closest(&ray, &mut Quiet).is_none();
+            let wrong = in_front != 1 || caster.closest(&ray).is_none();
             failures.note(wrong, || failed_ray(20, SEED, index, ray.origin, ray.direction));
             let (o, d) = (lower::<f32>(ray.origin), lower::<f32>(ray.direction));
             let textbook = closed.rings[i].iter().any(|&t| {

@@ -15,7 +15,7 @@ use num_traits::Signed;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::World;
 use raytracer::world::triangle::Shear;
 
@@ -51,7 +51,7 @@ fn count_other_hits(
     let failures = Failures::default();
     let one = |index| {
         let ray = draw(&mut Rng::at(seed, index), index);
-        let found = caster.closest(&ray, &mut Quiet).map(|hit| hit.primitive);
+        let found = caster.closest(&ray).map(|hit| hit.primitive);
         let expected = canonical(world, brute.near(&ray), &ray);
         failures.note(found != expected, || failed_ray(17, seed, index, ray.origin, ray.direction));
         let last_wins = last_of_the_nearest(&brute, world, &ray);

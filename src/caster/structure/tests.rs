@@ -5,7 +5,7 @@ use crate::math::instructions::{self, Level};
 use crate::math::ray::Ray;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
-use crate::stats::Quiet;
+use crate::trace::Quiet;
 use fearless_simd::dispatch;
 use glam::DVec3;
 
@@ -168,10 +168,10 @@ fn a_tree_is_searched_where_testing_everything_finds_a_hit() {
             let far = if k % 30 == 0 { 1e6 } else { 1.0 };
             let from = far * (3.0 * point(f64::from(k)) - 1.0);
             let ray = Ray { t_max: 1.2, ..Ray::new(from, target - from) };
-            let expected = plain.closest(&ray, &mut Quiet);
-            assert_eq!(crowded.closest(&ray, &mut Quiet), expected, "{level:?} {ray:?}");
+            let expected = plain.closest(&ray);
+            assert_eq!(crowded.closest(&ray), expected, "{level:?} {ray:?}");
             assert_eq!(
-                crowded.any(&ray, RayOrigin::FREE, &mut Quiet),
+                crowded.any(&ray, RayOrigin::FREE),
                 expected.is_some(),
                 "{level:?} {ray:?}"
             );

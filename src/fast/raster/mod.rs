@@ -141,10 +141,9 @@ impl VisibilityBuffer {
         Shortcut::FirstHits.is_taken() && is_drawn && !is_large && is_accurate
     }
 
-    /// Returns the number of unsure pixels in these columns of all rows, whose rays must be cast.
-    pub fn unsure(&self, columns: Range<usize>) -> usize {
-        let rows = self.visible_ids.chunks_exact(self.stride);
-        rows.map(|row| row[columns.clone()].iter().filter(|&&id| id == UNSURE).count()).sum()
+    /// Returns true if the rays through some pixels must be cast.
+    pub fn is_incomplete(&self) -> bool {
+        self.visible_ids.contains(&UNSURE)
     }
 
     /// Returns the first hit of `ray`, which goes through the pixel in column `i` of row `j`.

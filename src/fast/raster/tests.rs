@@ -6,7 +6,7 @@ use crate::scene;
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Screen::BothSides;
 use crate::scene::parser::parse;
-use crate::stats::Quiet;
+use crate::trace::Quiet;
 use glam::DVec2;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 angle 40 }";
@@ -67,7 +67,7 @@ fn counts(
         let mut kind = 0;
         for &offset in &offsets {
             let ray = camera.ray(DVec2::new(i as f64, j as f64), offset);
-            let cast = caster.nearest(&ray, RayOrigin::FREE, &mut Quiet);
+            let cast = caster.nearest(&ray, RayOrigin::FREE);
             kind = match buffer.first_hit(world, &ray, [i, j]) {
                 FirstHit::Nothing => {
                     assert_eq!(cast, None, "{i} {j} {offset}");

@@ -3,7 +3,7 @@
 use super::*;
 use crate::base::patience::Endless;
 use crate::caster::RayOrigin;
-use crate::stats::Quiet;
+use crate::trace::Quiet;
 use std::cell::RefCell;
 
 #[test]
@@ -91,7 +91,7 @@ fn a_pixel_is_the_weighted_mean_of_its_own_samples() {
             for offset in sampler.offsets((i * height + j) as u64) {
                 let ray = camera.ray(DVec2::new(i as f64, j as f64), offset);
                 let weight = filter.weight(offset);
-                lit += if caster.any(&ray, RayOrigin::FREE, &mut Quiet) { weight } else { 0.0 };
+                lit += if caster.any(&ray, RayOrigin::FREE) { weight } else { 0.0 };
                 all += weight;
             }
             let expected = if all == 0.0 { 0.0 } else { lit / all };

@@ -38,7 +38,6 @@ use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Progress, Request, Tracing, Watch};
 use crate::scene::Object;
 use crate::scene::model::Shows;
-use crate::stats::Quiet;
 use crate::tools::compare::{color_of, colors};
 use crate::world::Objects;
 use changes::Part;
@@ -50,7 +49,7 @@ use search::{Candidate, MIN_VISIBLE, Search, most_likely, part};
 use speckles::speckles;
 use std::ops::ControlFlow;
 use std::rc::Rc;
-use variant::{Finish, Variant, prepared};
+use variant::{Finish, Variant};
 
 /// The largest number of mistakes of which each is tried together with all others.
 const MAX_GROUNDS: usize = 3;
@@ -93,7 +92,7 @@ impl<'a> Original<'a> {
         if !can_try(renderer, &request) {
             return None;
         }
-        let prepared = prepared(renderer, &request, &Watched(watch))?;
+        let prepared = renderer.prepare_within(&request, &Watched(watch)).ok()?;
         let (colors, _) = prepared.render_layer(&request, watch).ok()?;
         Some(Self { prepared, patience: Watched(watch), request, colors })
     }
@@ -256,9 +255,9 @@ impl<'a> Original<'a> {
     /// Returns the parts of the scene that may be missing where these pixels differ: objects, the first and the last
     /// triangles of objects, and lights.
     fn parts(&self, pixels: &[usize]) -> Vec<Mistake> {
-        let (renderer, caster) = (self.renderer(), self.prepared.caster());
+        let renderer = self.renderer();
         let scene = &renderer.scene;
-        let Some(objects) = Objects::new(scene, renderer.meshes(), caster.world) else { return vec![] };
+        let Some(objects) = Objects::new(scene, renderer.meshes(), renderer.world()) else { return vec![] };
         // A reduced picture has other pixels.
         let pixels = if self.request.is_reduced { &[] } else { pixels };
         let mut primitives: Vec<u32> = pixels.iter().filter_map(|&at| Some(self.seen_at(at)?.0)).collect();
@@ -311,8 +310,9 @@ impl<'a> Original<'a> {
         let [width, height] = self.request.size;
         let pixel = DVec2::new((at % width) as f64, (height - 1 - at / width) as f64);
         let ray = self.renderer().camera(&self.request).ray(pixel, DVec2::ZERO);
-        let visible = self.prepared.caster().nearest(&ray, RayOrigin::FREE, &mut Quiet)?;
-        Some((visible.primitive, self.prepared.caster().world.hit(&ray, visible).t))
+        let caster = self.prepared.caster(&self.patience).ok()?;
+        let visible = caster.nearest(&ray, RayOrigin::FREE)?;
+        Some((visible.primitive, caster.world.hit(&ray, visible).t))
     }
 
     fn layer(&self) -> Layer {

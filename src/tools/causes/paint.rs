@@ -215,7 +215,6 @@ mod tests {
     use crate::render::renderer::{Meshes, Renderer};
     use crate::sampling::{drand48::Drand48, sampler};
     use crate::scene::load;
-    use crate::tools::causes::variant::prepared;
     use crate::trace::{Effects, Shadows};
     use std::ops::ControlFlow;
     use std::path::Path;
@@ -224,9 +223,10 @@ mod tests {
     fn all(scene: &str, request: &Request) -> [Picture; 3] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
-        let prepared = prepared(&renderer, request, &Endless).unwrap();
+        let prepared = renderer.prepare(request).unwrap();
         let (real, _) = prepared.render_layer(request, &|_| ControlFlow::Continue(())).unwrap();
-        let student = Student::new(&renderer, prepared.caster(), request.effects);
+        let caster = prepared.caster(&Endless).unwrap();
+        let student = Student::new(&renderer, &caster, request.effects);
         let painter = Painter::new(&student, request);
         let painted = painter.picture().unwrap();
         let places: Vec<[usize; 2]> =

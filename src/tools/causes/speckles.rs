@@ -49,7 +49,7 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     let examined: Vec<usize> =
         wrong.iter().copied().step_by(wrong.len().div_ceil(MAX_PIXELS).max(1)).collect();
     let patience = &original.patience;
-    let caster = &original.prepared.caster().patient(patience);
+    let caster = &original.prepared.caster(patience).ok()?;
     let student = &Student { patience, ..Student::new(renderer, caster, request.effects) };
     let painter = Painter::new(student, request);
     let count = |rays: SelfHitting| {

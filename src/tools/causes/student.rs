@@ -20,7 +20,6 @@ use crate::scene::{Light, MaterialId, Object};
 use crate::shading::light::{Incident, incident};
 use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
 use crate::shading::texture::{each_part, material_at, material_of_surface};
-use crate::stats::Quiet;
 use crate::trace::{
     Effects, Shadows, ending_at_light, mirrored_part, reflected, refracted_between, transmittance,
 };
@@ -99,7 +98,7 @@ impl Hits for Caster<'_> {
     }
 
     fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
-        Caster::nearest(self, ray, RayOrigin::on(self.world, leaves), &mut Quiet)
+        Caster::nearest(self, ray, RayOrigin::on(self.world, leaves))
     }
 }
 
@@ -687,10 +686,11 @@ mod tests {
         let renderer = renderer_of(text);
         let request = Request::new([4, 4]);
         let prepared = renderer.prepare(&request).unwrap();
+        let caster = prepared.caster(&Endless).unwrap();
         let effects =
             Effects { shadows: Shadows::Transparent, bounces: 90, min_weight: 0.0, shade_back: true };
         let patience = &Counted::up_to(10_000);
-        let student = Student { patience, ..Student::new(&renderer, prepared.caster(), effects) };
+        let student = Student { patience, ..Student::new(&renderer, &caster, effects) };
         let _ = student.color(&renderer.camera(&request).ray(DVec2::ONE, DVec2::ZERO));
         assert!((10_000..40_000).contains(&patience.asked()), "{}", patience.asked());
     }
@@ -705,9 +705,10 @@ mod tests {
             let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
             let request = Request::new([24, 18]);
             let prepared = renderer.prepare(&request).unwrap();
+        let caster = prepared.caster(&Endless).unwrap();
             let camera = renderer.camera(&request);
             for effects in [Effects::default(), opaque, tinted] {
-                let hits = prepared.caster();
+                let hits = &caster;
                 let student = Student::new(&renderer, hits, effects);
                 let tracer = Tracer::new(hits, effects);
                 for (x, y) in (0..24).flat_map(|x| (0..18).map(move |y| (x, y))) {

@@ -7,8 +7,6 @@ use super::paint::{Move, Painter};
 use super::rules::Rules;
 use super::student::{MAX_BOUNCES, Student};
 use super::wrong_hits::{EXHAUSTIVE, MAX_TESTS, WrongHits};
-use crate::base::patience::Patience;
-use crate::caster::choose::Rays;
 use crate::picture::{Color, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request};
@@ -141,7 +139,9 @@ impl<'o> Variant<'o> {
     /// Calls `work` with the prepared scene.
     fn with_prepared<T>(&self, work: impl FnOnce(&Prepared) -> T) -> Option<T> {
         match &self.renderer {
-            Some(renderer) => Some(work(&prepared(renderer, &self.request, &self.original.patience)?)),
+            Some(renderer) => {
+                Some(work(&renderer.prepare_within(&self.request, &self.original.patience).ok()?))
+            },
             None => Some(work(&self.original.prepared)),
         }
     }
@@ -150,7 +150,7 @@ impl<'o> Variant<'o> {
     pub fn with_painter<T>(&self, rough: Rough, work: impl FnOnce(&Painter) -> T) -> Option<T> {
         let paint = |prepared: &Prepared| {
             let patience = &self.original.patience;
-            let (renderer, caster) = (prepared.renderer(), &prepared.caster().patient(patience));
+            let (renderer, caster) = (prepared.renderer(), &prepared.caster(patience).ok()?);
             let objects = Objects::new(&renderer.scene, self.original.renderer().meshes(), caster.world)?;
             let wrong = WrongHits::new(caster, &objects, self.rules, self.hidden(&objects));
             let mut effects = self.request.effects;
@@ -256,13 +256,4 @@ impl Finish {
             colors.for_each(|(at, color)| *color = self.color(*color, at, size));
         }
     }
-}
-
-/// Prepares a scene for a tracer that casts all rays, even those that the renderer can skip.
-pub fn prepared<'r>(
-    renderer: &'r Renderer,
-    request: &Request,
-    patience: &dyn Patience,
-) -> Option<Prepared<'r>> {
-    renderer.prepare_within(request, Rays::cast(request.camera_rays()), patience).ok()
 }

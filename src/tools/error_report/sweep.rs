@@ -5,6 +5,7 @@ use super::plan::{plan, with_octaves};
 use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
+use crate::caster::NotBuilt;
 use crate::base::patience::Patience;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{FloatPicture, Picture};
@@ -130,8 +131,13 @@ impl Sweep<'_> {
     }
 
     fn prepared<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Ended> {
-        let (rays, patience) = (renderer.rays(request), self.patience());
-        let prepare = || renderer.prepare_within(request, rays, &patience);
+        let patience = self.patience();
+        let prepare = || {
+            let prepared = renderer.prepare_within(request, &patience)?;
+            // Rendering is timed without building.
+            prepared.caster(&patience)?;
+            Ok::<_, NotBuilt>(prepared)
+        };
         let prepared = self.bench.many.install(prepare);
         self.unless_over(prepared)
     }

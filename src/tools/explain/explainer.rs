@@ -4,7 +4,8 @@ use super::close_call::is_about_zero;
 use super::tree::{CloseCall, CloseCallKind, LightBlocker, MaterialPart, ObjectPart, RayNode};
 use super::tree::{Shadow, Surface, TextureWeight};
 use crate::base::escape::escape;
-use crate::caster::RayOrigin;
+use crate::base::patience::Endless;
+use crate::caster::{Caster, RayOrigin};
 use crate::diagnostic::Diagnostic;
 use crate::math::instructions::Level;
 use crate::math::ray::Hit;
@@ -12,13 +13,13 @@ use crate::render::renderer::Prepared;
 use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
 use crate::scene::{MaterialId, Object, Position, Scene};
 use crate::shading::texture::{each_part, first_weight, is_in_boundary};
-use crate::stats::Counts;
 use crate::world::{Objects, SurfacePoint, World};
 
 /// Looks up what a scene's text says about hits.
 #[derive(Debug)]
 pub struct Explainer<'p, 'r> {
     pub(super) prepared: &'p Prepared<'r>,
+    caster: Caster<'p>,
     pub(super) world: &'p World,
     pub(super) scene: &'p Scene,
     objects: Objects,
@@ -27,10 +28,10 @@ pub struct Explainer<'p, 'r> {
 impl<'p, 'r> Explainer<'p, 'r> {
     /// Creates an explainer for a scene whose renderer has kept its meshes.
     pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, Diagnostic> {
-        let (renderer, world) = (prepared.renderer(), prepared.caster().world);
+        let (renderer, world, caster) = (prepared.renderer(), prepared.world(), prepared.caster(&Endless)?);
         let objects = Objects::new(&renderer.scene, renderer.meshes(), world);
         let objects = objects.ok_or_else(|| Diagnostic::error("the meshes were not kept"))?;
-        Ok(Self { prepared, world, scene: &renderer.scene, objects })
+        Ok(Self { prepared, caster, world, scene: &renderer.scene, objects })
     }
 
     /// Returns the object that a primitive belongs to.
@@ -108,7 +109,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
     pub fn finish_shadow(&self, shadow: &mut Shadow, light: usize, leaves: u32) {
         let nearest = || {
             let origin = RayOrigin::on(self.world, Some(leaves));
-            let visible = self.prepared.caster().nearest(&shadow.ray, origin, &mut Counts::default())?;
+            let visible = self.caster.nearest(&shadow.ray, origin)?;
             Some(self.world.hit(&shadow.ray, visible))
         };
         let sees = shadow.crossed.first().map(|crossing| crossing.hit).or_else(nearest);

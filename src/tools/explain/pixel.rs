@@ -4,13 +4,14 @@ use super::close_call::is_about_zero;
 use super::explainer::Explainer;
 use super::tree::{CloseCall, CloseCallKind, Crossing, LeftOut, Lighting, NotFollowed};
 use super::tree::{PixelTree, RayNode, SampleTree, Shadow};
+use crate::caster::CourseSteps;
 use crate::diagnostic::Diagnostic;
 use crate::math::ray::Ray;
 use crate::picture::{Color, RED_FIRST, truncate_to_bytes};
 use crate::render::{Progress, Request, Stop};
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
-use crate::stats::{Counts, Probe};
+use crate::stats::Counts;
 use crate::trace::{Event, Memory, Observer, Secondary, Tracer, is_critical};
 use glam::DVec2;
 use std::mem::take;
@@ -41,7 +42,7 @@ impl Explainer<'_, '_> {
         };
         let (watch, is_over) = (|progress: Progress| stop.watch(progress), |_| stop.is_over());
         let (camera, lights) = (self.prepared.camera(request), self.scene.lights.len());
-        let caster = self.prepared.caster().patient(stop);
+        let caster = self.prepared.caster(stop)?;
         let tracer = Tracer::new(&caster, request.effects);
         let mut memory = Memory::until(&is_over, caster.world);
         let mut tree = PixelTree {
@@ -153,19 +154,13 @@ impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
     }
 }
 
-impl Probe for Recorder<'_, '_, '_> {
+impl Observer for Recorder<'_, '_, '_> {
     const COUNTS: bool = true;
 
-    fn intersections(&mut self, count: usize) {
-        self.counts.intersections(count);
+    fn steps(&mut self, steps: CourseSteps) {
+        self.counts.steps(steps);
     }
 
-    fn cell(&mut self) {
-        self.counts.cell();
-    }
-}
-
-impl Observer for Recorder<'_, '_, '_> {
     fn non_shadow_ray(&mut self) {
         self.counts.non_shadow_ray();
     }

@@ -9,7 +9,7 @@ use super::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbo
 use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::triangle::Shear;
 
 /// What rays are aimed at.
@@ -99,7 +99,7 @@ impl Inside {
         let one = |index| {
             let (ray, around) = self.draw(seed, index);
             let hits = hits(&ray, around.iter().map(|&i| self.mesh.corners(i)));
-            let through_grid = index % 8 != 0 || caster.closest(&ray, &mut Quiet).is_some();
+            let through_grid = index % 8 != 0 || caster.closest(&ray).is_some();
             let leak = hits.ours == 0 || !through_grid;
             let double = hits.ours > 1;
             failures.note(leak || double, || failed_ray(case, seed, index, ray.origin, ray.direction));

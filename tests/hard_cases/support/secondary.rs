@@ -4,7 +4,7 @@ use glam::DVec3;
 use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::offset_origin;
-use raytracer::stats::Quiet;
+use raytracer::trace::Quiet;
 use raytracer::world::SurfacePoint;
 
 /// The ray along `direction` that leaves a surface.
@@ -15,5 +15,5 @@ pub fn secondary(surface: &SurfacePoint, direction: DVec3) -> Ray {
 /// Whether anything blocks this ray.
 pub fn blocked(caster: &Caster, surface: &SurfacePoint, direction: DVec3) -> bool {
     let origin = RayOrigin::on(caster.world, surface.primitive);
-    caster.any(&secondary(surface, direction), origin, &mut Quiet)
+    caster.any(&secondary(surface, direction), origin)
 }

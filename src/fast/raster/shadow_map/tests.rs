@@ -7,7 +7,7 @@ use crate::math::ray::Ray;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use crate::shading::light::incident;
-use crate::stats::Quiet;
+use crate::trace::Quiet;
 
 const MANY_RAYS: usize = 1 << 20;
 
@@ -57,7 +57,7 @@ fn check(world: &World, maps: &ShadowMaps, points: &[(DVec3, Option<u32>)]) -> [
             let incident = incident(light, point);
             let ray = Ray { t_max: incident.distance, ..Ray::new(point, incident.direction) };
             let origin = RayOrigin::on(world, leaves);
-            let is_blocked = caster.any(&ray, origin, &mut Quiet);
+            let is_blocked = caster.any(&ray, origin);
             match maps.blocker(index, point) {
                 Blocker::Nothing => {
                     assert!(!is_blocked, "{light:?} {point}");

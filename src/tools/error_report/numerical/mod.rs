@@ -66,11 +66,12 @@ pub fn measure(
     let (exact, rough) = (exact?, rough?);
     let watch = |_| if patience.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let Ok((own, _)) = prepared.render_layer(&request, &watch) else { return Ok(None) };
+    let Ok(caster) = prepared.caster(patience) else { return Ok(None) };
     let departure = |picture, hits: &dyn Hits| Departure {
         hits: other_hits(&student, &request, hits),
         ..departure(picture, &exact)
     };
-    let (program, single) = (departure(&own, prepared.caster()), departure(&rough, &single));
+    let (program, single) = (departure(&own, &caster), departure(&rough, &single));
     Ok(Some(Numerical { size: exact.size, samples: request.sampler.count(), program, single }))
 }
 

@@ -1,0 +1,131 @@
+//! The number of primitives in each cell of a grid, and from it the steps that the course's program takes along a ray.
+//! They are counted apart from the search for the hit, whose structure is another one or leaves primitives out.
+
+use crate::base::patience::{Ended, Patience, Steps};
+use crate::caster::bounds::{Entry, Region};
+use crate::caster::dda::Dda;
+use crate::caster::insertion::{bounds_of, push_cells, runs_of_box};
+use crate::caster::lattice::{Lattice, NotBuilt};
+use crate::math::aabb::Aabb;
+use crate::math::instructions::Level;
+use crate::math::ray::Ray;
+use crate::world::World;
+use fearless_simd::dispatch;
+use std::cmp::Reverse;
+
+/// The number of primitives in each cell of a lattice.
+#[derive(Clone, Debug)]
+pub struct CellCounts {
+    /// The cells.
+    pub lattice: Lattice,
+    /// The counts by the index of the cell, with [`BORDER`] in the cells around the lattice.
+    counts: Vec<u32>,
+}
+
+const BORDER: u32 = u32::MAX;
+
+/// The steps that the course's program takes along a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CourseSteps {
+    /// Tests against a primitive.
+    pub tests: u64,
+    /// Steps from one cell to the next, or out of the grid.
+    pub cells: u64,
+}
+
+/// How full the cells of a grid are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fullness {
+    /// The fullest cells by their indices along the axes, each with its number of primitives. Equally full cells are in
+    /// ascending order of their indices, along z before y before x.
+    pub fullest: Vec<([usize; 3], usize)>,
+    /// Cells without a primitive.
+    pub empty: usize,
+    /// All cells.
+    pub cells: usize,
+}
+
+impl CellCounts {
+    /// Returns counts of zero.
+    pub fn empty(lattice: Lattice) -> Result<Self, NotBuilt> {
+        lattice.ask_for_entries()?;
+        let mut counts = vec![BORDER; lattice.index_count()];
+        lattice.x_runs().for_each(|run| counts[run].fill(0));
+        Ok(Self { lattice, counts })
+    }
+
+    /// Counts the finite primitives of a world in this number of cells along each axis, as long as there is patience.
+    pub fn of_world(world: &World, cells: [usize; 3], patience: &dyn Patience) -> Result<Self, NotBuilt> {
+        let mut all = Self::empty(Lattice::new(bounds_of(world), cells))?;
+        let (mut own, mut steps) = (vec![], Steps::new(patience));
+        for id in 0..world.finite_count() as u32 {
+            own.clear();
+            push_cells(world, id, &all.lattice, &mut own);
+            all.add(&own);
+            steps.take(1 + own.len())?;
+        }
+        Ok(all)
+    }
+
+    /// Adds a primitive to some cells.
+    pub fn add(&mut self, cells: &[u32]) {
+        cells.iter().for_each(|&cell| self.counts[cell as usize] += 1);
+    }
+
+    /// Adds a primitive to the cells that a box touches, each padded by `padding` cells.
+    pub fn add_box(&mut self, bounds: &Aabb, padding: f64, steps: &mut Steps) -> Result<(), Ended> {
+        // A list of the cells would take as much memory as all counts.
+        for run in runs_of_box(&self.lattice, bounds, padding) {
+            steps.take(1 + run.len() / 8)?;
+            self.counts[run].iter_mut().for_each(|count| *count += 1);
+        }
+        Ok(())
+    }
+
+    /// Returns the number of primitives in a cell, or `None` on the border.
+    #[inline(always)]
+    pub fn at(&self, index: usize) -> Option<u32> {
+        self.counts.get(index).copied().filter(|&count| count != BORDER)
+    }
+
+    /// Returns how full the cells are, with this number of the fullest.
+    pub fn fullness(&self, fullest: usize) -> Fullness {
+        let [nx, ny, nz] = self.lattice.cells();
+        let all = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+        let count = |cell: [usize; 3]| self.counts[self.lattice.index(cell)] as usize;
+        let mut full: Vec<_> = all.map(|cell| (cell, count(cell))).filter(|(_, count)| *count > 0).collect();
+        let cells = nx * ny * nz;
+        let empty = cells - full.len();
+        full.sort_by_key(|&(_, count)| Reverse(count));
+        full.truncate(fullest);
+        Fullness { fullest: full, empty, cells }
+    }
+
+    /// Returns the steps along a ray whose nearest hit is at `t`, or which ends there. The course's program tests all
+    /// primitives of a cell, and ends after the cell in which the nearest hit lies. `last` is the t up to which others
+    /// may lie in the place of the nearest hit.
+    pub fn steps(&self, world: &World, ray: &Ray, t: f64, last: f64) -> CourseSteps {
+        let region = Region::new(&self.lattice.bounds, self.lattice.cell_size.min_element());
+        dispatch!(Level::baseline(), simd => match region.entry(simd, ray, ray.t_max) {
+            Entry::TooFar => CourseSteps { tests: world.finite_count() as u64, cells: 0 },
+            Entry::Passes(interval) if interval.entry <= last => {
+                let dda = Dda::new(&self.lattice, &interval);
+                self.walk(dda, dda.fixed_t(t))
+            }
+            _ => CourseSteps::default(),
+        })
+    }
+
+    /// Counts from cell to cell up to this fixed-point t.
+    fn walk(&self, mut dda: Dda, last: i32) -> CourseSteps {
+        let mut steps = CourseSteps::default();
+        while let Some(count) = self.at(dda.index()) {
+            steps.tests += u64::from(count);
+            if last <= dda.exit() {
+                break;
+            }
+            steps.cells += u64::from(3 - dda.step().count_ones());
+        }
+        steps
+    }
+}
