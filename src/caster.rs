@@ -41,7 +41,6 @@ use crate::math::instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::world::World;
 use fearless_simd::{Simd, dispatch};
-use fearless_simd_macros::simd;
 use std::sync::Arc;
 
 /// Casts rays into a world. A copy is cheap, since it shares the acceleration structure.
@@ -178,7 +177,6 @@ impl<'w> Caster<'w> {
         steps
     }
 
-    #[simd]
     #[inline(always)]
     fn nearest_at<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin) -> Visible {
         let mut search = Search::new(self.world, ray, Nearest::new(self.world, ray), self.patience);
@@ -187,7 +185,6 @@ impl<'w> Caster<'w> {
         if is_undecided { self.foremost(simd, ray, origin, best) } else { best }
     }
 
-    #[simd]
     #[inline(always)]
     fn any_at<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin) -> bool {
         let mut search = Search::new(self.world, ray, Any::new(ray), self.patience);
