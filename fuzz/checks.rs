@@ -3,11 +3,11 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
 use raytracer::caster::choose::Layout;
+use raytracer::caster::{Caster, LazyCaster};
 use raytracer::math::instructions::{self, Level};
 use raytracer::picture::FloatPicture;
-use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
+use raytracer::render::{Layer, Request, Shot, Tracing, View, render_in_memory};
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::obj::parse_obj;
 use raytracer::scene::{Scene, parser::parse};
@@ -42,7 +42,6 @@ fn check_pictures(scene: &Scene, world: &World) {
     for (options, level) in [
         (some, fastest),
         (some, portable),
-        (Layout::automatic(world, 1 << 20), fastest),
         (Layout::Tree, fastest),
         (Layout::Tree, portable),
         (Layout::List, portable),
@@ -50,10 +49,8 @@ fn check_pictures(scene: &Scene, world: &World) {
         let picture = tiny_picture(scene, Tracing::Fast, world, options, level);
         assert!(plain == picture, "the picture differs with {options:?}, {level:?}");
     }
-    for cells in [None, Some([3, 2, 4])] {
-        let as_course = tiny_picture(scene, Tracing::Counted, world, Layout::Course(cells), fastest);
-        assert!(plain == as_course, "counting changes the picture");
-    }
+    let counted = tiny_picture(scene, Tracing::Counted, world, some, fastest);
+    assert!(plain == counted, "counting changes the picture");
 }
 
 /// The bytes of a picture of sixteen pixels with every effect.
@@ -76,8 +73,8 @@ pub fn bytes_and_nans(
     let effects = Effects { shadows: Shadows::Transparent, shade_back: true, bounces: 3, min_weight: 0.01 };
     let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];
     let request = Request { effects, layers, tracing, ..Request::new(size) };
-    let camera = Camera::new(&scene.camera, size);
-    let rendered = render_in_memory((&camera, caster), View::Scene, &request);
+    let (camera, caster) = (Camera::new(&scene.camera, size), &LazyCaster::from(caster.clone()));
+    let rendered = render_in_memory(&Shot { camera, caster, view: View::Scene }, &request);
     let (pictures, _) = rendered.expect("small pictures");
     pictures.iter().map(FloatPicture::to_bytes).fold((vec![], 0), |(mut all, nans), (bytes, more)| {
         all.extend(bytes);

@@ -23,13 +23,14 @@ mod division;
 mod tree;
 mod search;
 mod structure;
-pub use cell_counts::{CourseSteps, Fullness};
+mod lazy;
 #[doc(hidden)]
 pub use crate::math::instructions::Level;
+pub use cell_counts::{CourseSteps, Fullness};
 pub use lattice::NotBuilt;
+pub use lazy::LazyCaster;
 pub use search::RayOrigin;
-#[doc(hidden)]
-pub use structure::{AccelerationStructure, StructureSize};
+pub use structure::StructureSize;
 
 use crate::base::patience::{Endless, Patience, Steps};
 use crate::caster::block::NONE;
@@ -37,6 +38,7 @@ use crate::caster::bounds::Entry;
 use crate::caster::cell_counts::CellCounts;
 use crate::caster::choose::Layout;
 use crate::caster::search::{All, Any, Goal, Nearest, Search};
+use crate::caster::structure::AccelerationStructure;
 use crate::math::instructions;
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::world::World;
@@ -66,29 +68,14 @@ impl<'w> Caster<'w> {
 
     /// Returns a caster with this acceleration structure, which uses these instructions.
     pub fn with(world: &'w World, layout: Layout, level: Level) -> Result<Self, NotBuilt> {
-        Ok(Self { level, ..Self::of_planes(world).with_structure(Self::build(world, layout, &Endless)?) })
+        let structure = AccelerationStructure::of_world(world, layout, &Endless)?;
+        Ok(Self { level, structure, ..Self::of_planes(world) })
     }
 
     /// Returns a caster that tests the planes alone, for rays of which it is known that they hit nothing else.
     pub fn of_planes(world: &'w World) -> Self {
         let level = instructions::available()[0];
         Self { world, level, structure: None, counts: None, patience: &Endless }
-    }
-
-    /// Builds the acceleration structure of a world, as long as there is patience; `None` if the world has no finite
-    /// primitives.
-    pub fn build(
-        world: &World,
-        layout: Layout,
-        patience: &dyn Patience,
-    ) -> Result<Option<Arc<AccelerationStructure>>, NotBuilt> {
-        let build = || AccelerationStructure::new(world, layout, patience).map(Arc::new);
-        (world.finite_count() > 0).then(build).transpose()
-    }
-
-    /// Returns this caster with the structure that was built of its world.
-    pub fn with_structure(self, structure: Option<Arc<AccelerationStructure>>) -> Self {
-        Self { structure, ..self }
     }
 
     /// Returns this caster, which counts steps in a grid of this number of cells along each axis.
@@ -109,11 +96,6 @@ impl<'w> Caster<'w> {
     /// Returns true if a ray is tested only against some of the primitives: those in the cells or leaves that it meets.
     pub fn is_selective(&self) -> bool {
         self.structure.as_ref().is_some_and(|structure| structure.is_selective())
-    }
-
-    /// Returns how full the grid cells are for which steps are counted, with this number of the fullest cells.
-    pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
-        self.counts.as_ref().map(|counts| counts.fullness(fullest))
     }
 
     /// Returns the size of the acceleration structure, for tests.

@@ -1,10 +1,9 @@
 //! This project's caster.
 
 use crate::contestant::{Cast, FlatRay};
-use raytracer::caster::choose::{Layout, Rays};
+use raytracer::caster::choose::Structure;
 use raytracer::caster::{Caster, NotBuilt, RayOrigin};
 use raytracer::math::instructions;
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 impl Cast for Caster<'_> {
@@ -19,14 +18,11 @@ impl Cast for Caster<'_> {
 
     #[inline(always)]
     fn any(&self, ray: &FlatRay) -> bool {
-        Caster::any(self, &ray.exact(), RayOrigin::FREE, &mut Quiet)
+        Caster::any(self, &ray.exact(), RayOrigin::FREE)
     }
 }
 
-/// A number of rays for which the time of building is negligible.
-const RAYS: usize = 1 << 30;
-
-/// The caster that `-grid auto` chooses.
+/// The caster of a picture for which no structure is asked for.
 pub fn caster(world: &World) -> Result<Caster<'_>, NotBuilt> {
-    Caster::with(world, Layout::chosen(world, Rays::cast(RAYS)), instructions::available()[0])
+    Caster::with(world, Structure::Any.layout(world, 0), instructions::available()[0])
 }

@@ -12,7 +12,6 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::scene::model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
 use raytracer::scene::obj::parse_obj;
 use raytracer::scene::{self, Background, MeshFile, Object, Scene};
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 use std::path::Path;
 

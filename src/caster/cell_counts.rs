@@ -129,3 +129,39 @@ impl CellCounts {
         steps
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::patience::Endless;
+    use crate::scene::parser::parse;
+
+    /// Three crossed triangles near the origin and one triangle far away, with a small sphere beside it.
+    fn crossed() -> World {
+        let triangle =
+            |p: &str, q: &str, r: &str| format!("Triangle {{ vertex0 {p} vertex1 {q} vertex2 {r} }}");
+        let objects = [
+            triangle("0.1 0.1 0.1", "0.4 0.1 0.1", "0.1 0.4 0.1"),
+            triangle("0.1 0.1 0.1", "0.4 0.1 0.1", "0.1 0.1 0.4"),
+            triangle("0.1 0.1 0.1", "0.1 0.4 0.1", "0.1 0.1 0.4"),
+            triangle("3.6 3.6 3.6", "3.9 3.6 3.6", "3.6 3.9 3.9"),
+            "Sphere { center 3.8 3.8 3.8 radius 0.1 }".into(),
+        ];
+        let text = format!(
+            "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 5 }}
+             Materials {{ numMaterials 1 Material {{ }} }}
+             Group {{ numObjects 5 MaterialIndex 0 {} }}",
+            objects.join(" ")
+        );
+        World::new(&parse(&text).unwrap(), &[]).unwrap()
+    }
+
+    #[test]
+    fn the_fullest_cells_come_first() {
+        let world = crossed();
+        let counts = CellCounts::of_world(&world, [4, 4, 4], &Endless).unwrap();
+        let expected = Fullness { fullest: vec![([0; 3], 3), ([3; 3], 2)], empty: 62, cells: 64 };
+        assert_eq!(counts.fullness(5), expected);
+        assert_eq!(counts.fullness(1), Fullness { fullest: vec![([0; 3], 3)], ..expected.clone() });
+    }
+}

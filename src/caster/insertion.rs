@@ -79,9 +79,7 @@ pub fn push_cells(world: &World, id: u32, lattice: &Lattice, out: &mut Vec<u32>)
     if let Primitive::Shape(i) = world.primitive(id)
         && let Shape::Sphere(Sphere { center, radius }) = world.shapes[i]
     {
-        // For a radius of very many cells, rounding loses the padding.
-        let rounding = SPHERE_ROUNDINGS * UNIT_ROUNDOFF * radius / lattice.cell_size.length();
-        of_ball(lattice, center, radius, padding + rounding, out);
+        of_ball(lattice, center, radius, padding, out);
     } else {
         CellRange::of_box(lattice, &world.box_of(id), padding).push_if(lattice, out, |_| true);
     }
@@ -107,7 +105,8 @@ pub fn count_of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> u64 {
 /// the centre of the ball, where each cell is padded by `padding` cells. They include every cell that the ball touches.
 pub fn of_ball(lattice: &Lattice, center: DVec3, radius: f64, padding: f64, out: &mut Vec<u32>) {
     let size = lattice.cell_size;
-    let max_distance = radius + (0.5 + padding) * size.length();
+    // For a radius of very many cells, rounding loses the padding.
+    let max_distance = radius * (1.0 + SPHERE_ROUNDINGS * UNIT_ROUNDOFF) + (0.5 + padding) * size.length();
     let bounds = Aabb { min: center - max_distance, max: center + max_distance };
     CellRange::of_box(lattice, &bounds, 0.0).push_if(lattice, out, |cell| {
         let cell_center = lattice.bounds.min + (cell + 0.5) * size;

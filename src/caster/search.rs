@@ -121,7 +121,8 @@ impl Goal for Nearest<'_> {
     #[inline(always)]
     fn take_between(&mut self, bounds: impl FnOnce() -> [f64; 2], primitive: u32) -> bool {
         let [lower, upper] = bounds();
-        let is_nearer = upper + self.world.coincidence_reach(lower.abs().max(upper.abs())) < self.t_lower_bound;
+        let is_nearer =
+            upper + self.world.coincidence_reach(lower.abs().max(upper.abs())) < self.t_lower_bound;
         if is_nearer {
             self.best = Visible { primitive, t_bound: upper };
             self.t_lower_bound = lower;

@@ -22,6 +22,7 @@ use crate::world::World;
 use arrayvec::ArrayVec;
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
+use std::sync::Arc;
 
 /// The acceleration structure of the finite primitives that rays may see.
 #[derive(Debug)]
@@ -58,7 +59,17 @@ pub struct StructureSize {
 }
 
 impl AccelerationStructure {
-    /// Builds the structure of a world. Returns an error if it does not fit into memory, or if the patience is over.
+    /// Builds the structure of a world like [`new`](Self::new); `None` if the world has no finite primitives.
+    pub fn of_world(
+        world: &World,
+        layout: Layout,
+        patience: &dyn Patience,
+    ) -> Result<Option<Arc<Self>>, NotBuilt> {
+        let build = || Self::new(world, layout, patience).map(Arc::new);
+        (world.finite_count() > 0).then(build).transpose()
+    }
+
+    /// Builds the structure of a world with finite primitives. Returns an error if it does not fit into memory, or if the patience is over.
     pub fn new(world: &World, layout: Layout, patience: &dyn Patience) -> Result<Self, NotBuilt> {
         let bounds = bounds_of(world);
         let visible = || (0..world.finite_count() as u32).filter(|&id| world.may_be_seen(id)).collect();

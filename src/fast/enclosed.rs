@@ -176,7 +176,6 @@ mod tests {
     use crate::base::patience::Endless;
     use crate::caster::{Caster, RayOrigin};
     use crate::scene::parser::parse;
-    use crate::trace::Quiet;
     use proptest::prelude::*;
 
     /// An octahedron of glass with a light inside and two outside.

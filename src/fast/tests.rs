@@ -75,11 +75,8 @@ fn compared(
     for level in instructions::available() {
         let caster = Caster::with(world, Layout::Grid([4; 3]), level).expect("a grid");
         // Enough shadow rays that there are shadow maps.
-        let demand =
-            Demand { size, columns: 0..size[0], footprint, enters_objects: false, shadow_rays: 1 << 20 };
+        let demand = Demand { size, footprint, enters_objects: false, shadow_rays: 1 << 20 };
         let hints = RasterHints::new(world, demand, &Endless).in_rows(camera, &caster, 0..size[1]);
-        let unsure = hints.visibility.as_ref().map_or(size[0] * size[1], |buffer| buffer.unsure(0..size[0]));
-        found[0] = size[0] * size[1] - unsure;
         let (fast, tracer) = (Tracer::with_hints(&caster, effects, &hints), Tracer::new(&caster, effects));
         let mut memory = Memory::default();
         let mut packet = SamplePacket::default();

@@ -73,10 +73,12 @@ impl Occupancy {
                 self.0.add(&touched);
                 steps.take(touched.len())
             }
-            Object::Triangle { vertices, .. } => self.0.add_box(&Aabb::around(vertices.map(map)), TOUCH, steps),
+            Object::Triangle { vertices, .. } => {
+                self.0.add_box(&Aabb::around(vertices.map(map)), TOUCH, steps)
+            }
             Object::Box { min, max, .. } => {
                 self.0.add_box(&placement.course_box(Aabb { min, max }), TOUCH, steps)
-            },
+            }
             Object::Grid { ref surface, .. } => self.insert_mesh(surface, map, steps),
             Object::Mesh { mesh, .. } => self.insert_mesh(&meshes[mesh], map, steps),
             _ => match placement.object.shape_box() {

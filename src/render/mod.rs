@@ -17,6 +17,7 @@ mod tracing;
 pub use layer::{Cost, Layer};
 pub use request::{Request, Tracing, View};
 pub use stop::Stop;
+pub use tracing::Shot;
 
 pub use crate::picture::Window;
 
@@ -31,7 +32,6 @@ use filter_picture::render_filter;
 use glam::DVec2;
 use plan::{Plan, Planner};
 use rayon::prelude::*;
-use renderer::Prepared;
 use row::RowSampler;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -123,12 +123,7 @@ pub struct Rendered {
 ///
 /// Rows are traced in parallel on rayon's current thread pool and handed out in order. Neither the colours nor the
 /// counts depend on the number of threads. Only some rows are in memory at a time, never the whole picture.
-pub fn render(
-    prepared: &Prepared,
-    request: &Request,
-    watch: Watch,
-    take_row: TakeRow,
-) -> Result<Rendered, Stopped> {
+pub fn render(shot: &Shot, request: &Request, watch: Watch, take_row: TakeRow) -> Result<Rendered, Stopped> {
     for (k, layer) in request.layers.iter().enumerate() {
         if let Layer::Filter { zoom } = *layer {
             let size = request.window_size();
@@ -142,7 +137,7 @@ pub fn render(
         Some(blur) => blur.add(row).map_or(ControlFlow::Continue(()), |row| take_row(layer, &row)),
         None => take_row(layer, row),
     };
-    let rendered = render_strips(prepared, request, watch, &mut reduce)?;
+    let rendered = render_strips(shot, request, watch, &mut reduce)?;
     for (layer, blur) in blurs.iter_mut().enumerate() {
         if let Some(row) = blur.as_mut().and_then(Blur::end)
             && take_row(layer, &row).is_break()
@@ -155,7 +150,7 @@ pub fn render(
 
 /// Renders the layers of a request strip by strip. Does not reduce their colours.
 fn render_strips(
-    prepared: &Prepared,
+    shot: &Shot,
     request: &Request,
     watch: Watch,
     take_row: TakeRow,
@@ -164,7 +159,7 @@ fn render_strips(
     // No strip takes more memory than the first one.
     memory::ask(Strip::below(request, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
-    let tracer = PictureTracer::new(prepared, request, &tally);
+    let tracer = PictureTracer::new(shot, request, &tally);
     let mut planner = Planner::new(&tracer);
     let pixels = request.cost().map_or(0, |_| request.window_size().iter().product());
     let mut rendered = Rendered { counts: Counts::default(), costs: memory::with_room(pixels)? };
@@ -181,19 +176,19 @@ fn render_strips(
 /// Renders the colours of these rows of the window, counted from its top, with each of these samplers. The colours are
 /// not reduced. Each row is rendered by itself.
 pub fn render_some_rows(
-    prepared: &Prepared,
+    shot: &Shot,
     request: &Request,
     samplers: &[Sampler],
     rows: &[usize],
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), &|_| ControlFlow::Continue(()));
-    let tracer = PictureTracer::new(prepared, request, &tally);
+    let tracer = PictureTracer::new(shot, request, &tally);
     // The plan of adaptive samples is the same for all samplers.
     let mut planner = Planner::new(&tracer);
     planner.as_mut().map_or(Ok(()), |planner| planner.prepare(&request.traced_rows(request.rows())))?;
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
-        let tracer = PictureTracer::new(prepared, request, &tally);
+        let tracer = PictureTracer::new(shot, request, &tally);
         let colors = |row: &usize| {
             let end = request.rows().end - row;
             let strip = Strip::below(request, end, end - 1);
@@ -208,12 +203,7 @@ pub fn render_some_rows(
 
 /// Returns the offsets of the samples of the pixel in this column and row from the bottom left. Returns an empty list if
 /// the watch cancels.
-pub fn offsets(
-    prepared: &Prepared,
-    request: &Request,
-    [column, row]: [usize; 2],
-    watch: Watch,
-) -> Vec<DVec2> {
+pub fn offsets(shot: &Shot, request: &Request, [column, row]: [usize; 2], watch: Watch) -> Vec<DVec2> {
     let offsets = |plan: Option<Plan>| {
         let mut offsets = vec![];
         RowSampler::new(request, column, row, plan).place(column..column + 1, |_, at, _| offsets.push(at));
@@ -225,7 +215,7 @@ pub fn offsets(
     let window = Some(Window { x: column, y: request.size[1] - 1 - row, width: 1, height: 1 });
     let pixel = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tally = Tally::new(1, watch);
-    let tracer = PictureTracer::new(prepared, pixel, &tally);
+    let tracer = PictureTracer::new(shot, pixel, &tally);
     let mut planner = Planner::new(&tracer);
     planner.as_mut().and_then(|planner| planner.prepare(&(row..row + 1)).ok());
     planner.as_ref().and_then(|planner| planner.plan(row)).map_or(vec![], |plan| offsets(Some(plan)))
@@ -233,10 +223,7 @@ pub fn offsets(
 
 /// Renders a request into memory. Returns a picture for each of its layers, and the counts. Fails if a layer has no
 /// pixels or does not fit into memory.
-pub fn render_in_memory(
-    prepared: &Prepared,
-    request: &Request,
-) -> Result<(Vec<FloatPicture>, Counts), BadSize> {
+pub fn render_in_memory(shot: &Shot, request: &Request) -> Result<(Vec<FloatPicture>, Counts), BadSize> {
     let empty = |layer: &Layer| FloatPicture::with_room(request.layer_size(layer));
     let mut pictures: Vec<FloatPicture> = request.layers.iter().map(empty).collect::<Result<_, _>>()?;
     let mut take_row = |layer: usize, row: &[Color]| {
@@ -244,7 +231,7 @@ pub fn render_in_memory(
         ControlFlow::Continue(())
     };
     let never_cancels = |_| ControlFlow::Continue(());
-    let Rendered { counts, costs } = match render(prepared, request, &never_cancels, &mut take_row) {
+    let Rendered { counts, costs } = match render(shot, request, &never_cancels, &mut take_row) {
         Ok(rendered) => rendered,
         // Neither callback ends the render.
         Err(Stopped::Cancelled { .. } | Stopped::Output) => Rendered::default(),

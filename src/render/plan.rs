@@ -121,7 +121,7 @@ impl<'a> Planner<'a> {
         let reflects =
             request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let reflected = if reflects { brightest(world) } else { 1.0 };
-        let small_things = SmallThings::new(&picture.camera, world);
+        let small_things = SmallThings::new(&picture.shot.camera, world);
         Some(Self { picture, request, settings, small_things, reflected, bands: vec![] })
     }
 

@@ -4,12 +4,12 @@ use crate::base::memory::with_room;
 use crate::base::patience::{Endless, Patience};
 use crate::camera::Camera;
 use crate::caster::choose::{Layout, Structure};
-use crate::caster::{AccelerationStructure, Caster, Fullness, NotBuilt};
+use crate::caster::{Caster, Fullness, LazyCaster, NotBuilt};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::render::grid_view::Occupancy;
-use crate::render::{self, Rendered, Request, Stopped, TakeRow, Tracing, View, Watch};
+use crate::render::{self, Rendered, Request, Shot, Stopped, TakeRow, Tracing, View, Watch};
 use crate::sampling::sampler::Sampler;
 use crate::scene::Scene;
 use crate::scene::load::{self, LoadedScene, Source};
@@ -20,7 +20,6 @@ use crate::world::World;
 use glam::DVec2;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
 
 /// A scene with its meshes, in world space.
 #[derive(Debug)]
@@ -118,13 +117,11 @@ impl Renderer {
         if let (Some(cells), Tracing::Counted) = (cells, tracing) {
             planes = planes.counting(cells, patience)?;
         }
-        let layout = if draws_cells { Layout::List } else { layout };
-        let prepared = Prepared { renderer: self, layout, planes, structure: OnceLock::new(), occupancy, cells };
-        // Rasterization may leave no ray to cast.
+        let caster = LazyCaster::new(planes, if draws_cells { Layout::List } else { layout });
         if structure != Structure::Any || tracing == Tracing::Counted {
-            prepared.build(patience)?;
+            caster.built(patience)?;
         }
-        Ok(prepared)
+        Ok(Prepared { renderer: self, caster, occupancy, cells })
     }
 
     /// Returns the camera of a request's pictures.
@@ -138,11 +135,7 @@ impl Renderer {
 #[derive(Debug)]
 pub struct Prepared<'r> {
     renderer: &'r Renderer,
-    layout: Layout,
-    /// The caster without a structure.
-    planes: Caster<'r>,
-    /// The structure, once rays need it.
-    structure: OnceLock<Option<Arc<AccelerationStructure>>>,
+    caster: LazyCaster<'r>,
     /// The cells that are drawn in place of the scene, if any.
     occupancy: Option<Occupancy>,
     cells: Option<[usize; 3]>,
@@ -157,34 +150,12 @@ impl Prepared<'_> {
     /// Returns how full the cells of the grid are, with up to this number of the fullest; `None` without a grid, or if
     /// steps are not counted.
     pub fn fullness(&self, fullest: usize) -> Option<Fullness> {
-        self.planes.fullness(fullest)
-    }
-
-    /// Builds the structure, as long as there is patience.
-    fn build(&self, patience: &dyn Patience) -> Result<&Option<Arc<AccelerationStructure>>, NotBuilt> {
-        if let Some(structure) = self.structure.get() {
-            return Ok(structure);
-        }
-        let structure = match Caster::build(self.world(), self.layout, patience) {
-            // Nothing asks for a tree.
-            Err(NotBuilt::TooLarge) if self.layout == Layout::Tree => {
-                Caster::build(self.world(), Layout::List, patience)?
-            }
-            structure => structure?,
-        };
-        // Two threads may build it. They do not wait for each other, since building runs on all threads.
-        Ok(self.structure.get_or_init(|| structure))
+        self.caster.fullness(fullest)
     }
 
     /// Returns the caster, which searches as long as there is patience. Its structure is built when it is needed first.
     pub(crate) fn caster<'a>(&'a self, patience: &'a dyn Patience) -> Result<Caster<'a>, NotBuilt> {
-        let structure = self.build(patience)?.clone();
-        Ok(self.planes.patient(patience).with_structure(structure))
-    }
-
-    /// Returns the caster like [`Prepared::caster`], or one of the planes alone if the structure is not built.
-    pub(crate) fn caster_so_far<'a>(&'a self, patience: &'a dyn Patience) -> Caster<'a> {
-        self.planes.patient(patience).with_structure(self.structure.get().cloned().flatten())
+        self.caster.built(patience)
     }
 
     /// Returns the scene in world space.
@@ -195,7 +166,7 @@ impl Prepared<'_> {
     /// Renders the layers of a request into memory, in the order of the request. Fails if a picture has no pixels or
     /// does not fit into memory.
     pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
-        render::render_in_memory(self, request).map(|(pictures, _)| pictures)
+        render::render_in_memory(&self.shot(request), request).map(|(pictures, _)| pictures)
     }
 
     /// Renders the only layer of a request into memory. Returns it, and the counts.
@@ -223,7 +194,7 @@ impl Prepared<'_> {
         watch: Watch,
         take_row: TakeRow,
     ) -> Result<Rendered, Stopped> {
-        render::render(self, request, watch, take_row)
+        render::render(&self.shot(request), request, watch, take_row)
     }
 
     /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers.
@@ -234,7 +205,7 @@ impl Prepared<'_> {
         samplers: &[Sampler],
         rows: &[usize],
     ) -> Result<Vec<Vec<Color>>, Stopped> {
-        render::render_some_rows(self, request, samplers, rows)
+        render::render_some_rows(&self.shot(request), request, samplers, rows)
     }
 
     /// Returns the number of grid cells along each axis if they are drawn in place of the scene.
@@ -255,19 +226,20 @@ impl Prepared<'_> {
     /// Returns the samples of the pixel in this column and row from the bottom left: their offsets from its centre,
     /// and the parts of the pixel that they represent, up to a factor. Returns an empty list if the watch cancels.
     pub(crate) fn samples(&self, request: &Request, pixel: [usize; 2], watch: Watch) -> Vec<(DVec2, f64)> {
-        let offsets = render::offsets(self, request, pixel, watch);
+        let offsets = render::offsets(&self.shot(request), request, pixel, watch);
         // Adaptive samples of pixels that contribute to each other represent parts of their pixels.
         let is_alone = request.adaptive.is_none() || request.filter.support() == 0;
         let part = if is_alone { 1.0 } else { 1.0 / offsets.len() as f64 };
         offsets.into_iter().map(|offset| (offset, part)).collect()
     }
 
-    /// Returns the subject of the layers of colours.
-    pub(super) fn view(&self) -> View<'_> {
-        match (&self.occupancy, self.renderer.scene.shows) {
+    /// Returns the scene as a request shows it.
+    fn shot(&self, request: &Request) -> Shot<'_> {
+        let view = match (&self.occupancy, self.renderer.scene.shows) {
             (Some(occupancy), _) => View::Cells(occupancy),
             (None, Shows::Scene) => View::Scene,
             (None, Shows::Places) => View::Places,
-        }
+        };
+        Shot { camera: self.camera(request), caster: &self.caster, view }
     }
 }

@@ -4,6 +4,9 @@ mod known;
 mod layers;
 
 use super::*;
+use crate::camera::Camera;
+use crate::caster::choose::Layout;
+use crate::caster::{Caster, LazyCaster};
 use crate::sampling::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
@@ -50,11 +53,11 @@ fn render_scene(
 ) -> Result<Counts, Stopped> {
     let scene = parse(text).unwrap();
     let world = World::new(&scene, &[]).unwrap();
-    let caster = Caster::new(&world, None).unwrap();
-    let camera = Camera::new(&scene.camera, request.size);
+    let caster = LazyCaster::new(Caster::of_planes(&world), Layout::List);
+    let shot = Shot { camera: Camera::new(&scene.camera, request.size), caster: &caster, view: View::Scene };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let request = &Request { tracing, ..request.clone() };
-    pool.install(|| render((&camera, &caster), View::Scene, request, watch, take_row)).map(|all| all.counts)
+    pool.install(|| render(&shot, request, watch, take_row)).map(|all| all.counts)
 }
 
 fn goes_on(_: Progress) -> ControlFlow<()> {
@@ -75,9 +78,9 @@ fn rows(text: &str, request: &Request, tracing: Tracing, fails_at: usize) -> Han
 fn pictures(text: &str, request: &Request) -> Vec<FloatPicture> {
     let scene = parse(text).unwrap();
     let world = World::new(&scene, &[]).unwrap();
-    let caster = Caster::new(&world, None).unwrap();
-    let camera = Camera::new(&scene.camera, request.size);
-    render_in_memory((&camera, &caster), View::Scene, request).unwrap().0
+    let caster = LazyCaster::new(Caster::of_planes(&world), Layout::List);
+    let shot = Shot { camera: Camera::new(&scene.camera, request.size), caster: &caster, view: View::Scene };
+    render_in_memory(&shot, request).unwrap().0
 }
 
 /// Returns the part of a picture inside a window, where each pixel is a square of `zoom` by `zoom`.
@@ -147,11 +150,11 @@ fn a_window_without_pixels_is_refused() {
     let request = |layer, window| Request { layers: vec![layer], window, ..Request::new([5, 4]) };
     let text = parse(&scene("")).unwrap();
     let world = World::new(&text, &[]).unwrap();
-    let caster = Caster::new(&world, None).unwrap();
+    let caster = &LazyCaster::new(Caster::of_planes(&world), Layout::List);
     for (layer, size) in [(Layer::Color, [0, 2]), (Layer::Samples { zoom: 7 }, [0, 14])] {
         let request = request(layer, Some(Window { x: 5, y: 1, width: 3, height: 2 }));
-        let camera = Camera::new(&text.camera, request.size);
-        let result = render_in_memory((&camera, &caster), View::Scene, &request);
+        let shot = Shot { camera: Camera::new(&text.camera, request.size), caster, view: View::Scene };
+        let result = render_in_memory(&shot, &request);
         assert_eq!(result.err(), Some(BadSize { width: size[0], height: size[1] }));
     }
 }

@@ -1,28 +1,37 @@
 //! Traces the samples of a picture, either counted or as fast as possible.
 
 use super::Stopped;
-use super::renderer::Prepared;
 use super::request::{Request, Tracing, View};
 use super::tally::Tally;
 use crate::camera::Camera;
-use crate::caster::{Caster, NotBuilt};
+use crate::caster::{Caster, LazyCaster, NotBuilt};
 #[cfg(feature = "fast")]
 use crate::fast::{Demand, Footprint, RasterHints};
 use crate::picture::Color;
 use crate::sampling::sample_packet::{SamplePacket, Stage};
+use crate::scene::material::Material;
 use crate::stats::Counts;
 #[cfg(not(feature = "fast"))]
 use crate::trace::NoHints;
-use crate::scene::material::Material;
 use crate::trace::{Effects, Memory, RayCount, Shadows, Tracer};
 use fearless_simd::dispatch;
 use std::ops::Range;
 
+/// A scene from one camera, ready to be rendered.
+#[derive(Debug)]
+pub struct Shot<'a> {
+    /// The camera.
+    pub camera: Camera,
+    /// Casts the rays.
+    pub caster: &'a LazyCaster<'a>,
+    /// The subject of the layers of colours.
+    pub view: View<'a>,
+}
+
 /// Traces the samples of a picture.
 #[derive(Clone)]
 pub struct PictureTracer<'a> {
-    prepared: &'a Prepared<'a>,
-    pub camera: Camera,
+    pub shot: &'a Shot<'a>,
     /// The caster of the scene, or one of the planes alone as long as no ray needs more.
     pub caster: Caster<'a>,
     pub request: &'a Request,
@@ -34,13 +43,13 @@ pub struct PictureTracer<'a> {
 }
 
 impl<'a> PictureTracer<'a> {
-    pub fn new(prepared: &'a Prepared<'a>, request: &'a Request, tally: &'a Tally<'a>) -> Self {
+    pub fn new(shot: &'a Shot<'a>, request: &'a Request, tally: &'a Tally<'a>) -> Self {
+        let caster = shot.caster.so_far(tally);
         #[cfg(feature = "fast")]
-        let hints = RasterHints::new(prepared.world(), demand(&prepared.view(), request), tally);
+        let hints = RasterHints::new(caster.world, demand(&shot.view, request), tally);
         #[cfg(not(feature = "fast"))]
         let hints = NoHints;
-        let (camera, caster) = (prepared.camera(request), prepared.caster_so_far(tally));
-        Self { prepared, camera, caster, request, tally, hints }
+        Self { shot, caster, request, tally, hints }
     }
 
     /// Returns a tracer that is prepared for these rows, counted from the bottom: with their first hits, as far as
@@ -52,7 +61,7 @@ impl<'a> PictureTracer<'a> {
         }
         #[cfg(feature = "fast")]
         if self.request.tracing == Tracing::Fast {
-            own.hints = self.hints.in_rows(&self.camera, &own.caster, rows);
+            own.hints = self.hints.in_rows(&self.shot.camera, &own.caster, rows);
             if own.hints.are_incomplete() {
                 own.caster = self.caster()?;
             }
@@ -63,7 +72,7 @@ impl<'a> PictureTracer<'a> {
     }
 
     fn caster(&self) -> Result<Caster<'a>, Stopped> {
-        self.prepared.caster(self.tally).map_err(|error| match error {
+        self.shot.caster.built(self.tally).map_err(|error| match error {
             NotBuilt::Ended => self.tally.reason(),
             NotBuilt::TooLarge => Stopped::Structure,
         })
@@ -72,11 +81,10 @@ impl<'a> PictureTracer<'a> {
     /// Returns true if other rays are cast than those that rasterization may replace.
     fn casts_further_rays(&self) -> bool {
         let Request { effects: Effects { shadows, bounces, .. }, tracing, .. } = *self.request;
-        let world = self.prepared.world();
+        let world = self.caster.world;
         let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
             || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
-        let has_colors =
-            self.request.traces_colors(tracing) && matches!(self.prepared.view(), View::Scene);
+        let has_colors = self.request.traces_colors(tracing) && matches!(self.shot.view, View::Scene);
         let has_hints = cfg!(feature = "fast") && tracing == Tracing::Fast;
         (has_colors && casts_secondary_rays)
             || !has_hints && (has_colors || self.request.measured() > Stage::Rays)
@@ -93,8 +101,8 @@ impl<'a> PictureTracer<'a> {
         memory: &mut Memory,
         counts: &mut Counts,
     ) {
-        let Self { camera, caster, request: Request { effects, tracing, size, .. }, .. } = self;
-        let view = self.prepared.view();
+        let Self { shot: Shot { camera, view, .. }, caster, request, .. } = self;
+        let Request { effects, tracing, size, .. } = request;
         if memory.is_cut() {
             return;
         }
@@ -185,7 +193,7 @@ mod tests {
         ] {
             let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
             let request = Request { sampler, effects, layers, ..Request::new([6, 5]) };
-            let demand = demand(view, &request);
+            let demand = demand(&view, &request);
             assert_eq!((demand.footprint, demand.shadow_rays), (footprint, colors), "{request:?}");
         }
     }

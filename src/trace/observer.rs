@@ -1,10 +1,10 @@
 //! The steps of the tracer, to count or record them.
 
+use crate::caster::CourseSteps;
 use crate::math::ray::{Hit, Ray};
 use crate::picture::Color;
 use crate::scene::material::Phong;
 use crate::shading::light::Incident;
-use crate::caster::CourseSteps;
 use crate::stats::Counts;
 use crate::world::SurfacePoint;
 use glam::DVec3;

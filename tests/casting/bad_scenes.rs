@@ -5,12 +5,11 @@ use super::support::{automatic, random, world};
 use glam::DVec3;
 use rayon::prelude::*;
 use raytracer::caster::RayOrigin;
-use raytracer::caster::choose::{Layout, Rays, Resolution, Structure};
+use raytracer::caster::choose::Layout;
 use raytracer::caster::{Caster, StructureSize};
 use raytracer::math::instructions;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// A scene with its name. It is built for about the given number of primitives.
@@ -93,7 +92,6 @@ fn of_objects(n: usize, object: impl Fn(usize) -> String) -> World {
     world(&(0..n).map(object).collect::<Vec<_>>(), &[])
 }
 
-/// From 97 triangles in one place on, crowded cells used to be subdivided again and again.
 fn sizes() -> impl Iterator<Item = usize> {
     let is_long = std::env::var("HARD_CASES").is_ok_and(|tier| tier == "long");
     let most = if is_long { 1_000_000 } else { 100_000 };
@@ -123,33 +121,14 @@ fn sizes_are_bounded_by_the_number_of_primitives() {
             let count = world.finite_count();
             for rays in RAYS {
                 let grid = automatic(&world, rays, instructions::available()[0]).size();
+                println!("{name}, {count}, {rays} rays: a grid {grid:?}");
                 assert_bounded(name, count, grid);
-                let chosen = chosen(&world, rays).size();
-                println!("{name}, {count}, {rays} rays: a grid {grid:?}, what is chosen {chosen:?}");
-                assert_bounded(name, count, chosen);
             }
+            let tree = Caster::with(&world, Layout::Tree, instructions::available()[0]).unwrap().size();
+            assert_bounded(name, count, tree);
+            assert_eq!(tree.references, world.visible_count(), "{name}, {n}");
         }
     }
-}
-
-/// No grid is built for primitives that it does not separate.
-#[test]
-fn primitives_that_no_grid_separates_are_in_a_tree() {
-    for (name, scene) in
-        SCENES.iter().filter(|(name, _)| ["almost equal triangles", "almost equal spheres"].contains(name))
-    {
-        for n in sizes().filter(|&n| (200..=10_000).contains(&n)) {
-            let world = scene(n);
-            assert_eq!(Layout::chosen(&world, Rays::cast(RAYS[1])), Layout::Tree, "{name}, {n}");
-            let size = chosen(&world, RAYS[1]).size();
-            assert_eq!(size.references, n, "{name}, {n}");
-        }
-    }
-}
-
-/// The caster that is chosen for this number of rays.
-fn chosen(world: &World, rays: usize) -> Caster<'_> {
-    Caster::with(world, Layout::chosen(world, Rays::cast(rays)), instructions::available()[0]).unwrap()
 }
 
 /// Rays to the centres of triangles, or to random points in a world without triangles.
@@ -174,18 +153,14 @@ fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
             let [few, many] = RAYS;
             let with = instructions::available()[0];
             let tree = Caster::with(&world, Layout::Tree, with).unwrap();
-            let casters = [automatic(&world, many, with), chosen(&world, few), chosen(&world, many), tree];
+            let casters = [automatic(&world, few, with), automatic(&world, many, with), tree];
             let mut hits = 0;
             for ray in rays_at(&world, count) {
                 let expected = everything.closest(&ray);
                 hits += usize::from(expected.is_some());
                 for caster in &casters {
                     assert_eq!(caster.closest(&ray), expected, "{name}, {n}: {ray:?}");
-                    assert_eq!(
-                        caster.any(&ray, RayOrigin::FREE),
-                        expected.is_some(),
-                        "{name}, {n}: {ray:?}"
-                    );
+                    assert_eq!(caster.any(&ray, RayOrigin::FREE), expected.is_some(), "{name}, {n}: {ray:?}");
                 }
             }
             assert!(2 * hits > count, "{name}, {n}: {hits}");
@@ -193,26 +168,11 @@ fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
     });
 }
 
-/// With `-stats` primitives are inserted as in the course's program.
-#[test]
-fn the_grid_for_counting_is_bounded_too() {
-    for (name, scene) in SCENES {
-        for n in sizes().filter(|&n| n <= 10_000) {
-            let world = scene(n);
-            let count = world.finite_count();
-            let layout = Structure::Grid(Resolution::Auto).layout(&world, Rays::cast(RAYS[1]), true);
-            let caster = Caster::with(&world, layout, instructions::available()[0]);
-            let references = caster.unwrap().size().references;
-            assert!(references <= most_entries(count), "{name}, {count}: {references} entries");
-        }
-    }
-}
-
 /// A grid whose cells the user specifies is built as specified.
 #[test]
 fn a_grid_of_given_cells_is_taken_literally() {
     let world = SCENES[0].1(300);
     let caster = Caster::new(&world, Some([20; 3])).unwrap();
-    let filled: usize = caster.fullness(20 * 20 * 20).unwrap().fullest.iter().map(|(_, count)| count).sum();
-    assert!(caster.size().cells == 22 * 22 * 22 && filled > 300 * 20 * 10);
+    let size = caster.size();
+    assert!(size.cells == 22 * 22 * 22 && size.references > 300 * 20 * 10, "{size:?}");
 }

@@ -1,7 +1,7 @@
 //! What the tests share: worlds, casters and random numbers.
 
 use raytracer::caster::Caster;
-use raytracer::caster::choose::Layout;
+use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::math::instructions::Level;
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::obj::parse_obj;
@@ -32,7 +32,8 @@ pub fn world(objects: &[String], meshes: &[Mesh]) -> World {
 
 /// The caster of `-grid auto` for this number of rays.
 pub fn automatic(world: &World, rays: usize, level: Level) -> Caster<'_> {
-    Caster::with(world, Layout::automatic(world, rays), level).unwrap()
+    let layout = Structure::Grid(Resolution::Auto).layout(world, rays);
+    Caster::with(world, layout, level).unwrap()
 }
 
 /// Random numbers from -0.5 to 0.5, from a linear congruential generator (Knuth, "The Art of Computer

@@ -9,8 +9,6 @@ use crate::support::rng::Rng;
 use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::{Ray, Visible};
-use raytracer::stats::Counts;
-use raytracer::trace::Quiet;
 use raytracer::world::{Primitive, World};
 
 /// The rays that are cast at one pair of surfaces.
@@ -142,11 +140,7 @@ fn seen(rng: &mut Rng, failures: &Failures, index: u64) -> [u64; 3] {
         nearest_materials[material(nearest)] += 1;
         // Each object has the material of its index.
         let first = hits.iter().map(|&(_, id)| id).min_by_key(|&id| (material(id), id));
-        let found = [
-            casters[0].closest(&ray),
-            casters[1].closest(&ray),
-            casters[1].closest(&ray),
-        ];
+        let found = [casters[0].closest(&ray), casters[1].closest(&ray)];
         let wrong = found.iter().any(|hit| hit.map(|hit| hit.primitive) != first);
         failures.note(wrong, || {
             let kinds: Vec<(f64, Primitive)> = hits.iter().map(|&(t, id)| (t, world.primitive(id))).collect();

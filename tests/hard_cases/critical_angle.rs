@@ -15,7 +15,6 @@ use raytracer::picture::Color;
 use raytracer::scene::Object;
 use raytracer::scene::material::{Material, Phong};
 use raytracer::stats::Counts;
-use raytracer::trace::Quiet;
 use raytracer::trace::{Effects, Memory, Tracer};
 use raytracer::world::World;
 

@@ -15,7 +15,6 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::{Object, Position};
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// Something whose nearest point is up to 1e30 away, below the ground or beside everything.

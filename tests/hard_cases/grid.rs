@@ -15,7 +15,6 @@ use raytracer::caster::lattice::Lattice;
 use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// The numbers of rays for which ours differs from the brute force, for which the textbook's grid does in f64

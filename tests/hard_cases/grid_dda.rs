@@ -15,7 +15,6 @@ use raytracer::caster::lattice::Lattice;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// The largest distance, in cells, of the ray from the cell that the DDA is in at the same t.

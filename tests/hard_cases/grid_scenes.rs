@@ -11,14 +11,12 @@ use crate::support::scenes::world_of_mesh;
 use crate::support::{failed_ray, rays};
 use glam::DVec3;
 use raytracer::caster::Caster;
-use raytracer::caster::insertion::of_sphere;
+use raytracer::caster::insertion::of_ball;
 use raytracer::caster::lattice::Lattice;
 use raytracer::math::aabb::Aabb;
 use raytracer::math::double_double::exact_product;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::stats::Counts;
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 #[test]
@@ -161,8 +159,6 @@ fn rays_from_far_away_into_flat_cells() {
         };
         let (late, ray) =
             std::iter::repeat_with(draw).take(200).max_by(|a, b| a.0.total_cmp(&b.0)).expect("a ray");
-        // With counts, because otherwise t is known only to the accuracy of the filter, and the traversal continues for
-        // longer.
         let (found, expected) = (caster.closest(&ray), brute.closest(&ray));
         let differs = found != expected;
         failures.note(differs, || failed_ray(31, SEED, index, ray.origin, ray.direction));
@@ -245,7 +241,7 @@ fn a_sphere_that_is_huge_in_cells_stands_where_its_top_is() {
         let top = center.y + radius;
         let cell = lattice.cell_at(1, lattice.to_cells(DVec3::splat(top)).y);
         let mut cells = vec![];
-        of_sphere(&lattice, center, radius, 1e-5, &mut cells);
+        of_ball(&lattice, center, radius, 1e-5, &mut cells);
         assert!(cells.contains(&(lattice.index([0, cell, 0]) as u32)), "{radius}");
     }
 }

@@ -7,14 +7,13 @@ use crate::support::rng::Rng;
 use crate::support::scenes::{layers_and_nans, render_picture, scene_of};
 use crate::support::{failed_ray, rays};
 use glam::{DAffine3, DMat3, DVec3};
+use raytracer::base::patience::Endless;
 use raytracer::camera::Camera;
-use raytracer::caster::{Caster, RayOrigin};
+use raytracer::caster::{Caster, LazyCaster, RayOrigin};
 use raytracer::math::ray::Ray;
-use raytracer::render::{Layer, Request, Tracing, View, render_in_memory};
+use raytracer::render::{Layer, Request, Shot, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::{self, Light, Object, Position, Scene};
-use raytracer::stats::Counts;
-use raytracer::trace::Quiet;
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
 
@@ -104,9 +103,10 @@ fn cast_hostile_rays(inputs: u64) -> [u64; 3] {
 /// The number of tests and cells for hostile rays over that for ordinary ones, with a grid.
 fn extra_work() -> f64 {
     let world = World::new(&ordinary_scene(), &[mesh("bunny_5k.obj")]).expect("a sound scene");
-    let caster = Caster::new(&world, Some([20; 3])).expect("a grid");
+    let caster = Caster::of_planes(&world).counting([20; 3], &Endless).expect("a grid");
+    let nearest = Caster::new(&world, Some([20; 3])).expect("a grid");
     let work = |is_hostile: bool| {
-        let mut counts = Counts::default();
+        let mut sum = 0;
         for index in 0..1500 {
             let mut rng = Rng::at(610, index);
             // The rays go towards the middle, where the mesh is.
@@ -115,9 +115,11 @@ fn extra_work() -> f64 {
             if is_hostile {
                 direction[rng.below(3)] = HOSTILE[rng.below(5)];
             }
-            caster.closest(&Ray::new(origin, direction), &mut counts);
+            let ray = Ray::new(origin, direction);
+            let steps = caster.course_steps(&ray, nearest.nearest(&ray, RayOrigin::FREE));
+            sum += steps.tests + steps.cells;
         }
-        (counts.intersections + counts.cells_traversed) as f64
+        sum as f64
     };
     work(true) / work(false)
 }
@@ -269,10 +271,10 @@ fn case_61_hostile_input() {
 
 fn a_picture_without_size_is_an_error() {
     let world = World::new(&ordinary_scene(), &[mesh("bunny_200.obj")]).expect("a sound scene");
-    let caster = Caster::new(&world, None).expect("no grid");
+    let caster = LazyCaster::from(Caster::new(&world, None).expect("no grid"));
     for size in [[0, 5], [5, 0], [0, 0], [u32::MAX as usize; 2]] {
-        let camera = Camera::new(&ordinary_scene().camera, size);
-        let rendered = render_in_memory((&camera, &caster), View::Scene, &Request::new(size));
+        let (camera, view) = (Camera::new(&ordinary_scene().camera, size), View::Scene);
+        let rendered = render_in_memory(&Shot { camera, caster: &caster, view }, &Request::new(size));
         assert!(rendered.is_err(), "{size:?}");
     }
 }

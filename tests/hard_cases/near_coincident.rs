@@ -12,7 +12,6 @@ use num_traits::{Signed, Zero};
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::trace::Quiet;
 use raytracer::world::{Primitive, World};
 use std::cmp::Ordering;
 

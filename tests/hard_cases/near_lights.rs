@@ -150,9 +150,8 @@ fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator>
         surface.position - below * normals[i]
     });
     let lit = |normal: DVec3| normal.dot(to_light) > 0.0;
-    let blocked = |from: DVec3| {
-        caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), RayOrigin::FREE)
-    };
+    let blocked =
+        |from: DVec3| caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), RayOrigin::FREE);
     let flat_lit = lit(surface.normal);
     let effects = Effects { shadows: Shadows::Opaque, shade_back: false, bounces: 0, min_weight: 0.0 };
     let color = Tracer::new(caster, effects).color(ray, &mut Memory::default(), &mut Quiet);

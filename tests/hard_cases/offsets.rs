@@ -16,7 +16,6 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::{Object, Position};
-use raytracer::trace::Quiet;
 use raytracer::world::{SurfacePoint, World};
 
 const SEED: u64 = 3700;

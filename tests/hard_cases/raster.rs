@@ -11,7 +11,6 @@ use raytracer::caster::Caster;
 use raytracer::fast::{Footprint, VisibilityBuffer};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::render::{Layer, Request, Tracing};
-use raytracer::trace::Quiet;
 use raytracer::trace::FirstHit;
 use raytracer::world::World;
 use raytracer::world::plane::Plane;

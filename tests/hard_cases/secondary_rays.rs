@@ -13,7 +13,6 @@ use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::Object;
-use raytracer::trace::Quiet;
 use raytracer::trace::{reflected, refracted};
 use raytracer::world::{SurfacePoint, World};
 

@@ -15,7 +15,6 @@ use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::material::{Material, Pattern, Texture};
 use raytracer::shading::checkerboard::error_bounds_to_boundary;
 use raytracer::shading::texture::first_weight;
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 fn checkerboard(world_to_texture: DAffine3) -> Texture {

@@ -16,7 +16,6 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::{Hit, Ray};
 use raytracer::scene::Object;
 use raytracer::scene::mesh::Mesh;
-use raytracer::trace::Quiet;
 use raytracer::world::{SurfacePoint, World};
 
 /// The rabbit on a plane, scaled and translated, with what determines its shadows.

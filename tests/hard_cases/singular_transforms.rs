@@ -14,7 +14,6 @@ use raytracer::caster::Caster;
 use raytracer::diagnostic::Diagnostic;
 use raytracer::math::ray::{Ray, Visible};
 use raytracer::math::robust::{DETERMINANT_ROUNDINGS, unit};
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 
 /// The number of roundings that the tests assume. It is stated here independently of the source.

@@ -13,7 +13,6 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::UNIT_ROUNDOFF;
 use raytracer::scene::Object;
-use raytracer::trace::Quiet;
 use raytracer::world::shape::Form;
 use raytracer::world::sphere::Sphere;
 

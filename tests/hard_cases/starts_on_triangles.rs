@@ -14,8 +14,6 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::instructions::available;
 use raytracer::math::ray::Ray;
 use raytracer::scene::Object;
-use raytracer::stats::Counts;
-use raytracer::trace::Quiet;
 use raytracer::world::triangle::Shear;
 
 /// The exact sign of t where the line of a ray crosses a triangle in its inside; none where it does not, or meets its edge.
@@ -75,7 +73,6 @@ fn one(index: u64, failures: &Failures) -> ([u64; 4], [f64; 0]) {
             let caster = Caster::with(&world, layout, level).expect("a grid");
             wrong |= caster.closest(&ray).is_some() != (sign >= 0);
             wrong |= caster.any(&ray, RayOrigin::FREE) != (sign >= 0);
-            wrong |= caster.closest(&ray).is_some() != (sign >= 0);
         }
     }
     failures.note(wrong, || format!("70 {index} {ray:?} {corners:?}: {t} {sign}"));

@@ -12,7 +12,6 @@ use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::trace::Quiet;
 use raytracer::world::triangle::Shear;
 
 fn integer_vector(rng: &mut Rng, n: usize) -> DVec3 {

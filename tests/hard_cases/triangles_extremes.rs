@@ -19,7 +19,6 @@ use raytracer::math::ray::Ray;
 use raytracer::render::{Layer, Request, Tracing};
 use raytracer::scene::Scene;
 use raytracer::scene::parser::parse;
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 use raytracer::world::triangle::{Shear, normal, point};
 

@@ -15,7 +15,6 @@ use num_traits::Signed;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
 use raytracer::scene::mesh::Mesh;
-use raytracer::trace::Quiet;
 use raytracer::world::World;
 use raytracer::world::triangle::Shear;
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::base::patience::Endless;
 use crate::caster::bounds::widened;
-use crate::caster::insertion::of_box;
+use crate::caster::insertion::runs_of_box;
 use crate::scene::parser::parse;
 use glam::DVec3;
 
@@ -24,35 +24,26 @@ fn blocks_hold_the_primitives_of_the_cells() {
     let world = world(&objects, 55);
     let lattice = Lattice::new(widened(world.bounds), [5, 2, 4]);
     let cells_of = |id: u32| {
-        let mut cells = vec![];
-        of_box(&lattice, &world.box_of(id), 1e-6, &mut cells);
-        cells
+        runs_of_box(&lattice, &world.box_of(id), 1e-6).flatten().map(|cell| cell as u32).collect::<Vec<_>>()
     };
     let references: Vec<Reference> =
         (0..55).flat_map(|id| cells_of(id).into_iter().map(move |cell| [cell, id])).collect();
-    let (mut cells, entries) =
-        Contents::of_cells(&world, &lattice, vec![references.clone()], &Endless).unwrap();
-    cells.fill(&world, &[(0, Frame::new(&lattice.bounds))], &Endless).unwrap();
-    assert_eq!(cells.primitives_of(&cells.blocks).count(), references.len());
+    let mut contents = Contents::of_cells(&world, &lattice, vec![references.clone()], &Endless).unwrap();
+    contents.fill(&world, &[(0, Frame::new(&lattice.bounds))], &Endless).unwrap();
+    assert_eq!(contents.primitives_of(0..contents.len()).count(), references.len());
+    assert_eq!(contents.len(), lattice.index_count());
     let mut expected_blocks = 0;
-    for (index, &entry) in entries.iter().enumerate() {
-        let mut found: Vec<u32> = vec![];
+    for index in 0..contents.len() {
         let cell = lattice.cell_of(index);
         let is_border = cell.min_element() < 0.0 || cell.cmpge(DVec3::new(5.0, 2.0, 4.0)).any();
-        assert_eq!(entry == BORDER, is_border, "{index}");
-        if entry != EMPTY && !is_border {
-            let own = cells.blocks_of(entry);
-            found.extend(own.iter().flat_map(|block| block.ids).filter(|&id| id != NONE));
-            found.extend(cells.non_triangles_in(own));
-        }
+        assert_eq!(contents.cell(index).is_none(), is_border, "{index}");
+        let found: Vec<u32> = contents.primitives_of(index..index + 1).collect();
         let listed = references.iter().filter(|[cell, _]| *cell == index as u32);
         let expected: Vec<u32> = listed.map(|&[_, id]| id).collect();
         assert_eq!(found, expected);
-        assert_eq!(entry == EMPTY || is_border, expected.is_empty(), "{index}");
-        let triangles = expected.iter().filter(|&&id| id < 50).count();
-        expected_blocks += triangles.div_ceil(LANES).max(usize::from(!expected.is_empty()));
+        expected_blocks += expected.iter().filter(|&&id| id < 50).count().div_ceil(LANES);
     }
-    assert_eq!(cells.blocks.len(), expected_blocks);
+    assert_eq!(contents.blocks.len(), expected_blocks);
 }
 
 #[test]
@@ -62,8 +53,8 @@ fn a_cell_has_as_many_blocks_as_it_needs_however_many() {
         let lattice = Lattice::new(widened(world.bounds), [1; 3]);
         let cell = lattice.index([0; 3]) as u32;
         let references = vec![(0..count as u32).map(|id| [cell, id]).collect()];
-        let (mut cells, entries) = Contents::of_cells(&world, &lattice, references, &Endless).unwrap();
-        cells.fill(&world, &[(0, Frame::new(&lattice.bounds))], &Endless).unwrap();
-        assert_eq!(cells.blocks_of(entries[cell as usize]).len(), count.div_ceil(LANES), "{count}");
+        let contents = Contents::of_cells(&world, &lattice, references, &Endless).unwrap();
+        let (blocks, _) = contents.cell(cell as usize).unwrap();
+        assert_eq!(blocks.len(), count.div_ceil(LANES), "{count}");
     }
 }

@@ -1,11 +1,11 @@
 use super::*;
 use crate::base::patience::Endless;
+use crate::caster::cell_counts::CellCounts;
 use crate::caster::{Caster, RayOrigin};
 use crate::math::instructions::{self, Level};
 use crate::math::ray::Ray;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
-use crate::trace::Quiet;
 use fearless_simd::dispatch;
 use glam::DVec3;
 
@@ -27,7 +27,7 @@ fn a_list_is_a_cell_with_everything_in_it() {
 
 /// Every third triangle is a line, and the one after it equals the one behind that.
 #[test]
-fn primitives_that_no_ray_sees_are_in_the_structures_of_the_course_alone() {
+fn primitives_that_no_ray_sees_are_in_no_structure() {
     let world = world(30, |i| {
         let corner = DVec3::splat(f64::from(i / 3) / 10.0);
         let sides = match i % 3 {
@@ -38,16 +38,12 @@ fn primitives_that_no_ray_sees_are_in_the_structures_of_the_course_alone() {
         sides.map(|side| corner + side)
     });
     assert_eq!((world.finite_count(), world.visible_count()), (31, 11));
-    for (layout, references) in [
-        (Layout::List, 11),
-        (Layout::Grid([1; 3]), 11),
-        (Layout::Tree, 11),
-        (Layout::Course(None), 31),
-        (Layout::Course(Some([1; 3])), 31),
-    ] {
+    for layout in [Layout::List, Layout::Grid([1; 3]), Layout::Tree] {
         let structure = AccelerationStructure::new(&world, layout, &Endless).unwrap();
-        assert_eq!(structure.size().references, references, "{layout:?}");
+        assert_eq!(structure.size().references, 11, "{layout:?}");
     }
+    let counts = CellCounts::of_world(&world, [1; 3], &Endless).unwrap();
+    assert_eq!(counts.fullness(1).fullest, [([0; 3], 31)]);
 }
 
 /// Returns a world with most of its triangles in a corner, so that this cell is crowded.
@@ -64,40 +60,10 @@ fn every_primitive_is_once_in_a_leaf() {
     const COUNT: u32 = 4000;
     let world = corner_crowd(COUNT);
     let structure = AccelerationStructure::new(&world, Layout::Tree, &Endless).unwrap();
-    let mut ids: Vec<u32> = structure.contents.primitives_of(&structure.contents.blocks).collect();
+    let mut ids: Vec<u32> = structure.contents.primitives_of(0..structure.contents.len()).collect();
     assert_eq!(ids.len(), structure.size().references);
     ids.sort_unstable();
     assert_eq!(ids, (0..=COUNT).collect::<Vec<_>>());
-}
-
-/// Three crossed triangles near the origin and one triangle far away, with a small sphere beside it.
-fn crossed() -> World {
-    let triangle = |p: &str, q: &str, r: &str| format!("Triangle {{ vertex0 {p} vertex1 {q} vertex2 {r} }}");
-    let objects = [
-        triangle("0.1 0.1 0.1", "0.4 0.1 0.1", "0.1 0.4 0.1"),
-        triangle("0.1 0.1 0.1", "0.4 0.1 0.1", "0.1 0.1 0.4"),
-        triangle("0.1 0.1 0.1", "0.1 0.4 0.1", "0.1 0.1 0.4"),
-        triangle("3.6 3.6 3.6", "3.9 3.6 3.6", "3.6 3.9 3.9"),
-        "Sphere { center 3.8 3.8 3.8 radius 0.1 }".into(),
-    ];
-    let text = format!(
-        "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 5 }}
-         Materials {{ numMaterials 1 Material {{ }} }}
-         Group {{ numObjects 5 MaterialIndex 0 {} }}",
-        objects.join(" ")
-    );
-    World::new(&parse(&text).unwrap(), &[]).unwrap()
-}
-
-#[test]
-fn the_fullest_cells_come_first() {
-    let world = crossed();
-    let of = |caster: &Caster, most| caster.fullness(most).unwrap();
-    let uniform = Caster::new(&world, Some([4, 4, 4])).unwrap();
-    let expected = Fullness { fullest: vec![([0; 3], 3), ([3; 3], 2)], empty: 62, cells: 64 };
-    assert_eq!(of(&uniform, 5), expected);
-    assert_eq!(of(&uniform, 1), Fullness { fullest: vec![([0; 3], 3)], ..expected.clone() });
-    assert_eq!(Caster::new(&world, None).unwrap().fullness(5), None);
 }
 
 #[test]
@@ -170,11 +136,7 @@ fn a_tree_is_searched_where_testing_everything_finds_a_hit() {
             let ray = Ray { t_max: 1.2, ..Ray::new(from, target - from) };
             let expected = plain.closest(&ray);
             assert_eq!(crowded.closest(&ray), expected, "{level:?} {ray:?}");
-            assert_eq!(
-                crowded.any(&ray, RayOrigin::FREE),
-                expected.is_some(),
-                "{level:?} {ray:?}"
-            );
+            assert_eq!(crowded.any(&ray, RayOrigin::FREE), expected.is_some(), "{level:?} {ray:?}");
             hits += usize::from(expected.is_some());
             tiny += usize::from(expected.is_some_and(|hit| hit.primitive % 3 == 0 && hit.primitive < 900));
         }

@@ -106,7 +106,8 @@ fn a_branch_of_small_primitives_has_a_frame_of_its_own() {
     assert!(ids.iter().filter(|&id| id % 2 == 0).count() > 950, "{}", ids.len());
     assert!(ids.iter().filter(|&id| id % 2 == 1).count() < 10);
     for (i, block) in grown.1.blocks.iter().enumerate() {
-        let is_around = grown.0.small.iter().any(|small| small.blocks.contains(&i));
+        // All primitives are triangles, so each leaf has a block.
+        let is_around = grown.0.small.iter().any(|small| small.leaves.contains(&i));
         assert_eq!(is_around, ids.contains(&block.ids[0]), "{i}");
         // The coordinates are at most 1 in the frame.
         let largest = block.corner.as_flattened().iter().fold(0.0f32, |largest, x| largest.max(x.abs()));

@@ -6,7 +6,6 @@ use crate::scene;
 use crate::scene::mesh::Mesh;
 use crate::scene::model::Screen::BothSides;
 use crate::scene::parser::parse;
-use crate::trace::Quiet;
 use glam::DVec2;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 angle 40 }";

@@ -13,10 +13,10 @@ const EGG: &str = "Transform { Translate 0.8 0.2 0.6 Scale 1 1 0.5 Sphere { cent
 fn both(text: &str, request: &Request) -> [Vec<FloatPicture>; 2] {
     let scene = parse(text).unwrap();
     let world = World::new(&scene, &[]).unwrap();
-    let caster = Caster::new(&world, None).unwrap();
-    let camera = Camera::new(&scene.camera, request.size);
     [Tracing::Fast, Tracing::Counted].map(|tracing| {
-        render_in_memory((&camera, &caster), View::Scene, &Request { tracing, ..request.clone() }).unwrap().0
+        let caster = &LazyCaster::new(Caster::of_planes(&world), Layout::List);
+        let shot = Shot { camera: Camera::new(&scene.camera, request.size), caster, view: View::Scene };
+        render_in_memory(&shot, &Request { tracing, ..request.clone() }).unwrap().0
     })
 }
 

@@ -3,7 +3,6 @@
 use super::*;
 use crate::base::patience::Endless;
 use crate::caster::RayOrigin;
-use crate::trace::Quiet;
 use std::cell::RefCell;
 
 #[test]
@@ -111,13 +110,12 @@ fn a_view_of_cells_tests_no_primitive() {
     )
     .unwrap();
     let world = World::new(&text, &[]).unwrap();
-    let caster = Caster::new(&world, None).unwrap();
+    let caster = LazyCaster::new(Caster::of_planes(&world), Layout::List);
     let occupancy = grid_view::Occupancy::new(&text, &[], world.bounds, [4; 3], &Endless).unwrap();
     for (layers, tests) in [(vec![Layer::Color], false), (vec![Layer::Color, Layer::Normals], true)] {
         let request = Request { layers, tracing: Tracing::Counted, ..Request::new([9, 8]) };
-        let camera = Camera::new(&text.camera, request.size);
-        let view = View::Cells(&occupancy);
-        let (pictures, counts) = render_in_memory((&camera, &caster), view, &request).unwrap();
+        let (camera, view) = (Camera::new(&text.camera, request.size), View::Cells(&occupancy));
+        let (pictures, counts) = render_in_memory(&Shot { camera, caster: &caster, view }, &request).unwrap();
         assert_eq!((counts.non_shadow_rays, counts.intersections > 0), (72, tests));
         assert!(pictures[0].colors.iter().any(|&color| color != world.background));
     }

@@ -663,7 +663,7 @@ mod tests {
     use crate::render::renderer::{Meshes, Renderer};
     use crate::render::test_renderer::renderer_of;
     use crate::scene::load::load;
-    use crate::trace::{Memory, Tracer};
+    use crate::trace::{Memory, Quiet, Tracer};
     use glam::DVec2;
     use std::fs;
     use std::path::{Path, PathBuf};
@@ -705,7 +705,7 @@ mod tests {
             let renderer = Renderer::new(load(&path).unwrap(), Meshes::Kept).unwrap();
             let request = Request::new([24, 18]);
             let prepared = renderer.prepare(&request).unwrap();
-        let caster = prepared.caster(&Endless).unwrap();
+            let caster = prepared.caster(&Endless).unwrap();
             let camera = renderer.camera(&request);
             for effects in [Effects::default(), opaque, tinted] {
                 let hits = &caster;

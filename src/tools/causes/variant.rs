@@ -141,7 +141,7 @@ impl<'o> Variant<'o> {
         match &self.renderer {
             Some(renderer) => {
                 Some(work(&renderer.prepare_within(&self.request, &self.original.patience).ok()?))
-            },
+            }
             None => Some(work(&self.original.prepared)),
         }
     }

@@ -9,7 +9,6 @@ use super::textbook::{Edges, baldwin_weber, lower, lower_triangle, moller_trumbo
 use glam::DVec3;
 use raytracer::caster::Caster;
 use raytracer::math::ray::Ray;
-use raytracer::trace::Quiet;
 use raytracer::world::triangle::Shear;
 
 /// What rays are aimed at.

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use raytracer::camera::Camera;
-use raytracer::caster::Caster;
+use raytracer::caster::{Caster, LazyCaster};
 use raytracer::picture::FloatPicture;
-use raytracer::render::{Request, Tracing, View, render_in_memory};
+use raytracer::render::{Request, Shot, Tracing, View, render_in_memory};
 use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::mesh::Mesh;
 use raytracer::scene::model::{Lighting, MeasureColors, MeshNormals, Screen, Shows};
@@ -83,7 +83,9 @@ pub fn layers_and_nans(
     request: &Request,
     tracing: Tracing,
 ) -> (Vec<Vec<u8>>, u64) {
-    let rendered = render_in_memory((camera, caster), View::Scene, &Request { tracing, ..request.clone() });
+    let caster = &LazyCaster::from(caster.clone());
+    let shot = Shot { camera: camera.clone(), caster, view: View::Scene };
+    let rendered = render_in_memory(&shot, &Request { tracing, ..request.clone() });
     let (pictures, _) = rendered.expect("small pictures");
     let bytes = pictures.iter().map(FloatPicture::to_bytes);
     bytes.fold((vec![], 0), |(mut all, nans), (bytes, more)| {

@@ -4,7 +4,6 @@ use glam::DVec3;
 use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::math::robust::offset_origin;
-use raytracer::trace::Quiet;
 use raytracer::world::SurfacePoint;
 
 /// The ray along `direction` that leaves a surface.

@@ -7,7 +7,6 @@ use crate::math::ray::Ray;
 use crate::scene::mesh::Mesh;
 use crate::scene::parser::parse;
 use crate::shading::light::incident;
-use crate::trace::Quiet;
 
 const MANY_RAYS: usize = 1 << 20;
 
