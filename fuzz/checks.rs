@@ -13,6 +13,7 @@ use raytracer::scene::obj::parse_obj;
 use raytracer::scene::{Scene, parser::parse};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Checks that reading, flattening and rendering end without a panic, that neither a grid nor counting changes a byte of the pictures, and that no colour, depth or normal is NaN.
@@ -74,7 +75,9 @@ pub fn bytes_and_nans(
     let layers = vec![Layer::Color, Layer::Depth { near, far }, Layer::Normals];
     let request = Request { effects, layers, tracing, ..Request::new(size) };
     let (camera, caster) = (Camera::new(&scene.camera, size), &LazyCaster::from(caster.clone()));
-    let rendered = render_in_memory(&Shot { camera, caster, view: View::Scene }, &request);
+    let rendered = render_in_memory(&Shot { camera, caster, view: View::Scene }, &request, &|_| {
+        ControlFlow::Continue(())
+    });
     let (pictures, _) = rendered.expect("small pictures");
     pictures.iter().map(FloatPicture::to_bytes).fold((vec![], 0), |(mut all, nans), (bytes, more)| {
         all.extend(bytes);

@@ -118,6 +118,15 @@ impl Contents {
         }
     }
 
+    /// Appends a leaf like [`push`](Self::push). It has one block even without triangles, so that its index tells where
+    /// the block is.
+    pub fn push_leaf(&mut self, world: &World, ids: &[u32]) {
+        if !ids.first().is_some_and(|&id| world.is_triangle(id)) {
+            self.blocks.push(Block::new([NONE; LANES]));
+        }
+        self.push(world, ids);
+    }
+
     /// Fills the blocks. Each frame comes with the index of the first block that uses its coordinates.
     pub fn fill(
         &mut self,
@@ -142,13 +151,21 @@ impl Contents {
         self.starts.len() - 1
     }
 
-    /// Returns the first block of a cell or leaf, to prefetch it.
+    /// Returns the primitives of a leaf.
     #[inline(always)]
-    pub fn first_block(&self, cell: usize) -> Option<&Block> {
-        self.blocks.get(*self.starts.get(cell)? as usize)
+    pub fn leaf(&self, index: usize) -> Cell<'_> {
+        (std::slice::from_ref(&self.blocks[index]), self.others_of(index))
     }
 
-    /// Returns the primitives of a cell or leaf, or `None` at the border of a lattice.
+    #[inline(always)]
+    fn others_of(&self, cell: usize) -> &[u32] {
+        match self.other_starts.get(cell..cell + 2) {
+            Some([start, end]) => &self.others[*start as usize..*end as usize],
+            _ => &[],
+        }
+    }
+
+    /// Returns the primitives of a cell, or `None` at the border of a lattice.
     #[inline(always)]
     pub fn cell(&self, index: usize) -> Option<Cell<'_>> {
         let [start, end] = self.starts.get(index..index + 2)? else { return None };
@@ -156,11 +173,7 @@ impl Contents {
             return None;
         }
         let blocks = &self.blocks[*start as usize..(end & !BORDER) as usize];
-        let others = match self.other_starts.get(index..index + 2) {
-            Some([start, end]) => &self.others[*start as usize..*end as usize],
-            _ => &[],
-        };
-        Some((blocks, others))
+        Some((blocks, self.others_of(index)))
     }
 
     /// Returns the ids of the primitives of some cells or leaves.

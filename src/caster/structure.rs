@@ -135,7 +135,9 @@ impl AccelerationStructure {
         let mut filter_state = FilterState::new(&interval, &self.region.frame, search.goal.end());
         match &self.order {
             Order::List => {
-                self.test_cell(simd, 0, &mut filter_state, search);
+                if let Some((blocks, others)) = self.contents.cell(0) {
+                    search.test_cell(simd, blocks, others, &mut filter_state);
+                }
             }
             Order::Grid(lattice) => {
                 self.test_cells(simd, Dda::new(lattice, &interval), filter_state, search);
@@ -144,19 +146,6 @@ impl AccelerationStructure {
                 self.descend(simd, tree, tree.root, &mut filter_state, search);
             }
         }
-    }
-
-    /// Tests the primitives of a cell or a leaf. Returns true if that changes the rest of the search.
-    #[inline(always)]
-    fn test_cell<S: Simd, G: Goal>(
-        &self,
-        simd: S,
-        cell: usize,
-        filter_state: &mut FilterState,
-        search: &mut Search<G>,
-    ) -> bool {
-        let Some((blocks, others)) = self.contents.cell(cell) else { return false };
-        search.test_cell(simd, blocks, others, filter_state)
     }
 
     /// Tests the cells along the ray until no nearer hit can follow.
@@ -205,7 +194,8 @@ impl AccelerationStructure {
                 next = self.first_child::<G>(tree, &node.children, &meeting, &mut stack);
             } else {
                 let changed = if child >= LEAF {
-                    self.test_cell(simd, (child - LEAF) as usize, filter_state, search)
+                    let (block, others) = self.contents.leaf((child - LEAF) as usize);
+                    search.test_cell(simd, block, others, filter_state)
                 } else {
                     self.test_small(simd, tree, &tree.small[(child - SMALL) as usize], filter_state, search)
                 };
@@ -276,7 +266,7 @@ impl AccelerationStructure {
     #[inline(always)]
     fn prefetch_child(&self, tree: &Tree, child: Branch) {
         if child >= LEAF {
-            self.contents.first_block((child - LEAF) as usize).into_iter().for_each(prefetch);
+            self.contents.blocks.get((child - LEAF) as usize).into_iter().for_each(prefetch);
         } else if let Some(node) = tree.nodes.get(child as usize) {
             prefetch(node);
         }

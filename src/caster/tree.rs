@@ -84,7 +84,7 @@ impl Growing<'_> {
     fn add(&mut self, division: Division, frame: Frame) -> Branch {
         match division {
             Division::Leaf(ids) => {
-                self.contents.push(self.world, &ids);
+                self.contents.push_leaf(self.world, &ids);
                 LEAF | (self.contents.len() as Branch - 1)
             }
             Division::Small(small) => {

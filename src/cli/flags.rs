@@ -245,8 +245,8 @@ pub(super) struct Flags {
     /// Traces rays through a grid of nx by ny by nz cells. -grid auto chooses the cells; -grid none uses no grid. The
     /// picture stays the same.
     ///
-    /// auto makes about one cubic cell per primitive. By default the program chooses the fastest of a list, a grid and
-    /// a tree of boxes; with -stats, -cost_map or -pixel it uses no grid, as in the course.
+    /// auto makes about one cubic cell per primitive. By default rays are traced through a tree of boxes, or a list of
+    /// few primitives; -stats, -cost_map and -pixel then count tests of all primitives, as in the course.
     ///
     /// Example: raytracer -input scene.txt -output picture.png -grid 20 20 20
     #[arg(long, num_args = 1..=3, value_names = ["nx", "ny", "nz"])]

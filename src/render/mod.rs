@@ -71,6 +71,8 @@ pub enum Stopped {
     Output,
     /// The system has too little memory for the rows that must be in memory at the same time.
     Memory(NoMemory),
+    /// A picture has no pixels, or does not fit into memory.
+    Size(BadSize),
     /// The structure into which rays are cast does not fit into memory.
     Structure,
     /// Too many secondary rays of one camera ray wait to be traced.
@@ -83,6 +85,7 @@ impl fmt::Display for Stopped {
             Self::Cancelled { rows } => write!(f, "stopped after {rows} rows"),
             Self::Output => write!(f, "the rows are not taken any more"),
             Self::Memory(refused) => refused.fmt(f),
+            Self::Size(size) => size.fmt(f),
             Self::Structure => NotBuilt::TooLarge.fmt(f),
             Self::Rays => write!(
                 f,
@@ -101,6 +104,12 @@ impl From<NotBuilt> for Stopped {
             NotBuilt::TooLarge => Self::Structure,
             NotBuilt::Ended => Self::Cancelled { rows: 0 },
         }
+    }
+}
+
+impl From<BadSize> for Stopped {
+    fn from(size: BadSize) -> Self {
+        Self::Size(size)
     }
 }
 
@@ -221,30 +230,23 @@ pub fn offsets(shot: &Shot, request: &Request, [column, row]: [usize; 2], watch:
     planner.as_ref().and_then(|planner| planner.plan(row)).map_or(vec![], |plan| offsets(Some(plan)))
 }
 
-/// Renders a request into memory. Returns a picture for each of its layers, and the counts. Fails if a layer has no
-/// pixels or does not fit into memory.
-pub fn render_in_memory(shot: &Shot, request: &Request) -> Result<(Vec<FloatPicture>, Counts), BadSize> {
+/// Renders a request into memory. Returns a picture for each of its layers, and the counts.
+pub fn render_in_memory(
+    shot: &Shot,
+    request: &Request,
+    watch: Watch,
+) -> Result<(Vec<FloatPicture>, Counts), Stopped> {
     let empty = |layer: &Layer| FloatPicture::with_room(request.layer_size(layer));
     let mut pictures: Vec<FloatPicture> = request.layers.iter().map(empty).collect::<Result<_, _>>()?;
     let mut take_row = |layer: usize, row: &[Color]| {
         pictures[layer].colors.extend_from_slice(row);
         ControlFlow::Continue(())
     };
-    let never_cancels = |_| ControlFlow::Continue(());
-    let Rendered { counts, costs } = match render(shot, request, &never_cancels, &mut take_row) {
-        Ok(rendered) => rendered,
-        // Neither callback ends the render.
-        Err(Stopped::Cancelled { .. } | Stopped::Output) => Rendered::default(),
-        // Rays that split without end take too much memory.
-        Err(Stopped::Memory(_) | Stopped::Structure | Stopped::Rays) => {
-            let [width, height] = request.window_size();
-            return Err(BadSize { width, height });
+    let Rendered { counts, costs } = render(shot, request, watch, &mut take_row)?;
+    for (layer, picture) in request.layers.iter().zip(&mut pictures) {
+        if matches!(layer, Layer::Cost(_)) {
+            picture.colors = costs.iter().map(|&cost| Color::splat(cost as f64)).collect();
         }
-    };
-    let of_costs =
-        request.layers.iter().zip(&mut pictures).filter(|(layer, _)| matches!(layer, Layer::Cost(_)));
-    for (_, picture) in of_costs {
-        picture.colors = costs.iter().map(|&cost| Color::splat(cost as f64)).collect();
     }
     Ok((pictures, counts))
 }

@@ -1,13 +1,12 @@
 //! The library's main interface. Open a scene once, prepare it once for each grid, and render it any number of times.
 
-use crate::base::memory::with_room;
 use crate::base::patience::{Endless, Patience};
 use crate::camera::Camera;
 use crate::caster::choose::{Layout, Structure};
 use crate::caster::{Caster, Fullness, LazyCaster, NotBuilt};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
-use crate::picture::{BadSize, Color, FloatPicture};
+use crate::picture::{Color, FloatPicture};
 use crate::render::grid_view::Occupancy;
 use crate::render::{self, Rendered, Request, Shot, Stopped, TakeRow, Tracing, View, Watch};
 use crate::sampling::sampler::Sampler;
@@ -163,27 +162,18 @@ impl Prepared<'_> {
         &self.renderer.world
     }
 
-    /// Renders the layers of a request into memory, in the order of the request. Fails if a picture has no pixels or
-    /// does not fit into memory.
-    pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, BadSize> {
-        render::render_in_memory(&self.shot(request), request).map(|(pictures, _)| pictures)
+    /// Renders the layers of a request into memory, in the order of the request.
+    pub fn render(&self, request: &Request) -> Result<Vec<FloatPicture>, Stopped> {
+        Ok(self.render_watched(request, &|_| ControlFlow::Continue(()))?.0)
     }
 
-    /// Renders the only layer of a request into memory. Returns it, and the counts.
-    pub(crate) fn render_layer(
+    /// Renders like [`Prepared::render`], as long as the watch continues. Returns the counts, too.
+    pub(crate) fn render_watched(
         &self,
         request: &Request,
         watch: Watch,
-    ) -> Result<(FloatPicture, Counts), Stopped> {
-        let size = request.layers.first().map_or([0; 2], |layer| request.layer_size(layer));
-        let mut colors = with_room(size.into_iter().product())?;
-        let mut take_row = |_: usize, row: &[Color]| {
-            colors.extend_from_slice(row);
-            ControlFlow::Continue(())
-        };
-        let Rendered { counts, costs } = self.render_rows(request, watch, &mut take_row)?;
-        colors.extend(costs.iter().map(|&cost| Color::splat(cost as f64)));
-        Ok((FloatPicture { size, colors }, counts))
+    ) -> Result<(Vec<FloatPicture>, Counts), Stopped> {
+        render::render_in_memory(&self.shot(request), request, watch)
     }
 
     /// Renders a request row by row, and returns the counts and the costs of the pixels. Rows are handed out from the top

@@ -80,7 +80,7 @@ fn pictures(text: &str, request: &Request) -> Vec<FloatPicture> {
     let world = World::new(&scene, &[]).unwrap();
     let caster = LazyCaster::new(Caster::of_planes(&world), Layout::List);
     let shot = Shot { camera: Camera::new(&scene.camera, request.size), caster: &caster, view: View::Scene };
-    render_in_memory(&shot, request).unwrap().0
+    render_in_memory(&shot, request, &goes_on).unwrap().0
 }
 
 /// Returns the part of a picture inside a window, where each pixel is a square of `zoom` by `zoom`.
@@ -154,8 +154,8 @@ fn a_window_without_pixels_is_refused() {
     for (layer, size) in [(Layer::Color, [0, 2]), (Layer::Samples { zoom: 7 }, [0, 14])] {
         let request = request(layer, Some(Window { x: 5, y: 1, width: 3, height: 2 }));
         let shot = Shot { camera: Camera::new(&text.camera, request.size), caster, view: View::Scene };
-        let result = render_in_memory(&shot, &request);
-        assert_eq!(result.err(), Some(BadSize { width: size[0], height: size[1] }));
+        let result = render_in_memory(&shot, &request, &goes_on);
+        assert_eq!(result.err(), Some(Stopped::Size(BadSize { width: size[0], height: size[1] })));
     }
 }
 

@@ -15,7 +15,6 @@ use crate::render::{Layer, Request, Stopped, Tracing, Window};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 use rand::RngExt;
-use std::ops::ControlFlow;
 
 /// The approximate number of rows of a picture that are compared.
 const ROWS: usize = 64;
@@ -125,7 +124,7 @@ fn colors(
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let whole = |&sampler: &Sampler| {
         let request = Request { sampler, ..request.clone() };
-        prepared.render_layer(&request, &|_| ControlFlow::Continue(())).map(|(picture, _)| picture.colors)
+        prepared.render(&request).map(|mut pictures| pictures.remove(0).colors)
     };
     let mut colors = match rows {
         Some(rows) => prepared.render_some_rows(request, samplers, rows)?,

@@ -16,6 +16,7 @@ use raytracer::scene::material::{Material, Phong};
 use raytracer::scene::{self, Light, Object, Position, Scene};
 use raytracer::trace::{Effects, Shadows};
 use raytracer::world::World;
+use std::ops::ControlFlow;
 
 const HOSTILE: [f64; 18] = [
     f64::NAN,
@@ -274,7 +275,10 @@ fn a_picture_without_size_is_an_error() {
     let caster = LazyCaster::from(Caster::new(&world, None).expect("no grid"));
     for size in [[0, 5], [5, 0], [0, 0], [u32::MAX as usize; 2]] {
         let (camera, view) = (Camera::new(&ordinary_scene().camera, size), View::Scene);
-        let rendered = render_in_memory(&Shot { camera, caster: &caster, view }, &Request::new(size));
+        let rendered =
+            render_in_memory(&Shot { camera, caster: &caster, view }, &Request::new(size), &|_| {
+                ControlFlow::Continue(())
+            });
         assert!(rendered.is_err(), "{size:?}");
     }
 }

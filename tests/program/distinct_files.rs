@@ -1,6 +1,8 @@
 //! Files that are written twice or also read, by whatever names; files that are written together or not at all.
 
-use crate::support::{Folder, Run, finish, only_line, scene, skip, sphere, sphere_in_perspective};
+#[cfg(target_os = "linux")]
+use crate::support::skip;
+use crate::support::{Folder, Run, finish, only_line, scene, sphere, sphere_in_perspective};
 use std::fs::{File, create_dir, create_dir_all, hard_link};
 use std::io::Read;
 use std::os::unix::fs::{MetadataExt, symlink};

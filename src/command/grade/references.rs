@@ -89,7 +89,8 @@ impl Opened<'_> {
                 .ok_or_else(|| Diagnostic::error("there is no memory for the picture"))?;
             return Ok(Reference::of_scene(original, has_numbers));
         }
-        let (colors, _) = options.prepare(renderer, &request)?.render_layer(&request, watch)?;
+        let (mut pictures, _) = options.prepare(renderer, &request)?.render_watched(&request, watch)?;
+        let colors = pictures.remove(0);
         Ok(Reference::rendered(colors, has_numbers))
     }
 }

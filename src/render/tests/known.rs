@@ -16,7 +16,7 @@ fn both(text: &str, request: &Request) -> [Vec<FloatPicture>; 2] {
     [Tracing::Fast, Tracing::Counted].map(|tracing| {
         let caster = &LazyCaster::new(Caster::of_planes(&world), Layout::List);
         let shot = Shot { camera: Camera::new(&scene.camera, request.size), caster, view: View::Scene };
-        render_in_memory(&shot, &Request { tracing, ..request.clone() }).unwrap().0
+        render_in_memory(&shot, &Request { tracing, ..request.clone() }, &goes_on).unwrap().0
     })
 }
 

@@ -115,7 +115,8 @@ fn a_view_of_cells_tests_no_primitive() {
     for (layers, tests) in [(vec![Layer::Color], false), (vec![Layer::Color, Layer::Normals], true)] {
         let request = Request { layers, tracing: Tracing::Counted, ..Request::new([9, 8]) };
         let (camera, view) = (Camera::new(&text.camera, request.size), View::Cells(&occupancy));
-        let (pictures, counts) = render_in_memory(&Shot { camera, caster: &caster, view }, &request).unwrap();
+        let (pictures, counts) =
+            render_in_memory(&Shot { camera, caster: &caster, view }, &request, &goes_on).unwrap();
         assert_eq!((counts.non_shadow_rays, counts.intersections > 0), (72, tests));
         assert!(pictures[0].colors.iter().any(|&color| color != world.background));
     }

@@ -93,7 +93,7 @@ impl<'a> Original<'a> {
             return None;
         }
         let prepared = renderer.prepare_within(&request, &Watched(watch)).ok()?;
-        let (colors, _) = prepared.render_layer(&request, watch).ok()?;
+        let colors = prepared.render_watched(&request, watch).ok()?.0.remove(0);
         Some(Self { prepared, patience: Watched(watch), request, colors })
     }
 

@@ -216,7 +216,6 @@ mod tests {
     use crate::sampling::{drand48::Drand48, sampler};
     use crate::scene::load;
     use crate::trace::{Effects, Shadows};
-    use std::ops::ControlFlow;
     use std::path::Path;
 
     /// Renders one of the project's scenes with the renderer, with the student's tracer, and pixel by pixel.
@@ -224,7 +223,7 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
         let renderer = Renderer::new(load::load(&path).unwrap(), Meshes::Kept).unwrap();
         let prepared = renderer.prepare(request).unwrap();
-        let (real, _) = prepared.render_layer(request, &|_| ControlFlow::Continue(())).unwrap();
+        let real = prepared.render(request).unwrap().remove(0);
         let caster = prepared.caster(&Endless).unwrap();
         let student = Student::new(&renderer, &caster, request.effects);
         let painter = Painter::new(&student, request);

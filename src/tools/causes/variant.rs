@@ -124,8 +124,8 @@ impl<'o> Variant<'o> {
             self.original.colors.clone()
         } else if self.rules.is_empty() && self.moves.is_empty() && !self.hides_triangles() {
             let rendered =
-                |prepared: &Prepared| prepared.render_layer(&self.request, self.original.patience.0).ok();
-            self.with_prepared(rendered)??.0
+                |prepared: &Prepared| prepared.render_watched(&self.request, self.original.patience.0).ok();
+            self.with_prepared(rendered)??.0.remove(0)
         } else {
             self.with_painter(Rough::default(), |painter| painter.picture().ok())??
         };

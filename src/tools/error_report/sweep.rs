@@ -217,8 +217,8 @@ impl Sweep<'_> {
             let part = rows.done as f64 / rows.rows.max(1) as f64;
             bench_watch((done + part * work) / all, doing)
         };
-        match threads.install(|| prepared.render_layer(request, &watch)) {
-            Ok((picture, counts)) => Ok((picture, counts.rays())),
+        match threads.install(|| prepared.render_watched(request, &watch)) {
+            Ok((mut pictures, counts)) => Ok((pictures.remove(0), counts.rays())),
             Err(Stopped::Cancelled { .. }) => Err(None),
             Err(stopped) => Err(Some(stopped.into())),
         }

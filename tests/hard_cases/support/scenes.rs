@@ -11,6 +11,7 @@ use raytracer::scene::model::{Lighting, MeasureColors, MeshNormals, Screen, Show
 use raytracer::scene::{self, Background, Light, MeshFile, Object, Scene};
 use raytracer::trace::Effects;
 use raytracer::world::World;
+use std::ops::ControlFlow;
 
 /// A scene of these objects in one group; they use material 0, which is white.
 pub fn scene_of(mut objects: Vec<Object>, lights: Vec<Light>) -> Scene {
@@ -85,7 +86,8 @@ pub fn layers_and_nans(
 ) -> (Vec<Vec<u8>>, u64) {
     let caster = &LazyCaster::from(caster.clone());
     let shot = Shot { camera: camera.clone(), caster, view: View::Scene };
-    let rendered = render_in_memory(&shot, &Request { tracing, ..request.clone() });
+    let rendered =
+        render_in_memory(&shot, &Request { tracing, ..request.clone() }, &|_| ControlFlow::Continue(()));
     let (pictures, _) = rendered.expect("small pictures");
     let bytes = pictures.iter().map(FloatPicture::to_bytes);
     bytes.fold((vec![], 0), |(mut all, nans), (bytes, more)| {

@@ -65,7 +65,8 @@ pub fn measure(
     let [exact, rough] = [student, rough].map(|student| Painter::new(&student, &request).picture());
     let (exact, rough) = (exact?, rough?);
     let watch = |_| if patience.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let Ok((own, _)) = prepared.render_layer(&request, &watch) else { return Ok(None) };
+    let Ok((mut own, _)) = prepared.render_watched(&request, &watch) else { return Ok(None) };
+    let own = own.remove(0);
     let Ok(caster) = prepared.caster(patience) else { return Ok(None) };
     let departure = |picture, hits: &dyn Hits| Departure {
         hits: other_hits(&student, &request, hits),
