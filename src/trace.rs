@@ -11,7 +11,7 @@ use crate::math::robust::offset_origin;
 use crate::picture::Color;
 use crate::scene::model::Highlight;
 use crate::shading::light::incident;
-use crate::shading::phong::{PointMaterial, View};
+use crate::shading::phong::{Geometry, PointMaterial};
 use crate::shading::texture::material_of_surface;
 use crate::world::{SurfacePoint, World};
 use fearless_simd::{Simd, dispatch};
@@ -31,7 +31,7 @@ pub use observer::{Event, Observer, PathEnd, Quiet, RayCount, Secondary};
 pub use optics::{is_critical, reflected, refracted, transmittance};
 pub(crate) use optics::{mirrored_part, refracted_between};
 pub(crate) use secondary::MOST_WAITING;
-pub use secondary::{IsOver, Memory};
+pub use secondary::{IsOver, RayStack};
 use secondary::{Path, SecondaryRay};
 pub(crate) use shadow::ending_at_light;
 
@@ -110,7 +110,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
     }
 
     /// Returns the colour along a camera ray.
-    pub fn color<O: Observer>(&self, ray: &Ray, memory: &mut Memory, observer: &mut O) -> Color {
+    pub fn color<O: Observer>(&self, ray: &Ray, memory: &mut RayStack, observer: &mut O) -> Color {
         let visible = self.nearest(ray, RayOrigin::FREE, observer);
         let surface = visible.map(|visible| self.surface(ray, visible));
         let (surface, mut color) = (surface.as_ref(), Color::ZERO);
@@ -126,7 +126,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         color: &mut Color,
         ray: &Ray,
         surface: Option<&SurfacePoint>,
-        memory: &mut Memory,
+        memory: &mut RayStack,
         observer: &mut O,
     ) {
         *color = self.local_color(ray, &Path::CAMERA, surface, memory, observer);
@@ -142,7 +142,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         &self,
         _: S,
         sum: &mut Color,
-        memory: &mut Memory,
+        memory: &mut RayStack,
         observer: &mut O,
     ) {
         let mut color = *sum;
@@ -211,12 +211,12 @@ impl<'a, H: Hints> Tracer<'a, H> {
         ray: &Ray,
         path: &Path,
         surface: Option<&SurfacePoint>,
-        memory: &mut Memory,
+        memory: &mut RayStack,
         observer: &mut O,
     ) -> Color {
         let color = match surface {
             Some(surface) => {
-                let Memory { pending, mixture, .. } = memory;
+                let RayStack { pending, mixture, .. } = memory;
                 let material = material_of_surface(self.world(), surface, self.caster.level, mixture);
                 observer.observe(|| Event::Surface { point: surface, material: material.phong });
                 let arrival = Arrival { ray, path, surface, material };
@@ -252,19 +252,19 @@ impl<'a, H: Hints> Tracer<'a, H> {
                 break;
             }
             let light = incident(light, surface.position);
-            let view = View { cosine: normal.dot(light.direction), normal, to_viewer };
-            let shows = material.shows(highlight, &light, view.cosine);
+            let geometry = Geometry { cosine: normal.dot(light.direction), normal, to_viewer };
+            let shows = material.shows(highlight, &light, geometry.cosine);
             // The course's program casts the shadow ray even if the light has no effect.
             if !O::COUNTS && !shows {
                 continue;
             }
             let passed = self.light_passed(surface, &light, index, observer);
             if shows && passed != Color::ZERO {
-                color += passed * material.reflect(highlight, &light, &view);
+                color += passed * material.reflect(highlight, &light, &geometry);
             }
             observer.observe(|| {
-                let parts = material.parts(highlight, &light, &view);
-                Event::Light { incident: light, cosine: view.cosine, passed, parts }
+                let parts = material.parts(highlight, &light, &geometry);
+                Event::Light { incident: light, cosine: geometry.cosine, passed, parts }
             });
         }
         color

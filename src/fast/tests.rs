@@ -10,7 +10,7 @@ use crate::scene::model::{Lighting, MeshNormals, Screen};
 use crate::scene::parser::read_in;
 use crate::scene::texels::Texels;
 use crate::stats::Counts;
-use crate::trace::{Effects, Memory, RayCount, Shadows, Tracer};
+use crate::trace::{Effects, RayCount, RayStack, Shadows, Tracer};
 use fearless_simd::dispatch;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -78,7 +78,7 @@ fn compared(
         let demand = Demand { size, footprint, enters_objects: false, shadow_rays: 1 << 20 };
         let hints = RasterHints::new(world, demand, &Endless).in_rows(camera, &caster, 0..size[1]);
         let (fast, tracer) = (Tracer::with_hints(&caster, effects, &hints), Tracer::new(&caster, effects));
-        let mut memory = Memory::default();
+        let mut memory = RayStack::default();
         let mut packet = SamplePacket::default();
         for j in 0..size[1] {
             let columns: Vec<usize> = (0..size[0]).collect();

@@ -12,7 +12,7 @@ use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
 use crate::stats::Counts;
-use crate::trace::{Memory, Observer};
+use crate::trace::{Observer, RayStack};
 use glam::DVec2;
 use layers::plots;
 use std::ops::Range;
@@ -122,7 +122,7 @@ impl PictureTracer<'_> {
         };
         let mut painter = Painter {
             tracer: self,
-            memory: Memory::until(&is_over, self.caster.world),
+            memory: RayStack::until(&is_over, self.caster.world),
             is_shown,
             shown: request.columns(),
             center_weight: request.filter.weight(DVec2::ZERO),
@@ -158,7 +158,7 @@ impl PictureTracer<'_> {
     /// render is cancelled meanwhile.
     pub fn look(&self, j: usize, mut places: impl Iterator<Item = (usize, DVec2)>) -> Option<Looked> {
         let is_over = |waiting| self.tally.asks(waiting);
-        let mut memory = Memory::until(&is_over, self.caster.world);
+        let mut memory = RayStack::until(&is_over, self.caster.world);
         let mut looked = Looked { colors: vec![], counts: Counts::default(), costs: vec![] };
         // In a tuple, the packet would be copied.
         let mut packet = SamplePacket::default();
@@ -186,7 +186,7 @@ impl PictureTracer<'_> {
 /// Traces the pixels of one row.
 struct Painter<'a> {
     tracer: &'a PictureTracer<'a>,
-    memory: Memory<'a>,
+    memory: RayStack<'a>,
     is_shown: bool,
     /// The columns of the window.
     shown: Range<usize>,

@@ -13,7 +13,7 @@ use crate::scene::material::Material;
 use crate::stats::Counts;
 #[cfg(not(feature = "fast"))]
 use crate::trace::NoHints;
-use crate::trace::{Effects, Memory, RayCount, Shadows, Tracer};
+use crate::trace::{Effects, RayCount, RayStack, Shadows, Tracer};
 use fearless_simd::dispatch;
 use std::ops::Range;
 
@@ -98,7 +98,7 @@ impl<'a> PictureTracer<'a> {
         measured: Stage,
         has_colors: bool,
         packet: &mut SamplePacket,
-        memory: &mut Memory,
+        memory: &mut RayStack,
         counts: &mut Counts,
     ) {
         let Self { shot: Shot { camera, view, .. }, caster, request, .. } = self;

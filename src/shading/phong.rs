@@ -17,7 +17,7 @@ pub struct PointMaterial<'m> {
 
 /// The directions from which a surface is lit and seen.
 #[derive(Clone, Copy, Debug)]
-pub struct View {
+pub struct Geometry {
     /// The cosine of the angle between the normal and the direction to the light.
     pub cosine: f64,
     /// The normal on the side from which the surface is seen, a unit vector.
@@ -86,7 +86,7 @@ impl PointMaterial<'_> {
     /// Returns the light reflected to the viewer: Lambert's diffuse term and a specular term. As in the course, the
     /// specular term is not multiplied by the cosine.
     #[inline(always)]
-    pub fn reflect(&self, highlight: Highlight, light: &Incident, view: &View) -> Color {
+    pub fn reflect(&self, highlight: Highlight, light: &Incident, view: &Geometry) -> Color {
         let mut reflected = self.phong.diffuse * diffuse_factor(highlight, view.cosine);
         if self.is_specular() {
             reflected += self.specular(highlight, light.direction, view);
@@ -102,14 +102,14 @@ impl PointMaterial<'_> {
     }
 
     /// Returns the diffuse and the specular part of the result of [`reflect`](Self::reflect).
-    pub fn parts(&self, highlight: Highlight, light: &Incident, view: &View) -> [Color; 2] {
+    pub fn parts(&self, highlight: Highlight, light: &Incident, view: &Geometry) -> [Color; 2] {
         let diffuse = self.phong.diffuse * diffuse_factor(highlight, view.cosine);
         [diffuse, self.specular(highlight, light.direction, view)].map(|part| light.color * part)
     }
 
     /// Returns the specular term per unit of light.
     #[inline(always)]
-    fn specular(&self, highlight: Highlight, to_light: DVec3, view: &View) -> Color {
+    fn specular(&self, highlight: Highlight, to_light: DVec3, view: &Geometry) -> Color {
         self.highlights(alignment(highlight, to_light, view).max(0.0))
     }
 
@@ -143,8 +143,8 @@ impl Lobe {
 
 /// Returns the cosine that is raised to the exponent of a highlight.
 #[inline(always)]
-pub fn alignment(highlight: Highlight, to_light: DVec3, view: &View) -> f64 {
-    let View { normal, to_viewer, .. } = *view;
+pub fn alignment(highlight: Highlight, to_light: DVec3, view: &Geometry) -> f64 {
+    let Geometry { normal, to_viewer, .. } = *view;
     match highlight {
         Highlight::Blinn => normal.dot(unit_or_zero(to_light + to_viewer)),
         Highlight::Phong => to_light.dot(2.0 * to_viewer.dot(normal) * normal - to_viewer),
@@ -196,8 +196,8 @@ mod tests {
         }
     }
 
-    fn seen(cosine: f64, normal: DVec3, to_viewer: DVec3) -> View {
-        View { cosine, normal, to_viewer }
+    fn seen(cosine: f64, normal: DVec3, to_viewer: DVec3) -> Geometry {
+        Geometry { cosine, normal, to_viewer }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! surfaces, colours. The stages of one sample depend on each other. The processor overlaps the stages of different
 //! samples, which hides the latency of divisions and of memory. The surfaces of triangles are computed four at a time.
 
-use super::{FirstHit, Hints, Memory, Observer, Tracer};
+use super::{FirstHit, Hints, Observer, RayStack, Tracer};
 use crate::camera::Camera;
 use crate::caster::RayOrigin;
 use crate::math::instructions::prefetch;
@@ -28,7 +28,7 @@ impl<H: Hints> Tracer<'_, H> {
         j: usize,
         stage: Stage,
         packet: &mut SamplePacket,
-        memory: &mut Memory,
+        memory: &mut RayStack,
         observer: &mut O,
     ) {
         aim::<S>(simd, packet, camera, j);

@@ -58,8 +58,8 @@ pub const MOST_WAITING: usize = 1 << 18;
 /// then, since one camera ray may cause more secondary rays than can ever be traced.
 pub type IsOver<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 
-/// The memory of a tracer, kept from one camera ray to the next.
-pub struct Memory<'a> {
+/// The secondary rays of a camera ray that wait, and the number of rays until the next question whether to go on.
+pub struct RayStack<'a> {
     /// The secondary rays that wait to be traced. The stack is empty between two camera rays.
     pub(super) pending: Vec<SecondaryRay>,
     pub(super) mixture: Mixture,
@@ -71,8 +71,8 @@ pub struct Memory<'a> {
     is_cut: bool,
 }
 
-impl<'a> Memory<'a> {
-    /// Returns a memory whose secondary rays are traced until `is_over` returns true. Each ray may cause a shadow ray
+impl<'a> RayStack<'a> {
+    /// Returns a stack whose rays are traced until `is_over` returns true. Each ray may cause a shadow ray
     /// to each light of the world, may be tested against all primitives, and may evaluate all textures.
     pub fn until(is_over: IsOver<'a>, world: &World) -> Self {
         let tested = RAYS_AT_ONCE.min(TESTS_AT_ONCE / world.ids().len().max(1));
@@ -117,8 +117,8 @@ fn octaves(materials: &[Material]) -> usize {
     materials.iter().map(of).sum()
 }
 
-impl Default for Memory<'_> {
-    /// Returns a memory whose secondary rays are all traced.
+impl Default for RayStack<'_> {
+    /// Returns a stack whose rays are all traced.
     fn default() -> Self {
         let (pending, mixture) = Default::default();
         Self { pending, mixture, is_over: &|_| false, at_once: u32::MAX, left: u32::MAX, is_cut: false }
@@ -237,7 +237,7 @@ mod tests {
             asked.fetch_add(1, Ordering::Relaxed);
             false
         };
-        let mut memory = Memory::until(&is_over, &world);
+        let mut memory = RayStack::until(&is_over, &world);
         assert_eq!(memory.asks_within_packets(), textures > 1000);
         assert!((0..2000).all(|_| !memory.spend(1)));
         asked.into_inner()

@@ -34,7 +34,7 @@ impl Setting {
 
     fn seen_by(&self, ray: &Ray, observer: &mut impl Observer) -> Color {
         let caster = Caster::new(&self.world, None).unwrap();
-        Tracer::new(&caster, self.effects).color(ray, &mut Memory::default(), observer)
+        Tracer::new(&caster, self.effects).color(ray, &mut RayStack::default(), observer)
     }
 
     /// Returns the colour along a ray from a point, and checks that counting does not change it.
@@ -58,7 +58,7 @@ impl Setting {
         };
         let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
         let (tracer, memory, mut color) =
-            (Tracer::new(&caster, self.effects), &mut Memory::default(), Color::ZERO);
+            (Tracer::new(&caster, self.effects), &mut RayStack::default(), Color::ZERO);
         let surface = Some(&surface);
         dispatch!(caster.level, simd => tracer.set_color(simd, &mut color, &ray, surface, memory, &mut Quiet));
         color
@@ -318,7 +318,7 @@ fn tinted_shadows_of_a_light_on_glass_follow_the_length_of_the_way_within() {
             let turn = f64::from(i);
             let target = DVec3::new(3.7 * (0.71 * turn).sin(), 3.3 * (1.3 * turn).cos(), -3.0);
             let ray = Ray::new(target + 0.5 * DVec3::Z, -DVec3::Z);
-            let color = tracer.color(&ray, &mut Memory::default(), &mut Quiet);
+            let color = tracer.color(&ray, &mut RayStack::default(), &mut Quiet);
             // The part of the ray between the box's sides, from 0 at the floor to 1 at the light.
             let way = light - target;
             let [a, b] = [-1.0, 1.0].map(|side| (DVec3::splat(side) - target) / way);
@@ -363,7 +363,8 @@ fn uncounted_rays_have_the_colours_of_counted_ones_with_fewer_shadow_rays() {
     for level in instructions::available() {
         let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), level).unwrap();
         let tracer = Tracer::new(&caster, effects);
-        let (mut memory, mut rays, mut counts) = (Memory::default(), RayCount::default(), Counts::default());
+        let (mut memory, mut rays, mut counts) =
+            (RayStack::default(), RayCount::default(), Counts::default());
         for ray in (0..1500).map(camera_ray) {
             let color = tracer.color(&ray, &mut memory, &mut rays);
             let expected = tracer.color(&ray, &mut memory, &mut counts);

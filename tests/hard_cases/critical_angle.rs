@@ -15,7 +15,7 @@ use raytracer::picture::Color;
 use raytracer::scene::Object;
 use raytracer::scene::material::{Material, Phong};
 use raytracer::stats::Counts;
-use raytracer::trace::{Effects, Memory, Tracer};
+use raytracer::trace::{Effects, RayStack, Tracer};
 use raytracer::world::World;
 
 type Exact3 = [BigRational; 3];
@@ -67,7 +67,7 @@ fn is_transmitted(object: &Object, index: f64, ray: &Ray) -> Option<bool> {
     caster.closest(ray)?;
     let effects = Effects { bounces: 1, shade_back: true, ..Effects::default() };
     let mut counts = Counts::default();
-    Tracer::new(&caster, effects).color(ray, &mut Memory::default(), &mut counts);
+    Tracer::new(&caster, effects).color(ray, &mut RayStack::default(), &mut counts);
     Some(counts.non_shadow_rays > 0)
 }
 

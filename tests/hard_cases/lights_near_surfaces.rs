@@ -14,7 +14,7 @@ use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object, Position};
 use raytracer::stats::Counts;
 use raytracer::trace::Quiet;
-use raytracer::trace::{Effects, Memory, Shadows, Tracer};
+use raytracer::trace::{Effects, RayStack, Shadows, Tracer};
 use raytracer::world::World;
 
 /// The points of the floor that are looked at for one light.
@@ -146,8 +146,8 @@ fn one(index: u64, failures: &Failures) -> ([u64; 3], [f64; 0]) {
         let ray = Ray::new(target + 0.1 * DVec3::Y, -DVec3::Y);
         let seen = caster.closest(&ray).expect("the floor");
         let from = world.surface(&ray, &seen).position;
-        let color = tracer.color(&ray, &mut Memory::default(), &mut Quiet);
-        assert_eq!(tracer.color(&ray, &mut Memory::default(), &mut Counts::default()), color);
+        let color = tracer.color(&ray, &mut RayStack::default(), &mut Quiet);
+        assert_eq!(tracer.color(&ray, &mut RayStack::default(), &mut Counts::default()), color);
         let is_dark = color == DVec3::ZERO;
         let error = ROUNDINGS * f64::EPSILON / 2.0 * (position - from).length();
         let [surely, possibly] = [-error, error].map(|grown| surface.blocks(from, position, grown));

@@ -13,7 +13,7 @@ use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object, Position};
 use raytracer::stats::Counts;
 use raytracer::trace::Quiet;
-use raytracer::trace::{Effects, Memory, Shadows, Tracer};
+use raytracer::trace::{Effects, RayStack, Shadows, Tracer};
 use raytracer::world::{Primitive, World};
 
 /// The points of the screen that are looked at for one light.
@@ -45,8 +45,8 @@ fn are_lit(
         let ray = Ray::new(*target + 1e-3 * size * normal, -normal);
         let hit = caster.closest(&ray).filter(|hit| hit.primitive == screen)?;
         let tracer = Tracer::new(&caster, effects);
-        let color = tracer.color(&ray, &mut Memory::default(), &mut Quiet);
-        assert_eq!(tracer.color(&ray, &mut Memory::default(), &mut Counts::default()), color);
+        let color = tracer.color(&ray, &mut RayStack::default(), &mut Quiet);
+        assert_eq!(tracer.color(&ray, &mut RayStack::default(), &mut Counts::default()), color);
         assert_eq!(hit.primitive, screen);
         Some(color != DVec3::ZERO)
     };

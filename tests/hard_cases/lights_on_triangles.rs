@@ -16,7 +16,7 @@ use raytracer::scene::mesh::Mesh;
 use raytracer::scene::{Light, Object, Position};
 use raytracer::stats::Counts;
 use raytracer::trace::Quiet;
-use raytracer::trace::{Effects, Memory, Observer, Shadows, Tracer};
+use raytracer::trace::{Effects, Observer, RayStack, Shadows, Tracer};
 use raytracer::world::World;
 
 /// A fan of four triangles around a corner, which is shared by all of them, and open at its rim.
@@ -145,7 +145,7 @@ impl Lit {
         let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
         let hit = caster.closest(ray)?;
         let is_plane = hit.primitive as usize == self.world.finite_count();
-        is_plane.then(|| Tracer::new(caster, effects).color(ray, &mut Memory::default(), observer))
+        is_plane.then(|| Tracer::new(caster, effects).color(ray, &mut RayStack::default(), observer))
     }
 }
 

@@ -12,7 +12,7 @@ use raytracer::caster::{Caster, RayOrigin};
 use raytracer::math::ray::Ray;
 use raytracer::scene::{Light, Object};
 use raytracer::trace::Quiet;
-use raytracer::trace::{Effects, Memory, Shadows, Tracer};
+use raytracer::trace::{Effects, RayStack, Shadows, Tracer};
 
 fn point_light(position: DVec3) -> Light {
     Light::Point { position, color: DVec3::ONE, attenuation: [1.0, 0.0, 0.0] }
@@ -25,7 +25,7 @@ fn seen(object: &Object, light: Light, ray: &Ray) -> DVec3 {
     let caster = Caster::new(&world, None).expect("no grid");
     let effects = Effects { shadows: Shadows::Opaque, shade_back: true, bounces: 0, min_weight: 0.0 };
     caster.closest(ray).expect("the ray is aimed at the object");
-    Tracer::new(&caster, effects).color(ray, &mut Memory::default(), &mut Quiet)
+    Tracer::new(&caster, effects).color(ray, &mut RayStack::default(), &mut Quiet)
 }
 
 /// A plane of any orientation, two unit vectors along it, and one of its points.
@@ -154,7 +154,7 @@ fn terminator(caster: &Caster, to_light: DVec3, ray: &Ray) -> Option<Terminator>
         |from: DVec3| caster.any(&Ray::new(from + 1e-9 * surface.normal, to_light), RayOrigin::FREE);
     let flat_lit = lit(surface.normal);
     let effects = Effects { shadows: Shadows::Opaque, shade_back: false, bounces: 0, min_weight: 0.0 };
-    let color = Tracer::new(caster, effects).color(ray, &mut Memory::default(), &mut Quiet);
+    let color = Tracer::new(caster, effects).color(ray, &mut RayStack::default(), &mut Quiet);
     Some(Terminator {
         flat_dark: flat_lit && color == DVec3::ZERO,
         smooth_lit: lit(mixed(normals)),

@@ -6,7 +6,7 @@
 use super::edge_functions::{EdgeFunctions, ErrorBound};
 use super::flat_triangle::{self, Projected};
 use super::triangle_bounds::ScreenVertex;
-use super::{Screen, View};
+use super::{Screen, ScreenProjection};
 use crate::math::aabb::Aabb;
 use crate::math::extremes::max;
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -122,7 +122,7 @@ impl LightView {
     }
 }
 
-impl View for LightView {
+impl ScreenProjection for LightView {
     fn screen(&self) -> Screen {
         // If several primitives are in one place, it does not matter which one blocks the light.
         Screen {

@@ -165,7 +165,7 @@ impl VisibilityBuffer {
 }
 
 /// A projection of the world to a screen.
-trait View: Sync {
+trait ScreenProjection: Sync {
     /// Returns the pixels.
     fn screen(&self) -> Screen;
 
@@ -200,7 +200,7 @@ fn bytes_to_draw(world: &World, pixels: usize) -> u64 {
 /// takes more than `most_tests` pixel tests, or if the patience is over. The pixels in the boxes of spheres and
 /// ellipsoids are unsure, unless something is certainly nearer.
 fn drawn(
-    view: &impl View,
+    view: &impl ScreenProjection,
     rows: &Range<usize>,
     world: &World,
     most_tests: usize,

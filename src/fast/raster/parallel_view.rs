@@ -9,7 +9,7 @@
 use super::edge_functions::{EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::flat_triangle::{self, NEARNESS_ERROR, Projected};
 use super::triangle_bounds::ScreenVertex;
-use super::{Affine, Footprint, Screen, View};
+use super::{Affine, Footprint, Screen, ScreenProjection};
 use crate::camera::Eye;
 use crate::math::aabb::Aabb;
 use crate::math::robust::UNIT_ROUNDOFF as U;
@@ -86,7 +86,7 @@ impl ParallelView {
     }
 }
 
-impl View for ParallelView {
+impl ScreenProjection for ParallelView {
     fn screen(&self) -> Screen {
         self.screen
     }

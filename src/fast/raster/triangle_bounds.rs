@@ -7,7 +7,7 @@
 //! bounds leave out no pixel.
 
 use super::viewport::Viewport;
-use super::{Screen, View};
+use super::{Screen, ScreenProjection};
 use crate::camera::Eye;
 use crate::math::extremes::{max, min};
 use crate::math::robust::UNIT_ROUNDOFF;
@@ -110,7 +110,7 @@ impl TriangleBounds {
     /// covers no pixel of these rows.
     #[inline]
     pub fn new<const N: usize>(
-        view: &impl View,
+        view: &impl ScreenProjection,
         screen: &Screen,
         rows: &Range<usize>,
         on_screen: [ScreenVertex; N],

@@ -2,7 +2,7 @@
 
 use super::edge_functions::{EDGE_ROUNDINGS, EdgeFunctions, ErrorBound, InvDepthPlane};
 use super::triangle_bounds::{self, ScreenVertex};
-use super::{Affine, Footprint, Screen, View};
+use super::{Affine, Footprint, Screen, ScreenProjection};
 use crate::camera::{Eye, TURN_ROUNDINGS};
 use crate::math::aabb::Aabb;
 use crate::world::plane::Plane;
@@ -76,7 +76,7 @@ impl Viewport {
     }
 }
 
-impl View for Viewport {
+impl ScreenProjection for Viewport {
     fn screen(&self) -> Screen {
         self.screen
     }

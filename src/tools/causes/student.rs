@@ -18,7 +18,7 @@ use crate::scene::material::{Material, Phong, Texture};
 use crate::scene::model::{Highlight, Split};
 use crate::scene::{Light, MaterialId, Object};
 use crate::shading::light::{Incident, incident};
-use crate::shading::phong::{Mixture, PointMaterial, View, alignment};
+use crate::shading::phong::{Geometry, Mixture, PointMaterial, alignment};
 use crate::shading::texture::{each_part, material_at, material_of_surface};
 use crate::trace::{
     Effects, Shadows, ending_at_light, mirrored_part, reflected, refracted_between, transmittance,
@@ -309,7 +309,7 @@ impl<'a> Student<'a> {
                 continue;
             }
             let passed = others.unwrap_or_else(|| self.passed(arrival, &light, index));
-            let view = View { cosine, normal, to_viewer: -way.ray.direction };
+            let view = Geometry { cosine, normal, to_viewer: -way.ray.direction };
             let reflected = if shows { self.reflect(material, &light, index, &view) } else { Color::ZERO };
             let lit = passed * reflected;
             is_lit |= passed != Color::ZERO;
@@ -364,7 +364,7 @@ impl<'a> Student<'a> {
     }
 
     /// Returns the part of a light that a surface reflects to the viewer.
-    fn reflect(&self, material: &PointMaterial, light: &Incident, index: usize, view: &View) -> Color {
+    fn reflect(&self, material: &PointMaterial, light: &Incident, index: usize, view: &Geometry) -> Color {
         let length = self.length_to(light, index);
         let cosine = view.cosine * length;
         let cosine = if self.breaks(Rule::CosineAbsolute) { cosine.abs() } else { cosine };
@@ -384,7 +384,7 @@ impl<'a> Student<'a> {
     }
 
     /// Returns the cosine that is raised to the exponent of highlights.
-    fn alignment(&self, to_light: DVec3, view: &View) -> f64 {
+    fn alignment(&self, to_light: DVec3, view: &Geometry) -> f64 {
         let highlight = self.world().lighting.highlight;
         if self.breaks(Rule::HighlightsByReflection) {
             alignment(Highlight::Phong, to_light, view)
@@ -663,7 +663,7 @@ mod tests {
     use crate::render::renderer::{Meshes, Renderer};
     use crate::render::test_renderer::renderer_of;
     use crate::scene::load::load;
-    use crate::trace::{Memory, Quiet, Tracer};
+    use crate::trace::{Quiet, RayStack, Tracer};
     use glam::DVec2;
     use std::fs;
     use std::path::{Path, PathBuf};
@@ -714,7 +714,7 @@ mod tests {
                 for (x, y) in (0..24).flat_map(|x| (0..18).map(move |y| (x, y))) {
                     let ray = camera.ray(DVec2::new(x.into(), y.into()), DVec2::ZERO);
                     let (own, expected) =
-                        (student.color(&ray), tracer.color(&ray, &mut Memory::default(), &mut Quiet));
+                        (student.color(&ray), tracer.color(&ray, &mut RayStack::default(), &mut Quiet));
                     let far = (own - expected).abs().max_element() / expected.abs().max_element().max(1.0);
                     assert!(far < 1e-9, "{} {effects:?} {x} {y}: {own} {expected}", path.display());
                 }

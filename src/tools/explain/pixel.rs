@@ -12,7 +12,7 @@ use crate::render::{Progress, Request, Stop};
 use crate::sampling::spread::weight_for;
 use crate::sampling::sum::Sum;
 use crate::stats::Counts;
-use crate::trace::{Event, Memory, Observer, Secondary, Tracer, is_critical};
+use crate::trace::{Event, Observer, RayStack, Secondary, Tracer, is_critical};
 use glam::DVec2;
 use std::mem::take;
 
@@ -44,7 +44,7 @@ impl Explainer<'_, '_> {
         let (camera, lights) = (self.prepared.camera(request), self.scene.lights.len());
         let caster = self.prepared.caster(stop)?;
         let tracer = Tracer::new(&caster, request.effects);
-        let mut memory = Memory::until(&is_over, caster.world);
+        let mut memory = RayStack::until(&is_over, caster.world);
         let mut tree = PixelTree {
             pixel: [x, y],
             has_grid: self.prepared.cells().is_some(),
