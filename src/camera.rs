@@ -350,7 +350,10 @@ mod tests {
                     let rays = camera.rays(simd, columns, row, offsets);
                     for (ray, (column, offset)) in rays.iter().zip(columns.into_iter().zip(offsets)) {
                         let expected = camera.ray(DVec2::new(column as f64, row as f64), offset);
-                        let bits = |ray: &Ray| ray.pairs().map(|p| p.to_array().map(f64::to_bits));
+                        let bits = |Ray { origin, t_min, direction, t_max }: &Ray| {
+                            let numbers = [origin.extend(*t_min), direction.extend(*t_max)];
+                            numbers.map(|numbers| numbers.to_array().map(f64::to_bits))
+                        };
                         assert_eq!(bits(ray), bits(&expected), "{column} {row} {offset}");
                     }
                 }

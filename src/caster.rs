@@ -151,7 +151,8 @@ impl<'w> Caster<'w> {
         let mut steps = match &self.counts {
             Some(counts) => {
                 let t = nearest.map_or(ray.t_max, |visible| self.world.hit(ray, visible).t);
-                counts.steps(self.world, ray, t, t + self.world.coincidence_reach(t))
+                let last = t + self.world.coincidence_reach(t);
+                dispatch!(self.level, simd => counts.steps(simd, self.world, ray, t, last))
             }
             None => CourseSteps { tests: self.world.finite_count() as u64, cells: 0 },
         };

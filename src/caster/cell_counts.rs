@@ -7,17 +7,17 @@ use crate::caster::dda::Dda;
 use crate::caster::insertion::{bounds_of, push_cells, runs_of_box};
 use crate::caster::lattice::{Lattice, NotBuilt};
 use crate::math::aabb::Aabb;
-use crate::math::instructions::Level;
 use crate::math::ray::Ray;
 use crate::world::World;
-use fearless_simd::dispatch;
+use fearless_simd::Simd;
 use std::cmp::Reverse;
 
 /// The number of primitives in each cell of a lattice.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct CellCounts {
     /// The cells.
     pub lattice: Lattice,
+    region: Region,
     /// The counts by the index of the cell, with [`BORDER`] in the cells around the lattice.
     counts: Vec<u32>,
 }
@@ -51,7 +51,8 @@ impl CellCounts {
         lattice.ask_for_entries()?;
         let mut counts = vec![BORDER; lattice.index_count()];
         lattice.x_runs().for_each(|run| counts[run].fill(0));
-        Ok(Self { lattice, counts })
+        let region = Region::new(&lattice.bounds, lattice.cell_size.min_element());
+        Ok(Self { lattice, region, counts })
     }
 
     /// Counts the finite primitives of a world in this number of cells along each axis, as long as there is patience.
@@ -104,16 +105,16 @@ impl CellCounts {
     /// Returns the steps along a ray whose nearest hit is at `t`, or which ends there. The course's program tests all
     /// primitives of a cell, and ends after the cell in which the nearest hit lies. `last` is the t up to which others
     /// may lie in the place of the nearest hit.
-    pub fn steps(&self, world: &World, ray: &Ray, t: f64, last: f64) -> CourseSteps {
-        let region = Region::new(&self.lattice.bounds, self.lattice.cell_size.min_element());
-        dispatch!(Level::baseline(), simd => match region.entry(simd, ray, ray.t_max) {
+    #[inline(always)]
+    pub fn steps<S: Simd>(&self, simd: S, world: &World, ray: &Ray, t: f64, last: f64) -> CourseSteps {
+        match self.region.entry(simd, ray, ray.t_max) {
             Entry::TooFar => CourseSteps { tests: world.finite_count() as u64, cells: 0 },
             Entry::Passes(interval) if interval.entry <= last => {
                 let dda = Dda::new(&self.lattice, &interval);
                 self.walk(dda, dda.fixed_t(t))
             }
             _ => CourseSteps::default(),
-        })
+        }
     }
 
     /// Counts from cell to cell up to this fixed-point t.

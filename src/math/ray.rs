@@ -1,6 +1,6 @@
 //! Rays and hits.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use serde::Serialize;
 
 /// The points `origin + t * direction` with `t_min <= t < t_max`.
@@ -24,21 +24,6 @@ impl Ray {
     /// Returns a ray from `origin` without an end.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
-    }
-
-    /// Returns the ray's numbers in pairs, which are passed to a function in registers. A ray itself is passed in
-    /// memory, where it is written in parts and then read as whole vectors, so that store forwarding fails and the
-    /// processor stalls.
-    #[inline(always)]
-    pub fn pairs(&self) -> [DVec2; 4] {
-        let (o, d) = (self.origin, self.direction);
-        [o.truncate(), DVec2::new(o.z, self.t_min), d.truncate(), DVec2::new(d.z, self.t_max)]
-    }
-
-    /// Returns the ray with these [`pairs`](Self::pairs).
-    #[inline(always)]
-    pub fn of_pairs([o, o_z, d, d_z]: [DVec2; 4]) -> Self {
-        Self { origin: o.extend(o_z.x), t_min: o_z.y, direction: d.extend(d_z.x), t_max: d_z.y }
     }
 
     /// Returns the point at `t`.
@@ -78,13 +63,6 @@ mod tests {
     fn ray() -> Ray {
         let (origin, direction) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(5.0, 6.0, 7.0));
         Ray { origin, t_min: 4.0, direction, t_max: 8.0 }
-    }
-
-    #[test]
-    fn pairs_hold_all_numbers_of_a_ray() {
-        let numbers = [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0], [7.0, 8.0]];
-        assert_eq!(ray().pairs(), numbers.map(DVec2::from_array));
-        assert_eq!(Ray::of_pairs(ray().pairs()), ray());
     }
 
     #[test]

@@ -22,7 +22,7 @@ use glam::DVec3;
 const TOUCH: f64 = 1e-5;
 
 /// The number of primitives that the course's program inserts into each cell.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Occupancy(CellCounts);
 
 /// The face through which a ray enters an occupied cell.
