@@ -94,6 +94,8 @@ fn compared(
                 dispatch!(level, simd => fast.trace(simd, camera, j, stage, samples, kept, rays));
                 for (sample, color) in packet.samples().iter().zip(packet.colors()) {
                     let ray = camera.ray(DVec2::new(sample.column as f64, j as f64), sample.offset);
+                    let is_known = hints.first_hit(world, &ray, [sample.column, j]) != FirstHit::Unknown;
+                    found[0] += usize::from(is_known);
                     let expected = tracer.color(&ray, &mut memory, &mut Counts::default());
                     let bits = |color: crate::picture::Color| color.to_array().map(f64::to_bits);
                     assert_eq!(bits(*color), bits(expected), "{effects:?} {:?} {ray:?}", world.lighting);
