@@ -129,7 +129,8 @@ pub enum Primitive {
 }
 
 impl World {
-    /// Builds the world of a scene as [`World::of_meshes`] does, and keeps the meshes.
+    /// Builds the world of a scene. `meshes` are the meshes that the scene names, in its order. Returns an error if an
+    /// object cannot be placed in world space, or if there is too little memory for the copies of the meshes.
     pub fn new(scene: &Scene, meshes: &[Mesh]) -> Result<Self, Diagnostic> {
         Self::copying(scene, meshes, &Endless)
     }
@@ -140,13 +141,7 @@ impl World {
         Self::within(scene, meshes.to_vec(), patience)
     }
 
-    /// Builds the world of a scene. `meshes` are the meshes that the scene names, in its order. Returns an error if an
-    /// object cannot be placed in world space, or if there is too little memory for the copies of the meshes.
-    pub fn of_meshes(scene: &Scene, meshes: Vec<Mesh>) -> Result<Self, Diagnostic> {
-        Self::within(scene, meshes, &Endless)
-    }
-
-    /// Builds the world of a scene as [`World::of_meshes`] does, as long as there is patience.
+    /// Builds the world of a scene as [`World::copying`] does, and takes the meshes.
     pub fn within(scene: &Scene, meshes: Vec<Mesh>, patience: &dyn Patience) -> Result<Self, Diagnostic> {
         limits::check(scene)?;
         let world = Self {
