@@ -195,6 +195,8 @@ pub fn render_some_rows(
     // The plan of adaptive samples is the same for all samplers.
     let mut planner = Planner::new(&tracer);
     planner.as_mut().map_or(Ok(()), |planner| planner.prepare(&request.traced_rows(request.rows())))?;
+    // Otherwise each of the rows would build the structure.
+    shot.caster.built(&tally)?;
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
         let tracer = PictureTracer::new(shot, request, &tally);
