@@ -1,10 +1,10 @@
 //! Renders rows of pixels in parallel: samples -> film -> the layers' rows. Rows are handed out from the top as soon
 //! as they are finished.
 
+pub mod adaptive;
 mod filter_picture;
 pub mod grid_view;
 pub mod layer;
-mod plan;
 pub mod renderer;
 mod request;
 mod row;
@@ -20,6 +20,7 @@ pub use stop::Stop;
 
 pub use crate::picture::Window;
 
+use adaptive::{Plan, Planner};
 use crate::base::memory::{self, NoMemory};
 use crate::camera::Camera;
 use crate::caster::Caster;
@@ -30,7 +31,6 @@ use crate::stats::Counts;
 use crate::trace::MOST_WAITING;
 use filter_picture::render_filter;
 use glam::DVec2;
-use plan::{Plan, Planner};
 use rayon::prelude::*;
 use row::RowSampler;
 use std::fmt;
@@ -46,8 +46,7 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
-    /// The number of rays that have been cast for these rows. Rays through the corners of pixels, for adaptive
-    /// samples, do not count.
+    /// The number of rays that have been cast for these rows.
     pub rays: u64,
 }
 

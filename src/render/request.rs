@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::caster::choose::Structure;
 use crate::picture::Window;
 use crate::render::grid_view::Occupancy;
-use crate::sampling::adaptive::Adaptive;
+use super::adaptive::Adaptive;
 use crate::sampling::blur::reduced;
 use crate::sampling::filter::Filter;
 use crate::sampling::sample_packet::Stage;

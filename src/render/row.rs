@@ -1,13 +1,11 @@
 //! Traces the samples of a row of pixels, and adds their colours to the layers.
 
 use super::layer::Layer;
-use super::plan::Plan;
+use super::adaptive::Plan;
 use super::request::Request;
 use super::tracing::PictureTracer;
 use crate::picture::Color;
 use crate::sampling::c_rand::CRand;
-use crate::sampling::drand48::Jump;
-use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
@@ -36,7 +34,7 @@ pub struct Row {
     pub layers: Vec<Vec<Color>>,
 }
 
-/// The results of rays that do not contribute to the picture.
+/// The results of some rays of a row.
 pub struct Looked {
     pub colors: Vec<Color>,
     /// The cost of all rays together.
@@ -69,12 +67,9 @@ impl<'a> RowSampler<'a> {
         // The index of the first pixel in the order in which random numbers are drawn.
         let first = (columns.start * height + self.j) as u64;
         if let Some(plan) = self.plan {
-            let draws = MultiJittered::draws(plan.most());
-            let (mut rng, jump) = (sampler.rng().jumped(first * draws), Jump::of(height as u64 * draws));
             each(columns, take, |column| {
-                let offsets = MultiJittered::new(plan.strata(column), rng);
-                rng = rng.after(jump);
-                offsets
+                let sequence = sampler.sequence((column * height + self.j) as u64);
+                (0..plan.samples(column)).map(move |index| sequence.offset(index))
             });
         } else if let Some(c_rand) = &mut self.c_rand {
             each(columns, take, |_| std::iter::once(c_rand.next_offset()));
@@ -222,7 +217,9 @@ impl Painter<'_> {
             }
             packet.clear();
         }
-        if colors && !are_centers {
+        if let Some(plan) = self.plan.filter(|plan| colors && plan.color(columns.start).is_some()) {
+            self.row.colors.extend(columns.filter_map(|column| plan.color(column)));
+        } else if colors && !are_centers {
             sampler.place(columns, |column, offset, is_last| {
                 packet.push(column, offset, is_last);
                 if packet.is_full() {
@@ -267,7 +264,7 @@ impl Painter<'_> {
             None if CENTERS => sum.add(self.center_weight, color, 1.0),
             None => sum.add(self.tracer.request.filter.weight(offset), color, 1.0),
             Some(spread) => {
-                let part = self.plan.as_ref().map_or(1.0, |plan| plan.part(column));
+                let part = self.plan.as_ref().map_or(1.0, |plan| 1.0 / f64::from(plan.samples(column)));
                 spread.add(column, offset, color, part);
             }
         }

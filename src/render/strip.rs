@@ -5,7 +5,7 @@
 //! So the strip's pixels are the same as in the whole picture.
 
 use super::layer::Layer;
-use super::plan::{Plan, Planner};
+use super::adaptive::{Plan, Planner};
 use super::request::Request;
 use super::row::Row;
 use super::tracing::PictureTracer;

@@ -4,7 +4,7 @@ mod known;
 mod layers;
 
 use super::*;
-use crate::sampling::adaptive::Adaptive;
+use crate::render::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};

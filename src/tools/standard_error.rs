@@ -75,7 +75,7 @@ fn of_colors(prepared: &Prepared, request: &Request) -> Result<f64, Stopped> {
         Pattern::Uniform => Sampler::new(Pattern::Jittered, REFERENCE * sampler.count(), sampler.rng()),
         // The random numbers of `Displaced` have no seed.
         Pattern::Displaced => Sampler::new(Pattern::Jittered, 1, sampler.rng()),
-        Pattern::Random | Pattern::Jittered => sampler,
+        Pattern::Random | Pattern::Jittered | Pattern::Sobol => sampler,
     };
     let pictures = ROWS_OF_ALL.div_ceil(rows.len().max(1)).clamp(2, 16);
     let mut samplers = if is_uniform { vec![sampler] } else { vec![] };

@@ -4,7 +4,7 @@ use raytracer::caster::choose::Structure;
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Request, Tracing};
-use raytracer::sampling::adaptive::Adaptive;
+use raytracer::render::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::load::{self, LoadedScene};

@@ -6,7 +6,7 @@ use raytracer::cli::{Command, Comparison, Given, LivePage, Options, Output, Show
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::Format;
 use raytracer::render::{Layer, Window};
-use raytracer::sampling::adaptive::Adaptive;
+use raytracer::render::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};

@@ -7,7 +7,7 @@ use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::picture::Color;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Request, Stop, Tracing};
-use raytracer::sampling::adaptive::Adaptive;
+use raytracer::render::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
