@@ -30,7 +30,7 @@ const ERRORS: [f64; 4] = [8.0, 4.0, 2.0, 1.0];
 const BIASED: [f64; 2] = [8.0, 2.0];
 /// The patterns with a fixed number of samples, and their numbers.
 const PATTERNS: [Pattern; 2] = [Pattern::Jittered, Pattern::Sobol];
-const COUNTS: [u32; 7] = [1, 4, 16, 64, 144, 256, 1024];
+const COUNTS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
 struct Settings {
     side: usize,
     seeds: u32,

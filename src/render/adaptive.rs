@@ -35,7 +35,10 @@ use super::tracing::PictureTracer;
 use crate::base::memory;
 use crate::picture::Color;
 use crate::sampling::filter::Filter;
+use crate::scene::Light;
+use crate::scene::material::Material;
 use crate::stats::Counts;
+use crate::world::World;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -82,6 +85,9 @@ const MOST_PILOTS: u32 = 8;
 /// Pilot samples in pictures of bytes are clamped to this brightness, and in pictures of floats to the other one.
 const BRIGHTEST: f64 = 2.0;
 const BRIGHTEST_FLOAT: f64 = 1e6;
+
+/// The largest contrast that is assumed for details that no sample hits.
+const MOST_CONTRAST: f64 = 8.0;
 
 /// The weight of u in D, the factor of the difference of halves, and the weight of doubt.
 const UNSEEN: f32 = 8.0;
@@ -142,6 +148,8 @@ pub struct Planner<'a> {
     request: &'a Request,
     settings: Adaptive,
     small_things: SmallThings<'a>,
+    /// The largest contrast of details that no sample hits.
+    contrast: f64,
     /// The rows of tiles that are sampled.
     bands: Vec<Band>,
 }
@@ -193,7 +201,10 @@ impl<'a> Planner<'a> {
         let request = picture.request;
         let settings = request.adaptive.filter(|_| request.traces_colors(request.tracing))?;
         let small_things = SmallThings::new(picture.camera, picture.caster.world);
-        Some(Self { picture, request, settings, small_things, bands: vec![] })
+        let world = picture.caster.world;
+        let reflects = request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
+        let contrast = if reflects { brightest(world).min(MOST_CONTRAST) } else { 1.0 };
+        Some(Self { picture, request, settings, small_things, contrast, bands: vec![] })
     }
 
     /// Samples these rows and forgets the others. Fails if the render is cancelled, or if there is too little memory.
@@ -254,6 +265,8 @@ struct Pixel {
     unseen: f32,
     /// The part that a small thing covers, if there is one.
     speck: Option<f32>,
+    /// The groups that leave it out, as bits.
+    around: u32,
 }
 
 /// A pilot sample.
@@ -298,10 +311,10 @@ struct Alike {
     squares: f64,
 }
 
-/// The pixels that decide for a group, by their numbers of samples and their classes.
+/// The pixels that decide for a group, by their numbers of samples as logarithms to base 2, and their classes.
 struct Others {
     most: u8,
-    cells: Vec<[Alike; CLASSES]>,
+    cells: Vec<(u8, usize, Alike)>,
 }
 
 impl<'t, 'a> Tile<'t, 'a> {
@@ -316,7 +329,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         let count = columns.len() * rows.len();
         let settings = planner.settings;
         let (square, most) = (settings.square(), settings.most.ilog2() as u8);
-        let floor = (2.0 / (square * count as f64)).sqrt().ceil().clamp(1.0, f64::from(settings.most)) as u32;
+        let floor = (planner.contrast * (2.0 / (square * count as f64)).sqrt()).ceil().clamp(1.0, f64::from(settings.most)) as u32;
         let floor = (floor.next_power_of_two().ilog2() as u8).clamp(LEAST, most);
         let pixels = vec![Pixel::default(); count];
         let groups = [Group { unseen: [0.0; 2], scale: LEAST_SCALE }; GROUPS];
@@ -357,8 +370,7 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Returns the pixels that decide for a group.
     fn deciding(&self, group: usize) -> impl Iterator<Item = (usize, &Pixel)> {
-        let decides = move |pixel: &(usize, &Pixel)| self.groups_around(pixel.0) >> group & 1 == 0;
-        self.pixels.iter().enumerate().filter(decides)
+        self.pixels.iter().enumerate().filter(move |(_, pixel)| pixel.around >> group & 1 == 0)
     }
 
     /// Returns the class that a pixel has or would have in a group.
@@ -473,12 +485,13 @@ impl<'t, 'a> Tile<'t, 'a> {
             if low.x > high.x { 0.0 } else { own.iter().map(beyond).sum::<f32>() / pilots as f32 }
         };
         let unseen: Vec<f32> = self.pilots.chunks(pilots).zip(&rings).map(unseen).collect();
-        for ((pixel, unseen), (ring, speck)) in
-            self.pixels.iter_mut().zip(unseen).zip(rings.iter().zip(&specks))
-        {
-            pixel.ring = if is_empty(ring) { 0.0 } else { mean_square(ring[1] - ring[0]) };
-            pixel.unseen = unseen;
-            pixel.speck = speck.is_alone().then_some(speck.part);
+        for k in 0..self.pixels.len() {
+            let (ring, around) = (rings[k], self.groups_around(k));
+            let pixel = &mut self.pixels[k];
+            pixel.ring = if is_empty(&ring) { 0.0 } else { mean_square(ring[1] - ring[0]) };
+            pixel.unseen = unseen[k];
+            pixel.speck = specks[k].is_alone().then_some(specks[k].part);
+            pixel.around = around;
         }
         let means = |group: usize| {
             let mut sums = [[0.0f64; 2]; 2];
@@ -505,7 +518,11 @@ impl<'t, 'a> Tile<'t, 'a> {
             alike.error += error;
             alike.squares += error * error;
         }
-        Others { most, cells }
+        let in_row = |(doublings, classes): (usize, [Alike; CLASSES])| {
+            let cells = classes.into_iter().enumerate().filter(|(_, alike)| alike.pixels > 0.0);
+            cells.map(move |(class, alike)| (doublings as u8, class, alike))
+        };
+        Others { most, cells: cells.into_iter().enumerate().flat_map(in_row).collect() }
     }
 
     /// Returns the estimated squared error of a pixel. In pictures of bytes, halves that are both white are equal. If
@@ -545,15 +562,13 @@ impl Others {
     /// follow from this scale, and the number of their samples then.
     fn expected(&self, scale: i32) -> [f64; 2] {
         let [mut pixels, mut samples, mut error, mut squares] = [0.0; 4];
-        for (before, classes) in self.cells.iter().enumerate() {
-            for (class, alike) in classes.iter().enumerate().filter(|(_, alike)| alike.pixels > 0.0) {
-                let doublings = grown(before as u8, scale, class, self.most);
-                let less = LESS[usize::from(doublings) - before];
-                pixels += alike.pixels;
-                samples += alike.pixels * f64::from(1u32 << doublings);
-                error += less * alike.error;
-                squares += less * less * alike.squares;
-            }
+        for (before, class, alike) in &self.cells {
+            let doublings = grown(*before, scale, *class, self.most);
+            let less = LESS[usize::from(doublings - before)];
+            pixels += alike.pixels;
+            samples += alike.pixels * f64::from(1u32 << doublings);
+            error += less * alike.error;
+            squares += less * less * alike.squares;
         }
         [(error + DOUBT * squares.sqrt()) / f64::max(pixels, 1.0), samples]
     }
@@ -586,6 +601,19 @@ const LESS: [f64; 11] = {
     }
     less
 };
+
+/// Returns the brightest colour of diffuse surfaces and the background, without highlights, but at least white.
+fn brightest(world: &World) -> f64 {
+    let color = |light: &Light| match *light {
+        Light::Directional { color, .. } | Light::Point { color, .. } => color,
+    };
+    let light = world.ambient + world.lights.iter().map(color).sum::<Color>();
+    let diffuse = world.materials.iter().filter_map(|material| match material {
+        Material::Phong(phong) | Material::Painted(phong, _) => Some((phong.diffuse * light).max_element()),
+        Material::Texture(_) => None,
+    });
+    diffuse.fold(world.background.max_element().max(1.0), f64::max)
+}
 
 fn mean_square(v: Vec3A) -> f32 {
     v.length_squared() / 3.0
