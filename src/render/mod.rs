@@ -98,12 +98,15 @@ impl From<NoMemory> for Stopped {
 }
 
 /// The results of a render besides its rows.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
     /// The events that were counted.
     pub counts: Counts,
     /// The cost of each pixel, row by row from the top, if costs are a layer.
     pub costs: Vec<u64>,
+    /// The sum of the estimated squared errors of the colours, where white is 1, with adaptive samples. The error of a
+    /// pixel is that of the mean of its own samples.
+    pub squared_error: f64,
 }
 
 /// Renders the layers of a request, and returns the counts and the costs of the pixels.
@@ -156,7 +159,7 @@ fn render_strips(
     let tracer = PictureTracer::new(scene, view, request, &tally);
     let mut planner = Planner::new(&tracer);
     let pixels = request.cost().map_or(0, |_| request.window_size().iter().product());
-    let mut rendered = Rendered { counts: Counts::default(), costs: memory::with_room(pixels)? };
+    let mut rendered = Rendered { costs: memory::with_room(pixels)?, ..Rendered::default() };
     let mut end = rows.end;
     while end > rows.start {
         let strip = Strip::below(request, end, rows.start);
@@ -167,8 +170,8 @@ fn render_strips(
     Ok(rendered)
 }
 
-/// Renders the colours of these rows of the window, counted from its top, with each of these samplers. The colours are
-/// not reduced. Each row is rendered by itself.
+/// Renders the colours of these rows of the window, counted from its top, with each of these samplers. The samples are
+/// not adaptive. The colours are not reduced. Each row is rendered by itself.
 pub fn render_some_rows(
     scene: (&Camera, &Caster),
     view: View,
@@ -177,17 +180,13 @@ pub fn render_some_rows(
     rows: &[usize],
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), &|_| ControlFlow::Continue(()));
-    let tracer = PictureTracer::new(scene, view, request, &tally);
-    // The plan of adaptive samples is the same for all samplers.
-    let mut planner = Planner::new(&tracer);
-    planner.as_mut().map_or(Ok(()), |planner| planner.prepare(&request.traced_rows(request.rows())))?;
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
         let tracer = PictureTracer::new(scene, view, request, &tally);
         let colors = |row: &usize| {
             let end = request.rows().end - row;
             let strip = Strip::below(request, end, end - 1);
-            let traced = strip.trace(end - 1..end, &tracer.rows(strip.traced()), planner.as_ref()).pop();
+            let traced = strip.trace(end - 1..end, &tracer.rows(strip.traced()), None).pop();
             traced.map(|row| row.colors).ok_or_else(|| tally.reason())
         };
         let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
@@ -236,7 +235,7 @@ pub fn render_in_memory(
         ControlFlow::Continue(())
     };
     let never_cancels = |_| ControlFlow::Continue(());
-    let Rendered { counts, costs } = match render(scene, view, request, &never_cancels, &mut take_row) {
+    let Rendered { counts, costs, .. } = match render(scene, view, request, &never_cancels, &mut take_row) {
         Ok(rendered) => rendered,
         // Neither callback ends the render.
         Err(Stopped::Cancelled { .. } | Stopped::Output) => Rendered::default(),

@@ -184,7 +184,7 @@ impl Prepared<'_> {
             colors.extend_from_slice(row);
             ControlFlow::Continue(())
         };
-        let Rendered { counts, costs } = self.render_rows(request, watch, &mut take_row)?;
+        let Rendered { counts, costs, .. } = self.render_rows(request, watch, &mut take_row)?;
         colors.extend(costs.iter().map(|&cost| Color::splat(cost as f64)));
         Ok((FloatPicture { size, colors }, counts))
     }
@@ -200,8 +200,8 @@ impl Prepared<'_> {
         render::render((&self.camera(request), &self.caster), self.view(), request, watch, take_row)
     }
 
-    /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers.
-    /// Does not count.
+    /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers, which
+    /// are not adaptive. Does not count.
     pub(crate) fn render_some_rows(
         &self,
         request: &Request,

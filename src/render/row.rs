@@ -25,6 +25,8 @@ pub struct Row {
     pub counts: Counts,
     /// The cost of each pixel, if costs are a layer.
     pub costs: Vec<u64>,
+    /// The sum of the pixels' estimated squared errors, with adaptive samples.
+    pub squared_error: f64,
     /// The colour of each pixel, if its own samples determine it.
     pub colors: Vec<Color>,
     /// The contributions of the samples to this row and the rows around it, if the filter reaches that far.
@@ -110,6 +112,7 @@ impl PictureTracer<'_> {
             j,
             counts: Counts::default(),
             costs: vec![],
+            squared_error: plan.map_or(0.0, Plan::squared_error),
             colors: Vec::with_capacity(if request.has_colors() { request.columns().len() } else { 0 }),
             spread: (request.support() > 0)
                 .then(|| Spread::new(request.filter, self.caster.level, j, request.size)),

@@ -81,6 +81,7 @@ impl<'a> Strip<'a> {
             let taken = rows.iter().try_for_each(|row| {
                 rendered.counts = rendered.counts.merge(row.counts);
                 rendered.costs.extend_from_slice(&row.costs);
+                rendered.squared_error += row.squared_error;
                 hand_out(row, self.request, take_row)?;
                 tracer.tally.row_is_handed_out();
                 Ok(())

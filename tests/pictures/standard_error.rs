@@ -53,6 +53,7 @@ fn it_is_that_against_converged_pictures() {
                 sampled(Pattern::Jittered, 1),
                 sampled(Pattern::Jittered, 16),
                 sampled(Pattern::Uniform, 9),
+                sampled(Pattern::Sobol, 8),
                 (Sampler::DISPLACED, None),
                 adaptive(64, 8.0),
                 adaptive(256, 2.0),

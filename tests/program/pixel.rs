@@ -175,13 +175,7 @@ fn the_work_of_all_pixels_is_that_of_the_statistics() {
             let line = statistics.lines().find(|line| line.trim_start().starts_with(label));
             let words = line.unwrap_or_else(|| panic!("no {label}: {statistics}")).split_whitespace();
             let counted = words.last().and_then(|word| word.parse().ok());
-            if case.request.adaptive.is_some() {
-                // The rays that decide how many samples pixels get are behind none of them.
-                assert!(counted >= Some(count), "{label} {}", case.flags);
-                assert!(label != "num non-shadow rays" || counted > Some(count), "{}", case.flags);
-            } else {
-                assert_eq!(counted, Some(count), "{label} {}", case.flags);
-            }
+            assert_eq!(counted, Some(count), "{label} {}", case.flags);
         }
     }
 }
