@@ -5,7 +5,7 @@
 //! [-reference samples] [-fixed seeds] [-bias seeds] [scene ...]`
 //!
 //! *RMS* is the root mean square of the errors of all seeds over what was asked, *worst* is that of the worst seed.
-//! The errors are those of the picture as it is shown. Times are processor times of one thread. `-bias` measures the
+//! *Estimated* is the error that the program estimates. The errors are those of the picture as it is shown. Times are processor times of one thread. `-bias` measures the
 //! mean error of the colours over this number of seeds, with its standard error, in levels.
 
 mod scenes;
@@ -14,9 +14,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use raytracer::cli::{Command, Options, parse};
 use raytracer::command::processor_time;
 use raytracer::picture::{Color, FloatPicture};
+use raytracer::render::adaptive::Adaptive;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request};
-use raytracer::render::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use scenes::{CASES, Case};
@@ -52,6 +52,8 @@ struct Measured {
     /// The root mean square error in levels: of all seeds, and of the worst one.
     error: f64,
     worst: f64,
+    /// The error that adaptive samples estimate, in levels.
+    estimated: f64,
 }
 
 fn settings() -> Result<Settings, Box<dyn Error>> {
@@ -77,8 +79,8 @@ fn settings() -> Result<Settings, Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     let settings = settings()?;
     let fixed = PATTERNS.map(|pattern| format!("{pattern:?}: rays | s")).join(" | ");
-    println!("| scene | asked | RMS / asked | worst / asked | rays | s | {fixed} |");
-    println!("|---|{}", "---:|".repeat(5 + 2 * PATTERNS.len()));
+    println!("| scene | asked | RMS / asked | worst / asked | rays | s | estimated / RMS | {fixed} |");
+    println!("|---|{}", "---:|".repeat(6 + 2 * PATTERNS.len()));
     let is_wanted =
         |case: &&Case| settings.names.is_empty() || settings.names.iter().any(|name| name == case.name);
     CASES.iter().filter(is_wanted).try_for_each(|case| measure(case, &settings))
@@ -125,7 +127,11 @@ fn measure(case: &Case, settings: &Settings) -> Result<(), Box<dyn Error>> {
         };
         COUNTS.iter().map(of_count).collect::<Result<Vec<_>, _>>()
     };
-    let curves = if settings.fixed > 0 { PATTERNS.map(curve).into_iter().collect::<Result<Vec<_>, _>>()? } else { vec![] };
+    let curves = if settings.fixed > 0 {
+        PATTERNS.map(curve).into_iter().collect::<Result<Vec<_>, _>>()?
+    } else {
+        vec![]
+    };
     for error in ERRORS.into_iter().filter(|_| seeds > 0) {
         let requests: Vec<Request> = (1..=seeds).map(|seed| adaptive(error, seed)).collect();
         let found = measure_requests(&prepared, &one, &requests, &halves)?;
@@ -134,12 +140,13 @@ fn measure(case: &Case, settings: &Settings) -> Result<(), Box<dyn Error>> {
             None => "- | -".into(),
         });
         println!(
-            "| {} | {error} | {:.2} | {:.2} | {:.1} | {:.4} | {} |",
+            "| {} | {error} | {:.2} | {:.2} | {:.1} | {:.4} | {:.2} | {} |",
             case.name,
             found.error / error,
             found.worst / error,
             found.rays,
             found.time,
+            found.estimated / found.error,
             fixed.collect::<Vec<_>>().join(" | ")
         );
     }
@@ -153,7 +160,7 @@ fn measure_requests(
     requests: &[Request],
     halves: &[FloatPicture; 2],
 ) -> Result<Measured, Box<dyn Error>> {
-    let (mut least, mut squares, mut rays) = (Duration::MAX, vec![], 0);
+    let (mut least, mut squares, mut rays, mut estimated) = (Duration::MAX, vec![], 0, 0.0);
     for request in requests {
         let mut colors = vec![];
         let mut take_row = |_: usize, row: &[Color]| {
@@ -166,7 +173,9 @@ fn measure_requests(
             let rendered = prepared.render_rows(request, &go_on, &mut take_row);
             (rendered, processor_time() - start)
         });
-        rays += rendered?.counts.rays();
+        let rendered = rendered?;
+        rays += rendered.counts.rays();
+        estimated += rendered.squared_error;
         least = least.min(time);
         squares.push(mean_square(&FloatPicture { size: request.size, colors }, halves));
     }
@@ -177,6 +186,7 @@ fn measure_requests(
         rays: rays as f64 / pixels / count,
         time: least.as_secs_f64(),
         error: levels(squares.iter().sum::<f64>() / count),
+        estimated: levels(estimated / pixels / count),
         worst: levels(squares.iter().fold(0.0, |most, &square| f64::max(most, square))),
     })
 }

@@ -202,7 +202,8 @@ impl<'a> Planner<'a> {
         let settings = request.adaptive.filter(|_| request.traces_colors(request.tracing))?;
         let small_things = SmallThings::new(picture.camera, picture.caster.world);
         let world = picture.caster.world;
-        let reflects = request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
+        let reflects =
+            request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let contrast = if reflects { brightest(world).min(MOST_CONTRAST) } else { 1.0 };
         Some(Self { picture, request, settings, small_things, contrast, bands: vec![] })
     }
@@ -329,7 +330,9 @@ impl<'t, 'a> Tile<'t, 'a> {
         let count = columns.len() * rows.len();
         let settings = planner.settings;
         let (square, most) = (settings.square(), settings.most.ilog2() as u8);
-        let floor = (planner.contrast * (2.0 / (square * count as f64)).sqrt()).ceil().clamp(1.0, f64::from(settings.most)) as u32;
+        let floor = (planner.contrast * (2.0 / (square * count as f64)).sqrt())
+            .ceil()
+            .clamp(1.0, f64::from(settings.most)) as u32;
         let floor = (floor.next_power_of_two().ilog2() as u8).clamp(LEAST, most);
         let pixels = vec![Pixel::default(); count];
         let groups = [Group { unseen: [0.0; 2], scale: LEAST_SCALE }; GROUPS];
@@ -404,7 +407,8 @@ impl<'t, 'a> Tile<'t, 'a> {
                 range.clone().map(move |index| (column, sequence.offset(index)))
             };
             let columns = self.columns.clone();
-            let places = columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty()).flat_map(of_pixel);
+            let places =
+                columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty()).flat_map(of_pixel);
             let looked = self.tracer.look(j, places)?;
             let (mut colors, mut pilots) = (looked.colors.iter(), vec![]);
             for ((pixel, range), column) in pixels.iter_mut().zip(&ranges).zip(columns) {

@@ -20,7 +20,6 @@ pub use stop::Stop;
 
 pub use crate::picture::Window;
 
-use adaptive::{Plan, Planner};
 use crate::base::memory::{self, NoMemory};
 use crate::camera::Camera;
 use crate::caster::Caster;
@@ -29,6 +28,7 @@ use crate::sampling::blur::Blur;
 use crate::sampling::sampler::Sampler;
 use crate::stats::Counts;
 use crate::trace::MOST_WAITING;
+use adaptive::{Plan, Planner};
 use filter_picture::render_filter;
 use glam::DVec2;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Traces the samples of a row of pixels, and adds their colours to the layers.
 
-use super::layer::Layer;
 use super::adaptive::Plan;
+use super::layer::Layer;
 use super::request::Request;
 use super::tracing::PictureTracer;
 use crate::picture::Color;

@@ -4,8 +4,8 @@
 //! If the filter's support extends beyond a pixel's row, the samples of the rows around the strip are traced as well.
 //! So the strip's pixels are the same as in the whole picture.
 
-use super::layer::Layer;
 use super::adaptive::{Plan, Planner};
+use super::layer::Layer;
 use super::request::Request;
 use super::row::Row;
 use super::tracing::PictureTracer;

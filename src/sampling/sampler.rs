@@ -262,7 +262,9 @@ mod tests {
 
     #[test]
     fn pixels_at_equal_steps_have_their_own_offsets() {
-        for (pattern, count) in [(Pattern::Random, 5), (Pattern::Jittered, 12), (Pattern::Uniform, 3), (Pattern::Sobol, 7)] {
+        for (pattern, count) in
+            [(Pattern::Random, 5), (Pattern::Jittered, 12), (Pattern::Uniform, 3), (Pattern::Sobol, 7)]
+        {
             let sampler = Sampler::new(pattern, count, Drand48::seeded(3));
             for (first, step) in [(0, 1), (7, 480), (123_456, 0)] {
                 let mut pixels = sampler.pixels(first, step);

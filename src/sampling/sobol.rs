@@ -81,8 +81,10 @@ mod tests {
             for bits in 0..=8 {
                 for columns in 0..=bits {
                     let shape = DVec2::new(f64::from(1 << columns), f64::from(1 << (bits - columns)));
-                    let mut cells: Vec<[u32; 2]> =
-                        points(seed, 1 << bits).iter().map(|p| [(p.x * shape.x) as u32, (p.y * shape.y) as u32]).collect();
+                    let mut cells: Vec<[u32; 2]> = points(seed, 1 << bits)
+                        .iter()
+                        .map(|p| [(p.x * shape.x) as u32, (p.y * shape.y) as u32])
+                        .collect();
                     cells.sort_unstable();
                     cells.dedup();
                     assert_eq!(cells.len(), 1 << bits, "{shape}");

@@ -2,9 +2,9 @@
 
 use raytracer::caster::choose::Structure;
 use raytracer::picture::Color;
+use raytracer::render::adaptive::Adaptive;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Request, Tracing};
-use raytracer::render::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::load::{self, LoadedScene};

@@ -3,8 +3,8 @@
 use raytracer::caster::choose::Structure;
 use raytracer::picture::Color;
 use raytracer::render::Request;
-use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::adaptive::Adaptive;
+use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};

@@ -16,8 +16,7 @@ pub enum SamplingKind {
 }
 
 impl SamplingKind {
-    pub const ALL: [Self; 5] =
-        [Self::Random, Self::Uniform, Self::Jittered, Self::Sobol, Self::Adaptive];
+    pub const ALL: [Self; 5] = [Self::Random, Self::Uniform, Self::Jittered, Self::Sobol, Self::Adaptive];
 
     pub fn name(self) -> &'static str {
         match self {
