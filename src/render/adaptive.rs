@@ -279,6 +279,15 @@ struct Pilot {
     is_upper: bool,
 }
 
+/// The new samples of a row of a tile.
+struct TracedRow {
+    pixels: Vec<Pixel>,
+    pilots: Vec<Pilot>,
+    /// The cost of each pixel, or zeros if costs are no layer.
+    costs: Vec<u64>,
+    counts: Counts,
+}
+
 /// A tile in progress.
 struct Tile<'t, 'a> {
     planner: &'t Planner<'a>,
@@ -410,8 +419,10 @@ impl<'t, 'a> Tile<'t, 'a> {
             let places =
                 columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty()).flat_map(of_pixel);
             let looked = self.tracer.look(j, places)?;
-            let (mut colors, mut pilots) = (looked.colors.iter(), vec![]);
+            let (mut colors, mut costs) = (looked.colors.iter(), looked.costs.iter());
+            let (mut pilots, mut costs_of_pixels) = (vec![], vec![]);
             for ((pixel, range), column) in pixels.iter_mut().zip(&ranges).zip(columns) {
+                costs_of_pixels.push(costs.by_ref().take(range.len()).sum());
                 if range.is_empty() {
                     continue;
                 }
@@ -433,20 +444,18 @@ impl<'t, 'a> Tile<'t, 'a> {
                 }
                 pixel.doublings = Some(range.end.ilog2() as u8);
             }
-            Some((pixels, pilots, ranges, looked))
+            Some(TracedRow { pixels, pilots, costs: costs_of_pixels, counts: looked.counts })
         };
         let rows = self.tracer.tally.in_parallel(self.rows.clone(), row);
         let (mut all_pixels, mut all_pilots) = (vec![], vec![]);
         for (row, traced) in rows.into_iter().enumerate() {
-            let (pixels, pilots, ranges, looked) = traced?;
+            let TracedRow { pixels, pilots, costs, counts } = traced?;
             all_pixels.extend(pixels);
             all_pilots.extend(pilots);
-            band.counts[row] = band.counts[row].merge(looked.counts);
-            let mut costs = looked.costs.iter();
-            for (column, range) in self.columns.clone().zip(ranges).filter(|_| !looked.costs.is_empty()) {
-                let index = band.index(column, row);
-                band.costs[index] += costs.by_ref().take(range.len()).sum::<u64>();
-            }
+            band.counts[row] = band.counts[row].merge(counts);
+            let first = band.index(self.columns.start, row);
+            let of_band = band.costs.get_mut(first..).unwrap_or_default();
+            of_band.iter_mut().zip(costs).for_each(|(sum, cost)| *sum += cost);
         }
         self.pixels = all_pixels;
         if is_first {
