@@ -55,6 +55,7 @@ _raytracer() {
             uniform_samples:0) return ;;
             regular_samples:0) return ;;
             jittered_samples:0) return ;;
+            sobol_samples:0) return ;;
             adaptive_samples:0) return ;;
             adaptive_samples:1) return ;;
             seed:0) return ;;
@@ -88,7 +89,7 @@ _raytracer() {
             threads:0) return ;;
         esac
     fi
-    COMPREPLY=($(compgen -W '-input -output -depth -normals -render_samples -render_filter -region -merge -convert -size -edition -uv -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -student -report -error_report -target -stats -repeat -cost_map -pixel -gui -port -no_browser -tessellation -gouraud -specular_fix -json -threads -progress -quiet -strict -h -help -version' -- "$current"))
+    COMPREPLY=($(compgen -W '-input -output -depth -normals -render_samples -render_filter -region -merge -convert -size -edition -uv -shade_back -shadows -no_shadows -transparent_shadows -bounces -weight -random_samples -uniform_samples -regular_samples -jittered_samples -sobol_samples -adaptive_samples -jitter -filter -seed -box_filter -tent_filter -gaussian_filter -mitchell_filter -grid -visualize_grid -compare -reference -difference -tolerance -grade -commands -student -report -error_report -target -stats -repeat -cost_map -pixel -gui -port -no_browser -tessellation -gouraud -specular_fix -json -threads -progress -quiet -strict -h -help -version' -- "$current"))
 }
 
 complete -F _raytracer raytracer

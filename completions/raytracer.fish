@@ -45,6 +45,7 @@ complete -c raytracer -o random_samples -d 'Takes n random samples per pixel, 1 
 complete -c raytracer -o uniform_samples -d 'Takes n samples per pixel at the centres of a grid\'s cells'
 complete -c raytracer -o regular_samples -d 'Takes a regular grid of n samples'
 complete -c raytracer -o jittered_samples -d 'Takes n samples per pixel, which smooths edges'
+complete -c raytracer -o sobol_samples -d 'Takes n samples per pixel, the first points of a scrambled Sobol\' sequence'
 complete -c raytracer -o adaptive_samples -d 'Adaptive sampling: takes at most n samples per pixel, 4 to 1024, until the estimated error of the picture is this many levels (1/255)'
 complete -c raytracer -o jitter -d 'Renders three times the width and height, with one random sample in each pixel'
 complete -c raytracer -o filter -d 'Blurs the picture and reduces its width and height to a third'

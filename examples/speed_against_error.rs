@@ -35,6 +35,10 @@ const HELD_OUT: [[&str; 3]; 4] = [
     ["Point lights", "scene4_12_point_light_circle_d_attenuation.txt", "-shadows"],
 ];
 
+/// The kinds of samples with a fixed number in each pixel.
+const FIXED: [SamplingKind; 4] =
+    [SamplingKind::Random, SamplingKind::Uniform, SamplingKind::Jittered, SamplingKind::Sobol];
+
 const SIZE: &str = "-size 60 60";
 
 /// The lines before and behind the results.
@@ -67,8 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn add_held_out(text: &mut String, name: &str, group: &MeasuredFilter) {
     let errors: Vec<String> =
         group.curve(SamplingKind::Adaptive).map(|one| format!("{:.2}", one.error)).collect();
-    let slopes = [SamplingKind::Random, SamplingKind::Uniform, SamplingKind::Jittered]
-        .map(|kind| group.slope(kind).map_or("-".into(), |slope| format!("{slope:.2}")));
+    let slopes = FIXED.map(|kind| group.slope(kind).map_or("-".into(), |slope| format!("{slope:.2}")));
     let ratio = time_over_jittered(group).map_or("-".into(), |ratio| format!("{ratio:.2}"));
     let center = group.curve(SamplingKind::Uniform).next().map_or(0.0, |one| one.error);
     let changed: u64 = group.measurements.iter().filter_map(|one| one.changed).sum();
@@ -130,10 +133,9 @@ Four scenes that were not used for the advice, at the same size. *centre* is the
 *adaptive* are the errors of `-adaptive_samples 256` for 8, 4, 2, 1 and 0.5; *time* is the time of adaptive samples
 divided by that of jittered ones with the same error (geometric mean).
 
-The advice holds for all four, except that the point lights take a little less than 0.4 of the time. Bounces are not
-measured here.
+Bounces are not measured here.
 
-| scene | centre | adaptive | time | slopes: random, uniform, jittered | pixels changed by grids |
+| scene | centre | adaptive | time | slopes: random, uniform, jittered, sobol | pixels changed by grids |
 |---|---:|---|---:|---|---:|";
 
 /// The error and the time of each number of samples.
@@ -148,7 +150,7 @@ fn add_curves(text: &mut String, group: &MeasuredFilter) {
     };
     let optional =
         |number: Option<f64>, digits| number.map_or("".into(), |number| format!("{number:.digits$}"));
-    for kind in [SamplingKind::Random, SamplingKind::Uniform, SamplingKind::Jittered] {
+    for kind in FIXED {
         let (slope, seconds) = (optional(group.slope(kind), 2), optional(group.seconds_to_a_level(kind), 4));
         let _ = writeln!(text, "| {} |{} {slope} | {seconds} |", kind.name(), cells(kind));
     }

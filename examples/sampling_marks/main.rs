@@ -1,12 +1,12 @@
-//! Measures adaptive samples by their marks: without bias, as exact as they are asked to be, and no slower than jittered
-//! samples at the same error.
+//! Measures adaptive samples: how much error they leave for what was asked, and the rays and the time that samples of a
+//! fixed number take to the same error.
 //!
 //! `cargo run --release --example sampling_marks -- [-size side] [-seeds count] [-most samples]
-//! [-reference samples] [scene ...]`
+//! [-reference samples] [-fixed seeds] [-bias seeds] [scene ...]`
 //!
-//! *bias* is the mean error of the picture's colours over all seeds with its standard error, in levels. *RMSE* is that of
-//! the picture as it is shown. *speed-up* is the time that jittered samples take to the same error, interpolated, over the
-//! time of the adaptive ones, and *fewer rays* is the same of rays. Times are those of one thread's processor.
+//! *RMS* is the root mean square of the errors of all seeds over what was asked, *worst* is that of the worst seed.
+//! *Estimated* is the error that the program estimates. The errors are those of the picture as it is shown. Times are processor times of one thread. `-bias` measures the
+//! mean error of the colours over this number of seeds, with its standard error, in levels.
 
 mod scenes;
 
@@ -14,9 +14,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use raytracer::cli::{Command, Options, parse};
 use raytracer::command::processor_time;
 use raytracer::picture::{Color, FloatPicture};
+use raytracer::render::adaptive::Adaptive;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Request};
-use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use scenes::{CASES, Case};
@@ -25,25 +25,40 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 /// The errors that are asked for, in levels.
-const ERRORS: [f64; 6] = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5];
-/// The errors at which the bias is looked at.
-const BIASED: [f64; 2] = [2.0, 16.0];
-/// The numbers of jittered samples.
-const COUNTS: [u32; 8] = [1, 2, 4, 8, 16, 64, 256, 1024];
-/// The seeds over which errors are averaged.
-const ERROR_SEEDS: u32 = 4;
-
+const ERRORS: [f64; 4] = [8.0, 4.0, 2.0, 1.0];
+/// The errors whose bias is measured.
+const BIASED: [f64; 2] = [8.0, 2.0];
+/// The patterns with a fixed number of samples, and their numbers.
+const PATTERNS: [Pattern; 2] = [Pattern::Jittered, Pattern::Sobol];
+const COUNTS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
 struct Settings {
     side: usize,
     seeds: u32,
     most: u32,
     /// The samples of each half of the reference.
     reference: u32,
+    /// The seeds over which the errors of a fixed number of samples are averaged.
+    fixed: u32,
+    bias: u32,
     names: Vec<String>,
 }
 
+/// The cost and the error of a setting, over several seeds.
+#[derive(Clone, Copy)]
+struct Measured {
+    rays: f64,
+    /// The least time, in seconds.
+    time: f64,
+    /// The root mean square error in levels: of all seeds, and of the worst one.
+    error: f64,
+    worst: f64,
+    /// The error that adaptive samples estimate, in levels.
+    estimated: f64,
+}
+
 fn settings() -> Result<Settings, Box<dyn Error>> {
-    let mut settings = Settings { side: 60, seeds: 40, most: 1024, reference: 2048, names: vec![] };
+    let mut settings =
+        Settings { side: 60, seeds: 16, most: 1024, reference: 1024, fixed: 4, bias: 0, names: vec![] };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut number =
@@ -53,6 +68,8 @@ fn settings() -> Result<Settings, Box<dyn Error>> {
             "-seeds" => settings.seeds = number()?,
             "-most" => settings.most = number()?,
             "-reference" => settings.reference = number()?,
+            "-fixed" => settings.fixed = number()?,
+            "-bias" => settings.bias = number()?,
             _ => settings.names.push(word),
         }
     }
@@ -61,27 +78,16 @@ fn settings() -> Result<Settings, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let settings = settings()?;
-    let mut speed_ups = vec![];
-    println!(
-        "| scene | asked for | bias | RMSE | RMSE / asked for | rays | s | fewer rays | speed-up |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|"
-    );
+    let fixed = PATTERNS.map(|pattern| format!("{pattern:?}: rays | s")).join(" | ");
+    println!("| scene | asked | RMS / asked | worst / asked | rays | s | estimated / RMS | {fixed} |");
+    println!("|---|{}", "---:|".repeat(6 + 2 * PATTERNS.len()));
     let is_wanted =
         |case: &&Case| settings.names.is_empty() || settings.names.iter().any(|name| name == case.name);
-    for case in CASES.iter().filter(is_wanted) {
-        let measured = measure(case, &settings)?;
-        println!("| {} | all | | | | | | | **{:.2}** |", case.name, geometric_mean(&measured));
-        speed_ups.push(geometric_mean(&measured));
-    }
-    println!("\nGeometric mean of the speed-ups: {:.2}.", geometric_mean(&speed_ups));
-    Ok(())
+    CASES.iter().filter(is_wanted).try_for_each(|case| measure(case, &settings))
 }
 
-fn geometric_mean(numbers: &[f64]) -> f64 {
-    (numbers.iter().map(|x| x.ln()).sum::<f64>() / numbers.len() as f64).exp()
-}
-
-/// Prints the rows of a scene, and returns the speed-up at each error.
-fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>> {
+/// Prints the rows of a scene.
+fn measure(case: &Case, settings: &Settings) -> Result<(), Box<dyn Error>> {
     let Settings { side, seeds, most, .. } = *settings;
     let words = format!("raytracer -input s -size {side} {side} {}", case.flags);
     let Command::Render(options) = parse(words.split_whitespace().map(Into::into))? else {
@@ -91,8 +97,8 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
     let renderer = Renderer::new(case.load()?, Meshes::Kept)?;
     let (many, one) = (ThreadPoolBuilder::new().build()?, ThreadPoolBuilder::new().num_threads(1).build()?);
     let base = Request { layers: vec![Layer::Color], ..options.request() };
-    let jittered = |count, seed| Request {
-        sampler: Sampler::new(Pattern::Jittered, count, Drand48::seeded(seed)),
+    let fixed = |pattern, count, seed| Request {
+        sampler: Sampler::new(pattern, count, Drand48::seeded(seed)),
         ..base.clone()
     };
     let adaptive = |error, seed| Request {
@@ -100,66 +106,89 @@ fn measure(case: &Case, settings: &Settings) -> Result<Vec<f64>, Box<dyn Error>>
         adaptive: Some(Adaptive { most, error }),
         ..base.clone()
     };
-    let prepared = renderer.prepare(&jittered(settings.reference, 0))?;
-    let halves =
-        [1001, 2002].map(|seed| many.install(|| prepared.render(&jittered(settings.reference, seed))));
-    let [a, b] = halves;
+    let reference = |seed| fixed(Pattern::Sobol, settings.reference, seed);
+    let prepared = renderer.prepare(&reference(0))?;
+    let [a, b] = [1001, 2002].map(|seed| many.install(|| prepared.render(&reference(seed))));
     let halves = [a?.remove(0), b?.remove(0)];
 
-    let mut curve = vec![];
-    for count in COUNTS.into_iter().filter(|&count| count <= settings.reference) {
-        let requests: Vec<Request> = (1..=ERROR_SEEDS).map(|seed| jittered(count, seed)).collect();
-        curve.push(time_and_error(&prepared, &one, &requests, &halves)?);
-    }
-    let mut speed_ups = vec![];
-    for error in ERRORS {
-        let requests: Vec<Request> = (1..=ERROR_SEEDS).map(|seed| adaptive(error, seed)).collect();
-        let [time, found, rays] = time_and_error(&prepared, &one, &requests, &halves)?;
-        let bias = if BIASED.contains(&error) && seeds > 0 {
-            let requests = (1..=seeds).map(|seed| adaptive(error, 100 + seed));
+    if settings.bias > 0 {
+        for error in BIASED {
+            let requests = (1..=settings.bias).map(|seed| adaptive(error, 100 + seed));
             let [bias, deviation] = bias(&prepared, &many, requests, &halves)?;
-            format!("{bias:+.4} ± {deviation:.4} ({:+.1})", bias / deviation)
-        } else {
-            String::new()
-        };
-        let (gain, shown) = match cost_of(found, &curve) {
-            Some([cost, many]) => (cost / time, format!("{:.2} | {:.2}", many / rays, cost / time)),
-            None => (f64::NAN, "- | -".into()),
-        };
-        if gain.is_finite() {
-            speed_ups.push(gain);
+            let ratio = bias / deviation;
+            println!("{} asked {error}: bias {bias:+.4} ± {deviation:.4} ({ratio:+.1})", case.name);
         }
+    }
+    let curve = |pattern| {
+        let of_count = |&count: &u32| {
+            let requests: Vec<Request> =
+                (1..=settings.fixed).map(|seed| fixed(pattern, count, seed)).collect();
+            measure_requests(&prepared, &one, &requests, &halves)
+        };
+        COUNTS.iter().map(of_count).collect::<Result<Vec<_>, _>>()
+    };
+    let curves = if settings.fixed > 0 {
+        PATTERNS.map(curve).into_iter().collect::<Result<Vec<_>, _>>()?
+    } else {
+        vec![]
+    };
+    for error in ERRORS.into_iter().filter(|_| seeds > 0) {
+        let requests: Vec<Request> = (1..=seeds).map(|seed| adaptive(error, seed)).collect();
+        let found = measure_requests(&prepared, &one, &requests, &halves)?;
+        let fixed = curves.iter().map(|curve| match cost_of(found.error, curve) {
+            Some([rays, time]) => format!("{rays:.1} | {time:.4}"),
+            None => "- | -".into(),
+        });
         println!(
-            "| {} | {error} | {bias} | {found:.3} | {:.2} | {rays:.1} | {time:.4} | {shown} |",
+            "| {} | {error} | {:.2} | {:.2} | {:.1} | {:.4} | {:.2} | {} |",
             case.name,
-            found / error
+            found.error / error,
+            found.worst / error,
+            found.rays,
+            found.time,
+            found.estimated / found.error,
+            fixed.collect::<Vec<_>>().join(" | ")
         );
     }
-    Ok(speed_ups)
+    Ok(())
 }
 
-/// The least time of a render in seconds, the root mean square error of all, and the rays for a pixel.
-fn time_and_error(
+/// Renders the requests with one thread.
+fn measure_requests(
     prepared: &Prepared,
     one: &ThreadPool,
     requests: &[Request],
     halves: &[FloatPicture; 2],
-) -> Result<[f64; 3], Box<dyn Error>> {
-    let (mut least, mut sum) = (Duration::MAX, 0.0);
+) -> Result<Measured, Box<dyn Error>> {
+    let (mut least, mut squares, mut rays, mut estimated) = (Duration::MAX, vec![], 0, 0.0);
     for request in requests {
-        let (picture, time) = one.install(|| {
+        let mut colors = vec![];
+        let mut take_row = |_: usize, row: &[Color]| {
+            colors.extend_from_slice(row);
+            ControlFlow::Continue(())
+        };
+        let go_on = |_| ControlFlow::Continue(());
+        let (rendered, time) = one.install(|| {
             let start = processor_time();
-            let rendered = prepared.render(request);
+            let rendered = prepared.render_rows(request, &go_on, &mut take_row);
             (rendered, processor_time() - start)
         });
+        let rendered = rendered?;
+        rays += rendered.counts.rays();
+        estimated += rendered.squared_error;
         least = least.min(time);
-        sum += mean_square(&picture?[0], halves);
+        squares.push(mean_square(&FloatPicture { size: request.size, colors }, halves));
     }
-    let go_on = |_| ControlFlow::Continue(());
-    let rendered = prepared.render_rows(&requests[0], &go_on, &mut |_, _| ControlFlow::Continue(()))?;
     let pixels = requests[0].size.iter().product::<usize>() as f64;
-    let error = 255.0 * (sum / requests.len() as f64).max(0.0).sqrt();
-    Ok([least.as_secs_f64(), error, rendered.counts.rays() as f64 / pixels])
+    let count = requests.len() as f64;
+    let levels = |square: f64| 255.0 * square.max(0.0).sqrt();
+    Ok(Measured {
+        rays: rays as f64 / pixels / count,
+        time: least.as_secs_f64(),
+        error: levels(squares.iter().sum::<f64>() / count),
+        estimated: levels(estimated / pixels / count),
+        worst: levels(squares.iter().fold(0.0, |most, &square| f64::max(most, square))),
+    })
 }
 
 /// The mean square error, from which the noise of the reference's halves cancels.
@@ -201,12 +230,13 @@ fn bias(
     Ok([average - 0.5 * (mean(a) + mean(b)), (variance + noise).sqrt()])
 }
 
-/// The time and the rays with which a curve has this error, interpolated in logarithms, and continued from its first two
-/// or last two points.
-fn cost_of(error: f64, curve: &[[f64; 3]]) -> Option<[f64; 2]> {
-    let next = curve.iter().position(|point| point[1] <= error).unwrap_or(curve.len() - 1).max(1);
+/// The rays and the time with which a curve has this error, interpolated in logarithms, and continued from its first
+/// two or last two points.
+fn cost_of(error: f64, curve: &[Measured]) -> Option<[f64; 2]> {
+    let next = curve.iter().position(|point| point.error <= error).unwrap_or(curve.len() - 1).max(1);
     let [one, other] = [curve[next - 1], curve[next]];
-    let share = (one[1] / error).ln() / (one[1] / other[1]).ln();
-    let cost = [0, 2].map(|k| (one[k].ln() + share * (other[k] / one[k]).ln()).exp());
+    let share = (one.error / error).ln() / (one.error / other.error).ln();
+    let between = |one: f64, other: f64| (one.ln() + share * (other / one).ln()).exp();
+    let cost = [between(one.rays, other.rays), between(one.time, other.time)];
     cost.iter().all(|cost| cost.is_finite()).then_some(cost)
 }

@@ -27,7 +27,7 @@ const fn text(name: &'static str, text: fn() -> String, flags: &'static str) -> 
 }
 
 /// All scenes.
-pub const CASES: [Case; 24] = [
+pub const CASES: [Case; 28] = [
     file("checkerboard", "scene6_13_checkerboard.txt", "-shadows"),
     file("glass", "scene6_14_glass_sphere.txt", "-shadows -shade_back -bounces 5 -weight 0.01"),
     file("rabbit", "scene6_07_bunny_mesh_40k.txt", "-shadows"),
@@ -52,6 +52,10 @@ pub const CASES: [Case; 24] = [
     text("two suns", two_suns, "-shadows"),
     text("shadows in a mirror", shadows_in_a_mirror, "-shadows -bounces 2"),
     text("far away", far_away, "-shadows"),
+    text("lamps behind", lamps_behind, "-bounces 4"),
+    text("250 small shadows", small_shadows, "-shadows"),
+    text("lamp in a mirror", lamp_in_a_mirror, "-bounces 1"),
+    text("shadows of fine dots", shadows_of_fine_dots, "-shadows"),
 ];
 
 impl Case {
@@ -360,4 +364,58 @@ fn far_away() -> String {
         "Transform {{ UniformScale 10000 Translate 0 0 -.5 YRotate 25 Group {{ numObjects 401 {GROUND} {dots} }} }}"
     );
     scene(&head, &WHITE_AND_DARK, &[group])
+}
+
+/// Forty lamps behind the camera, of three sizes, seen in two mirroring spheres only.
+fn lamps_behind() -> String {
+    let mut objects = vec!["MaterialIndex 2 Plane { normal 0 1 0 offset 0 }".to_string()];
+    for (x, y, z, radius) in [(-0.9, 1.0, 0.0, 1.0), (1.2, 0.8, 0.5, 0.8)] {
+        objects.push(format!("MaterialIndex 0 Sphere {{ center {x} {y} {z} radius {radius} }}"));
+    }
+    for k in 0..40 {
+        let ([x, y], [z, _]) = (spread(k), spread(3 * k + 1));
+        let [x, y, z] = [16.0 * x - 8.0, 6.0 * y + 1.2, 5.0 * z + 9.0];
+        let radius = [0.4, 0.15, 0.05][k % 3];
+        objects.push(format!("MaterialIndex 1 Sphere {{ center {x} {y} {z} radius {radius} }}"));
+    }
+    let materials = [
+        "Material { diffuseColor 0 0 0 reflectiveColor .9 .9 .9 }",
+        "Material { diffuseColor 4 4 3 }",
+        "Material { diffuseColor .3 .2 .1 }",
+    ];
+    let camera = "PerspectiveCamera { center 0 3 8 direction 0 -.35 -1 up 0 1 0 angle 36 }";
+    let light = "Lights { numLights 1 DirectionalLight { direction 0 -1 -.01 color .2 .2 .2 } }";
+    scene(
+        &format!("{camera} {light} Background {{ color .02 .02 .05 ambientLight 1 1 1 }}"),
+        &materials,
+        &objects,
+    )
+}
+
+fn small_shadows() -> String {
+    shaded(&format!("{MIDDAY} {DARK_BLUE}"), floating_dots(250, 0.02))
+}
+
+/// A flat mirror that shows a bright sphere much smaller than a pixel.
+fn lamp_in_a_mirror() -> String {
+    let objects = [
+        "MaterialIndex 0 Triangle { vertex0 -9 -1 -5 vertex1 9 -1 -5 vertex2 0 19 -5.5 }",
+        "MaterialIndex 1 Sphere { center 1 4 12 radius 0.02 }",
+        "MaterialIndex 2 Plane { normal 0 1 0 offset -1 }",
+    ];
+    let materials = [
+        "Material { diffuseColor .1 .1 .1 reflectiveColor .9 .9 .9 }",
+        "Material { diffuseColor 40 40 30 }",
+        "Material { diffuseColor .3 .3 .3 }",
+    ];
+    scene(
+        &format!("{AHEAD} Background {{ color .05 .05 .1 ambientLight 1 1 1 }}"),
+        &materials,
+        &objects.map(String::from),
+    )
+}
+
+/// Many shadows, each much smaller than a pixel.
+fn shadows_of_fine_dots() -> String {
+    shaded(&format!("{MIDDAY} {DARK_BLUE}"), floating_dots(1500, 0.01))
 }

@@ -201,10 +201,17 @@ pub(super) struct Flags {
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), groups = ["usual", "samples"])]
     pub jittered_samples: Option<u32>,
 
+    /// Takes n samples per pixel, the first points of a scrambled Sobol' sequence. They usually leave less error than
+    /// jittered ones.
+    ///
+    /// Any n will do; powers of two are best.
+    #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(SAMPLES), group = "samples")]
+    pub sobol_samples: Option<u32>,
+
     /// Adaptive sampling: takes at most n samples per pixel, 4 to 1024, until the estimated error of the picture is
     /// this many levels (1/255).
     ///
-    /// Flat pixels get one or few, edges many.
+    /// Flat pixels get few, edges many. The numbers are powers of two.
     ///
     /// Example: raytracer -input scene.txt -output picture.png -adaptive_samples 256 2
     #[arg(long, num_args = 2, value_names = ["n", "error"], group = "samples")]

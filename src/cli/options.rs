@@ -8,9 +8,9 @@ use crate::base::memory::Bytes;
 use crate::caster::choose::{Resolution, Structure};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{Format, ReadFile};
+use crate::render::adaptive::Adaptive;
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Tracing, Window};
-use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::{REDUCTION, reduced};
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
@@ -421,6 +421,7 @@ fn sampler(flags: &Flags, triples: bool) -> Sampler {
         (Pattern::Random, flags.random_samples),
         (Pattern::Uniform, flags.uniform_samples.or(flags.regular_samples)),
         (Pattern::Jittered, flags.jittered_samples),
+        (Pattern::Sobol, flags.sobol_samples),
     ];
     match given.into_iter().find_map(|(pattern, count)| Some((pattern, count?))) {
         Some((pattern, count)) => Sampler::new(pattern, count, rng),

@@ -15,6 +15,7 @@ use crate::image_io::{Exceptional, OutputFile};
 use crate::picture::Color;
 use crate::render::renderer::{Meshes, Prepared, Renderer};
 use crate::render::{Layer, Rendered, Request, Stop, Stopped, Tracing};
+use crate::sampling::filter::Filter;
 use crate::scene::edition::Edition;
 use crate::scene::load::LoadedScene;
 use crate::scene::model::Shows;
@@ -67,8 +68,8 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let mut products = Products::begin(pictures, &prepared, &request, options.compares_numbers())?;
 
     // Render rows.
-    let Rendered { counts, costs } = match render_rows(options, &prepared, &request, &mut products, signals)?
-    {
+    let rendered = render_rows(options, &prepared, &request, &mut products, signals)?;
+    let Rendered { counts, costs, squared_error } = match rendered {
         Ok(rendered) => rendered,
         Err(rows) => {
             let kept = products.keep_parts(rows)?;
@@ -90,7 +91,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let timings = Timings { reading, building, rendering, writing: encoding + lap() };
 
     // Report.
-    let statistics = statistics(options, &prepared, &request, counts, timings)?;
+    let statistics = statistics(options, &prepared, &request, (counts, squared_error), timings)?;
     let repeats =
         options.repeat.map(|count| repeated(options, &prepared, &request, count, rendering)).transpose()?;
     let pixel =
@@ -142,9 +143,20 @@ fn statistics(
     options: &Options,
     prepared: &Prepared,
     request: &Request,
-    counts: Counts,
+    (counts, squared_error): (Counts, f64),
     timings: Timings,
 ) -> Result<stats::Report, Diagnostic> {
+    // Adaptive samples are taken until this error is small enough.
+    let is_known = request.adaptive.is_some()
+        && request.filter == Filter::PIXEL
+        && !request.is_reduced
+        && request.layers.contains(&Layer::Color);
+    let pixels = request.window_size().iter().product::<usize>();
+    let standard_error = match options.stats {
+        false => None,
+        true if is_known => Some(255.0 * (squared_error / pixels.max(1) as f64).sqrt()),
+        true => standard_error(prepared, request)?,
+    };
     let edition = options.edition.filter(|&edition| edition != Edition::default());
     Ok(stats::Report {
         size: request.window_size(),
@@ -153,7 +165,7 @@ fn statistics(
         counts,
         timings,
         threads: rayon::current_num_threads(),
-        standard_error: if options.stats { standard_error(prepared, request)? } else { None },
+        standard_error,
         edition: edition.map(Edition::name),
     })
 }

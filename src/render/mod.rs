@@ -1,10 +1,10 @@
 //! Renders rows of pixels in parallel: samples -> film -> the layers' rows. Rows are handed out from the top as soon
 //! as they are finished.
 
+pub mod adaptive;
 mod filter_picture;
 pub mod grid_view;
 pub mod layer;
-mod plan;
 pub mod renderer;
 mod request;
 mod row;
@@ -28,9 +28,9 @@ use crate::sampling::blur::Blur;
 use crate::sampling::sampler::Sampler;
 use crate::stats::Counts;
 use crate::trace::MOST_WAITING;
+use adaptive::{Plan, Planner};
 use filter_picture::render_filter;
 use glam::DVec2;
-use plan::{Plan, Planner};
 use rayon::prelude::*;
 use row::RowSampler;
 use std::fmt;
@@ -46,8 +46,7 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
-    /// The number of rays that have been cast for these rows. Rays through the corners of pixels, for adaptive
-    /// samples, do not count.
+    /// The number of rays that have been cast for these rows.
     pub rays: u64,
 }
 
@@ -120,12 +119,15 @@ impl From<NoMemory> for Stopped {
 }
 
 /// The results of a render besides its rows.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
     /// The events that were counted.
     pub counts: Counts,
     /// The cost of each pixel, row by row from the top, if costs are a layer.
     pub costs: Vec<u64>,
+    /// The sum of the estimated squared errors of the colours, where white is 1, with adaptive samples. The error of a
+    /// pixel is that of the mean of its own samples.
+    pub squared_error: f64,
 }
 
 /// Renders the layers of a request, and returns the counts and the costs of the pixels.
@@ -171,7 +173,7 @@ fn render_strips(
     let tracer = PictureTracer::new(shot, request, &tally);
     let mut planner = Planner::new(&tracer);
     let pixels = request.cost().map_or(0, |_| request.window_size().iter().product());
-    let mut rendered = Rendered { counts: Counts::default(), costs: memory::with_room(pixels)? };
+    let mut rendered = Rendered { costs: memory::with_room(pixels)?, ..Rendered::default() };
     let mut end = rows.end;
     while end > rows.start {
         let strip = Strip::below(request, end, rows.start);
@@ -182,8 +184,8 @@ fn render_strips(
     Ok(rendered)
 }
 
-/// Renders the colours of these rows of the window, counted from its top, with each of these samplers. The colours are
-/// not reduced. Each row is rendered by itself.
+/// Renders the colours of these rows of the window, counted from its top, with each of these samplers. The samples are
+/// not adaptive. The colours are not reduced. Each row is rendered by itself.
 pub fn render_some_rows(
     shot: &Shot,
     request: &Request,
@@ -191,10 +193,6 @@ pub fn render_some_rows(
     rows: &[usize],
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), &|_| ControlFlow::Continue(()));
-    let tracer = PictureTracer::new(shot, request, &tally);
-    // The plan of adaptive samples is the same for all samplers.
-    let mut planner = Planner::new(&tracer);
-    planner.as_mut().map_or(Ok(()), |planner| planner.prepare(&request.traced_rows(request.rows())))?;
     // Otherwise each of the rows would build the structure.
     shot.caster.built(&tally)?;
     let render = |&sampler: &Sampler| {
@@ -203,7 +201,7 @@ pub fn render_some_rows(
         let colors = |row: &usize| {
             let end = request.rows().end - row;
             let strip = Strip::below(request, end, end - 1);
-            let traced = strip.trace(end - 1..end, &tracer.rows(strip.traced())?, planner.as_ref()).pop();
+            let traced = strip.trace(end - 1..end, &tracer.rows(strip.traced())?, None).pop();
             traced.map(|row| row.colors).ok_or_else(|| tally.reason())
         };
         let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
@@ -244,7 +242,7 @@ pub fn render_in_memory(
         pictures[layer].colors.extend_from_slice(row);
         ControlFlow::Continue(())
     };
-    let Rendered { counts, costs } = render(shot, request, watch, &mut take_row)?;
+    let Rendered { counts, costs, .. } = render(shot, request, watch, &mut take_row)?;
     for (layer, picture) in request.layers.iter().zip(&mut pictures) {
         if matches!(layer, Layer::Cost(_)) {
             picture.colors = costs.iter().map(|&cost| Color::splat(cost as f64)).collect();

@@ -187,8 +187,8 @@ impl Prepared<'_> {
         render::render(&self.shot(request), request, watch, take_row)
     }
 
-    /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers.
-    /// Does not count.
+    /// Renders the colours of these rows of a request's window, counted from the top, with each of these samplers, which
+    /// are not adaptive. Does not count.
     pub(crate) fn render_some_rows(
         &self,
         request: &Request,

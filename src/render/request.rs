@@ -1,10 +1,10 @@
 //! The request: the layers to render, and how to render them.
 
+use super::adaptive::Adaptive;
 use super::layer::{Cost, Layer};
 use crate::caster::choose::Structure;
 use crate::picture::Window;
 use crate::render::grid_view::Occupancy;
-use crate::sampling::adaptive::Adaptive;
 use crate::sampling::blur::reduced;
 use crate::sampling::filter::Filter;
 use crate::sampling::sample_packet::Stage;

@@ -1,13 +1,11 @@
 //! Traces the samples of a row of pixels, and adds their colours to the layers.
 
+use super::adaptive::Plan;
 use super::layer::Layer;
-use super::plan::Plan;
 use super::request::Request;
 use super::tracing::PictureTracer;
 use crate::picture::Color;
 use crate::sampling::c_rand::CRand;
-use crate::sampling::drand48::Jump;
-use crate::sampling::multi_jittered::MultiJittered;
 use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
@@ -27,6 +25,8 @@ pub struct Row {
     pub counts: Counts,
     /// The cost of each pixel, if costs are a layer.
     pub costs: Vec<u64>,
+    /// The sum of the pixels' estimated squared errors, with adaptive samples.
+    pub squared_error: f64,
     /// The colour of each pixel, if its own samples determine it.
     pub colors: Vec<Color>,
     /// The contributions of the samples to this row and the rows around it, if the filter reaches that far.
@@ -36,7 +36,7 @@ pub struct Row {
     pub layers: Vec<Vec<Color>>,
 }
 
-/// The results of rays that do not contribute to the picture.
+/// The results of some rays of a row.
 pub struct Looked {
     pub colors: Vec<Color>,
     /// The cost of all rays together.
@@ -69,12 +69,9 @@ impl<'a> RowSampler<'a> {
         // The index of the first pixel in the order in which random numbers are drawn.
         let first = (columns.start * height + self.j) as u64;
         if let Some(plan) = self.plan {
-            let draws = MultiJittered::draws(plan.most());
-            let (mut rng, jump) = (sampler.rng().jumped(first * draws), Jump::of(height as u64 * draws));
             each(columns, take, |column| {
-                let offsets = MultiJittered::new(plan.strata(column), rng);
-                rng = rng.after(jump);
-                offsets
+                let sequence = sampler.sequence((column * height + self.j) as u64);
+                (0..plan.samples(column)).map(move |index| sequence.offset(index))
             });
         } else if let Some(c_rand) = &mut self.c_rand {
             each(columns, take, |_| std::iter::once(c_rand.next_offset()));
@@ -115,6 +112,7 @@ impl PictureTracer<'_> {
             j,
             counts: Counts::default(),
             costs: vec![],
+            squared_error: plan.map_or(0.0, Plan::squared_error),
             colors: Vec::with_capacity(if request.has_colors() { request.columns().len() } else { 0 }),
             spread: (request.support() > 0)
                 .then(|| Spread::new(request.filter, self.caster.level, j, request.size)),
@@ -222,7 +220,9 @@ impl Painter<'_> {
             }
             packet.clear();
         }
-        if colors && !are_centers {
+        if let Some(plan) = self.plan.filter(|plan| colors && plan.color(columns.start).is_some()) {
+            self.row.colors.extend(columns.filter_map(|column| plan.color(column)));
+        } else if colors && !are_centers {
             sampler.place(columns, |column, offset, is_last| {
                 packet.push(column, offset, is_last);
                 if packet.is_full() {
@@ -267,7 +267,7 @@ impl Painter<'_> {
             None if CENTERS => sum.add(self.center_weight, color, 1.0),
             None => sum.add(self.tracer.request.filter.weight(offset), color, 1.0),
             Some(spread) => {
-                let part = self.plan.as_ref().map_or(1.0, |plan| plan.part(column));
+                let part = self.plan.as_ref().map_or(1.0, |plan| 1.0 / f64::from(plan.samples(column)));
                 spread.add(column, offset, color, part);
             }
         }

@@ -4,8 +4,8 @@
 //! If the filter's support extends beyond a pixel's row, the samples of the rows around the strip are traced as well.
 //! So the strip's pixels are the same as in the whole picture.
 
+use super::adaptive::{Plan, Planner};
 use super::layer::Layer;
-use super::plan::{Plan, Planner};
 use super::request::Request;
 use super::row::Row;
 use super::tracing::PictureTracer;
@@ -81,6 +81,7 @@ impl<'a> Strip<'a> {
             let taken = rows.iter().try_for_each(|row| {
                 rendered.counts = rendered.counts.merge(row.counts);
                 rendered.costs.extend_from_slice(&row.costs);
+                rendered.squared_error += row.squared_error;
                 hand_out(row, self.request, take_row)?;
                 tracer.tally.row_is_handed_out();
                 Ok(())

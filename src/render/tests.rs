@@ -7,7 +7,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::caster::choose::Layout;
 use crate::caster::{Caster, LazyCaster};
-use crate::sampling::adaptive::Adaptive;
+use crate::render::adaptive::Adaptive;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};

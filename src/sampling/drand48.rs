@@ -28,6 +28,12 @@ impl Drand48 {
         (self.state & 0xFFFF == 0x330E).then_some((self.state >> 16) as u32)
     }
 
+    /// Returns the state X, which is below 2^48.
+    #[inline(always)]
+    pub(super) fn state(self) -> u64 {
+        self.state
+    }
+
     /// Returns the generator after `steps` draws.
     pub fn jumped(self, steps: u64) -> Self {
         self.after(Jump::of(steps))

@@ -1,7 +1,5 @@
 //! Supersampling: sample positions in a pixel, reconstruction filters, and the film that sums samples.
 
-pub mod adaptive;
-pub mod allotment;
 pub mod sample_packet;
 pub mod drand48;
 pub mod c_rand;
@@ -10,5 +8,5 @@ pub mod filter;
 pub mod sum;
 pub mod spread;
 pub mod film;
-pub mod multi_jittered;
+pub mod sobol;
 pub mod sampler;

@@ -1,8 +1,8 @@
 //! Samplers: the positions of the samples within a pixel.
 
-use super::adaptive::Adaptive;
 use super::c_rand::CRand;
 use super::drand48::{Drand48, Jump};
+use super::sobol::Sobol;
 use crate::scene::edition::Edition;
 use glam::DVec2;
 use rand::RngExt;
@@ -18,6 +18,8 @@ pub enum Pattern {
     Uniform,
     /// A random point in each stratum of a grid.
     Jittered,
+    /// The first points of an Owen-scrambled Sobol' sequence ([`Sobol`]).
+    Sobol,
     /// One point, displaced by the random numbers of [`CRand`], which are drawn row by row.
     Displaced,
 }
@@ -30,6 +32,7 @@ impl Pattern {
             (Self::Random, Edition::Aalto) | (Self::Uniform, _) => "uniform_samples",
             (Self::Random, _) => "random_samples",
             (Self::Jittered, _) => "jittered_samples",
+            (Self::Sobol, _) => "sobol_samples",
             (Self::Displaced, _) => "jitter",
         }
     }
@@ -67,9 +70,15 @@ impl Sampler {
         (self.pattern == Pattern::Displaced).then(|| CRand::unseeded().jumped(before()))
     }
 
-    /// Creates a placeholder for adaptive samples, with their random numbers.
+    /// Creates a sampler for adaptive samples. Their number replaces its own.
     pub const fn of_adaptive(rng: Drand48) -> Self {
-        Self { pattern: Pattern::Jittered, count: Adaptive::BASE, rng }
+        Self { pattern: Pattern::Sobol, count: 2, rng }
+    }
+
+    /// Returns the Sobol' sequence of a pixel with adaptive samples, given by its index in the course's order. It does
+    /// not depend on the number of samples.
+    pub fn sequence(&self, index: u64) -> Sobol {
+        Sobol::scrambled_by(self.rng.jumped(index))
     }
 
     /// Returns a sampler with other random numbers.
@@ -115,7 +124,12 @@ impl Sampler {
     /// Returns the offsets of several pixels: the pixel with the index `first`, and then every `step`-th pixel.
     pub fn pixels(self, first: u64, step: u64) -> Pixels {
         let draws = |pixels: u64| 2 * pixels * u64::from(self.count);
-        let strata = DVec2::from_array(self.strata().map(f64::from));
+        let strata = match self.pattern {
+            // The samples count as one row.
+            Pattern::Sobol => [self.count, 1],
+            _ => self.strata(),
+        };
+        let strata = DVec2::from_array(strata.map(f64::from));
         let rng = self.rng.jumped(draws(first));
         let Self { pattern, count, .. } = self;
         let offsets = Offsets { pattern, rng, strata, corner: DVec2::ZERO, left: count };
@@ -174,6 +188,7 @@ impl Iterator for Offsets {
                 let (x, y) = (self.rng.random(), self.rng.random());
                 (corner + DVec2::new(x, y)) / strata - 0.5
             }
+            Pattern::Sobol => Sobol::scrambled_by(self.rng).offset(corner.x as u32),
             // The course's program draws y first here. `Displaced` samples do not use this iterator.
             Pattern::Random | Pattern::Displaced => {
                 let (y, x) = (self.rng.random(), self.rng.random());
@@ -247,7 +262,9 @@ mod tests {
 
     #[test]
     fn pixels_at_equal_steps_have_their_own_offsets() {
-        for (pattern, count) in [(Pattern::Random, 5), (Pattern::Jittered, 12), (Pattern::Uniform, 3)] {
+        for (pattern, count) in
+            [(Pattern::Random, 5), (Pattern::Jittered, 12), (Pattern::Uniform, 3), (Pattern::Sobol, 7)]
+        {
             let sampler = Sampler::new(pattern, count, Drand48::seeded(3));
             for (first, step) in [(0, 1), (7, 480), (123_456, 0)] {
                 let mut pixels = sampler.pixels(first, step);

@@ -3,7 +3,8 @@
 //! One sample per stratum does not show how much the colours in the stratum vary, so an estimate from the strata of one
 //! picture is always biased. Further pictures with other random numbers give an unbiased estimate: their variance is
 //! the picture's variance. Uniform samples have no random numbers. Their error is measured with jittered pictures,
-//! whose own errors are independent and cancel on average.
+//! whose own errors are independent and cancel on average. Adaptive samples have an estimate of their own if the filter
+//! covers a pixel. With other filters whole pictures are rendered.
 //!
 //! For a large picture, some random rows represent all. Two pictures with one sample per pixel show which rows differ
 //! much. These rows are chosen with a higher probability, and weighted less.
@@ -52,7 +53,8 @@ fn of_colors(prepared: &Prepared, request: &Request) -> Result<f64, Stopped> {
     let mut rng = sampler.rng();
     let mut rows: Vec<(usize, f64)> = (0..height).map(|row| (row, 1.0)).collect();
     // Rows of a reduced picture are not independent.
-    let are_some = height > ROWS && !request.is_reduced;
+    // Nor are adaptive samples.
+    let are_some = height > ROWS && !request.is_reduced && request.adaptive.is_none();
     if are_some {
         let differences = differences(prepared, request, &mut rng)?;
         let sum = differences.iter().sum::<f64>().max(f64::MIN_POSITIVE);
@@ -69,7 +71,7 @@ fn of_colors(prepared: &Prepared, request: &Request) -> Result<f64, Stopped> {
         Pattern::Uniform => Sampler::new(Pattern::Jittered, REFERENCE * sampler.count(), sampler.rng()),
         // The random numbers of `Displaced` have no seed.
         Pattern::Displaced => Sampler::new(Pattern::Jittered, 1, sampler.rng()),
-        Pattern::Random | Pattern::Jittered => sampler,
+        Pattern::Random | Pattern::Jittered | Pattern::Sobol => sampler,
     };
     let pictures = ROWS_OF_ALL.div_ceil(rows.len().max(1)).clamp(2, 16);
     let mut samplers = if is_uniform { vec![sampler] } else { vec![] };

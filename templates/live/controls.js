@@ -3,7 +3,7 @@
 
 const NUMBERED = ['bounces', 'weight', 'seed'];
 const DEFAULTED = ['bounces', 'weight'];
-const SAMPLES = ['-random_samples', '-uniform_samples', '-jittered_samples', '-adaptive_samples'];
+const SAMPLES = ['-random_samples', '-uniform_samples', '-jittered_samples', '-sobol_samples', '-adaptive_samples'];
 const FILTERS = ['-box_filter', '-tent_filter', '-gaussian_filter', '-mitchell_filter'];
 const FINER = [[16, 8], [64, 3], [256, 1]];
 

@@ -3,8 +3,8 @@
 use raytracer::caster::choose::Structure;
 use raytracer::picture::Color;
 use raytracer::render::Request;
+use raytracer::render::adaptive::Adaptive;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
-use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -53,6 +53,7 @@ fn it_is_that_against_converged_pictures() {
                 sampled(Pattern::Jittered, 1),
                 sampled(Pattern::Jittered, 16),
                 sampled(Pattern::Uniform, 9),
+                sampled(Pattern::Sobol, 8),
                 (Sampler::DISPLACED, None),
                 adaptive(64, 8.0),
                 adaptive(256, 2.0),

@@ -5,8 +5,8 @@ use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Command, Comparison, Given, LivePage, Options, Output, ShowProgress, parse};
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::Format;
+use raytracer::render::adaptive::Adaptive;
 use raytracer::render::{Layer, Window};
-use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -173,6 +173,7 @@ fn each_sampler_and_its_count() {
     let uniform = |options| Options { given: Given { uniform_samples: true, ..Given::default() }, ..options };
     accepts("-uniform_samples 4 -input s.txt", uniform(sampled(Pattern::Uniform, 4, unseeded)));
     accepts("-input s.txt -jittered_samples 16", sampled(Pattern::Jittered, 16, unseeded));
+    accepts("-input s.txt -sobol_samples 7", sampled(Pattern::Sobol, 7, unseeded));
     let adaptive = |most, error| Options {
         sampler: Sampler::of_adaptive(unseeded),
         adaptive: Some(Adaptive { most, error }),

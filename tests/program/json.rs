@@ -158,7 +158,7 @@ fn the_options_are_the_checked_values() {
     assert_eq!(options(""), plain);
     let adaptive = options("-adaptive_samples 64 1.5");
     assert_eq!(adaptive["adaptive"], json!({ "most": 64, "error": 1.5 }));
-    assert_eq!(adaptive["sampler"], json!({ "pattern": "jittered", "count": 4, "seed": null }));
+    assert_eq!(adaptive["sampler"], json!({ "pattern": "sobol", "count": 2, "seed": null }));
     for (flags, member, value) in [
         ("-size 7 5", "size", json!([7, 5])),
         ("-progress", "progress", json!("always")),

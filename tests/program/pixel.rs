@@ -5,9 +5,9 @@ use crate::support::{Folder, Tga};
 use rayon::prelude::*;
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::picture::Color;
+use raytracer::render::adaptive::Adaptive;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::{Request, Stop, Tracing};
-use raytracer::sampling::adaptive::Adaptive;
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -175,13 +175,7 @@ fn the_work_of_all_pixels_is_that_of_the_statistics() {
             let line = statistics.lines().find(|line| line.trim_start().starts_with(label));
             let words = line.unwrap_or_else(|| panic!("no {label}: {statistics}")).split_whitespace();
             let counted = words.last().and_then(|word| word.parse().ok());
-            if case.request.adaptive.is_some() {
-                // The rays that decide how many samples pixels get are behind none of them.
-                assert!(counted >= Some(count), "{label} {}", case.flags);
-                assert!(label != "num non-shadow rays" || counted > Some(count), "{}", case.flags);
-            } else {
-                assert_eq!(counted, Some(count), "{label} {}", case.flags);
-            }
+            assert_eq!(counted, Some(count), "{label} {}", case.flags);
         }
     }
 }

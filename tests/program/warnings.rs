@@ -218,13 +218,10 @@ fn warnings_about_flags_are_one_line() {
             "warning: `-bounces 3` has no effect: no object reflects or transmits light\n",
         ),
         ("-output o.tga -weight 0.01", "warning: `-weight 0.01` has no effect without `-bounces`\n"),
-        (
-            "-output o.tga -seed 7",
-            "warning: `-seed 7` has no effect: no samples are random, jittered or adaptive\n",
-        ),
+        ("-output o.tga -seed 7", "warning: `-seed 7` has no effect: no samples are random\n"),
         (
             "-output o.tga -uniform_samples 9 -seed 0",
-            "warning: `-seed 0` has no effect: no samples are random, jittered or adaptive\n",
+            "warning: `-seed 0` has no effect: no samples are random\n",
         ),
         (
             "-output o.tga -tent_filter 0.7",

@@ -3,7 +3,7 @@
 use super::setting::{Axis, Setting};
 use crate::caster::choose::{Resolution, Structure};
 use crate::render::Request;
-use crate::sampling::adaptive::Adaptive;
+use crate::render::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::Scene;
@@ -57,7 +57,7 @@ pub fn plan(scene: &Scene, world: &World, own: &Setting) -> Vec<Vec<Setting>> {
 /// Returns all kinds and numbers of samples, each kind from the cheapest on.
 fn samples(base: Setting) -> Vec<Setting> {
     let rng = base.request.sampler.rng();
-    let fixed = [Pattern::Random, Pattern::Uniform, Pattern::Jittered]
+    let fixed = [Pattern::Random, Pattern::Uniform, Pattern::Jittered, Pattern::Sobol]
         .into_iter()
         .flat_map(|pattern| COUNTS.map(|count| (Sampler::new(pattern, count, rng), None)));
     let adaptive = ADAPTIVE_ERRORS.map(|error| Some(Adaptive { most: ADAPTIVE_MOST, error }));
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn only_what_the_scene_can_show_is_measured() {
         let matt = settings("numMaterials 1 Material { }", 5);
-        assert_eq!(of(Axis::Samples, &matt).len(), 4 * 20, "four filters");
+        assert_eq!(of(Axis::Samples, &matt).len(), 4 * 25, "four filters");
         assert!(of(Axis::Secondary, &matt).is_empty() && of(Axis::Octaves(1), &matt).is_empty());
         let structures = [" -grid none", " -grid auto", " -grid 10 10 10", " -grid 40 40 40"];
         assert_eq!(of(Axis::Structure, &matt), structures.map(|flag| format!("-jittered_samples 4{flag}")));

@@ -108,6 +108,7 @@ pub fn marker(kind: SamplingKind) -> &'static str {
         SamplingKind::Random => "M-4 -4L4 4M-4 4L4 -4",
         SamplingKind::Uniform => "M-4 -4H4V4H-4Z",
         SamplingKind::Jittered => "M0 -5L5 4H-5Z",
+        SamplingKind::Sobol => "M0 -5L5 -1L3 5H-3L-5 -1Z",
         SamplingKind::Adaptive => "M0 -6L6 0L0 6L-6 0Z",
     }
 }

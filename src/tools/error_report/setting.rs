@@ -11,17 +11,19 @@ pub enum SamplingKind {
     Random,
     Uniform,
     Jittered,
+    Sobol,
     Adaptive,
 }
 
 impl SamplingKind {
-    pub const ALL: [Self; 4] = [Self::Random, Self::Uniform, Self::Jittered, Self::Adaptive];
+    pub const ALL: [Self; 5] = [Self::Random, Self::Uniform, Self::Jittered, Self::Sobol, Self::Adaptive];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Random => "random",
             Self::Uniform => "uniform",
             Self::Jittered => "jittered",
+            Self::Sobol => "sobol",
             Self::Adaptive => "adaptive",
         }
     }
@@ -74,6 +76,7 @@ impl Setting {
             Pattern::Random | Pattern::Displaced => SamplingKind::Random,
             Pattern::Uniform => SamplingKind::Uniform,
             Pattern::Jittered => SamplingKind::Jittered,
+            Pattern::Sobol => SamplingKind::Sobol,
         }
     }
 
@@ -131,7 +134,7 @@ fn structure_flag(structure: Structure) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::adaptive::Adaptive;
+    use crate::render::adaptive::Adaptive;
     use crate::sampling::drand48::Drand48;
     use crate::sampling::filter::Filter;
     use crate::sampling::sampler::Sampler;

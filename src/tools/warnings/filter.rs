@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_filter_for_adaptive_samples_covers_the_pixel() {
-        let adaptive = Some(crate::sampling::adaptive::Adaptive { most: 16, error: 2.0 });
+        let adaptive = Some(crate::render::adaptive::Adaptive { most: 16, error: 2.0 });
         let sampler = Sampler::of_adaptive(Drand48::UNSEEDED);
         let warns = |filter| is_too_narrow(&Request { filter, sampler, adaptive, ..Request::new([40, 30]) });
         let [square, disk, _, cubic] = FILTERS;

@@ -33,7 +33,7 @@ fn without_effect(flags: &[String], why: &str) -> Diagnostic {
 fn samples_without_effect(request: &Request) -> impl Iterator<Item = Diagnostic> {
     let Request { sampler, filter, .. } = *request;
     let seed = sampler.rng().seed().filter(|_| sampler.pattern() == Pattern::Uniform);
-    let why = ": no samples are random, jittered or adaptive";
+    let why = ": no samples are random";
     let seed = seed.map(|seed| without_effect(&[format!("-seed {seed}")], why));
     let weighs_one = filter.support() == 0 || filter.weight(DVec2::X) == 0.0;
     let is_idle = filter != Filter::PIXEL && sampler.is_center() && weighs_one && !shows_filter(request);

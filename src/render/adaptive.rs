@@ -1,0 +1,649 @@
+//! Adaptive samples: each pixel gets as many samples as the picture needs to reach the error that was asked for.
+//!
+//! The picture is cut into tiles, and each tile of P pixels is sampled by itself. So a part of a picture has the same
+//! pixels as the whole. With t the square of the error that was asked for, where white is 1:
+//!
+//! ```text
+//! floor = sqrt(2 / (t P)), at least 2               details that no sample hits leave less than t then
+//! take the first floor points of each pixel's Sobol' sequence; its pilot samples are the first of them, at most 8
+//! ring(p) = range of the colours of the neighbours' pilot samples within half a pixel of p
+//! u(p)    = mean square distance of p's own pilot samples from ring(p)
+//! D(p)    = |ring(p)|^2 + 8 * mean u of pixels like p      like: with or without a small thing that is known
+//! w(p)    = D(p)^0.4                                       n ~ w has the least sum of D n^-1.5 for a sum of n
+//! repeat at most 10 times, for each group g of pixels:
+//!     e(p) = 0.7 |mean of the first half of p's samples - mean of the second half|^2 / 4
+//!     estimate = mean e + 2 sqrt(sum of e^2) / P           the second term is doubt: few pixels decide
+//!     if estimate <= 0.64 t (at first) or 0.9 t, then g is done
+//!     find k with estimate * sum of D n'^-1.5 / sum of D n^-1.5 = 0.64 t, n' = max(n, k w),
+//!         but 1.3 to 2.5 times as many samples in all
+//!     n = max(n, the nearest power of two to n') for the pixels of g
+//! ```
+//!
+//! All numbers of samples are powers of two, because the first points of a Sobol' sequence are most even then. The error
+//! of a pixel with n of them is about c^2 n^-1.5 if an edge of contrast c crosses it (Owen, "Scrambled net variance").
+//!
+//! The picture is unbiased if a pixel's own samples do not decide their number: a pixel that happens to look dark would
+//! stay dark, and one that happens to look bright would be corrected (Kirk and Arvo, "Unbiased sampling techniques for
+//! image synthesis", SIGGRAPH 1991). D(p) is found from the neighbours. The means and sums, which decide for a group,
+//! leave out its pixels and their neighbours. The groups are 4 by 4 squares in turn, as the fields of a chessboard.
+
+use super::Stopped;
+use super::layer::Layer;
+use super::request::Request;
+use super::small_things::SmallThings;
+use super::tracing::PictureTracer;
+use crate::base::memory;
+use crate::picture::Color;
+use crate::sampling::filter::Filter;
+use crate::scene::Light;
+use crate::scene::material::Material;
+use crate::stats::Counts;
+use crate::world::World;
+use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::ops::Range;
+
+/// The settings of adaptive sampling.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Adaptive {
+    /// The largest number of samples per pixel, from [`BASE`](Self::BASE) to [`LIMIT`](Self::LIMIT). Powers of two are
+    /// used.
+    pub most: u32,
+    /// The target error of the picture, in levels.
+    pub error: f64,
+}
+
+impl Adaptive {
+    /// The smallest permitted value of `most`.
+    pub const BASE: u32 = 4;
+
+    /// The largest permitted value of `most`.
+    pub const LIMIT: u32 = 1024;
+
+    /// Returns the approximate average number of samples per pixel if edges cross some pixels.
+    pub fn usual(self) -> u32 {
+        (libm::pow(160.0 / self.error, 4.0 / 3.0) / 12.0).ceil().min(f64::from(self.most)) as u32
+    }
+
+    /// Returns the target squared error, where white is 1.
+    fn square(self) -> f64 {
+        (self.error / LEVELS) * (self.error / LEVELS)
+    }
+}
+
+/// The number of levels from black to white.
+const LEVELS: f64 = 255.0;
+
+/// The largest side of a tile, in pixels.
+const SIDE: usize = 256;
+
+/// The least number of samples, as its logarithm to base 2, and the largest number of pilot samples.
+const LEAST: u8 = 1;
+const MOST_PILOTS: u32 = 8;
+
+/// Pilot samples in pictures of bytes are clamped to this brightness, and in pictures of floats to the other one.
+const BRIGHTEST: f64 = 2.0;
+const BRIGHTEST_FLOAT: f64 = 1e6;
+
+/// The largest contrast that is assumed for details that no sample hits.
+const MOST_CONTRAST: f64 = 8.0;
+
+/// The weight of u in D, the factor of the difference of halves, and the weight of doubt.
+const UNSEEN: f32 = 8.0;
+const HALVES: f64 = 0.7;
+const DOUBT: f64 = 2.0;
+
+/// The part of t that is aimed at, and the part that is enough after the first pass.
+const AIM: f64 = 0.64;
+const ENOUGH: f64 = 0.9;
+
+/// The passes after the first samples, and the limits of the growth of all samples in one of them.
+const PASSES: usize = 10;
+const GROWTH: Range<f64> = 1.3..2.5;
+
+/// The side of a square of pixels of one group, and the number of squares in turn along each axis.
+const SQUARE: usize = 8;
+const TURNS: usize = 4;
+const GROUPS: usize = TURNS * TURNS;
+
+/// Classes of pixels by w. Successive classes differ by the eighth part of a doubling. The first class has this D.
+const STEPS: i32 = 8;
+const LEAST_D: f32 = 1e-7;
+const CLASSES: usize = 224;
+
+/// With this scale no pixel gets more samples.
+const LEAST_SCALE: i32 = -(CLASSES as i32);
+
+/// The approximate memory of a pixel, in bytes: in a band, and while its tile is sampled.
+const BYTES: usize = size_of::<u8>() + size_of::<Color>() + size_of::<u64>();
+const BYTES_OF_TILE: usize = 2 * size_of::<Pixel>() + 8 * size_of::<Pilot>() + 64;
+
+/// The adaptive samples of a row of pixels.
+#[derive(Clone, Copy)]
+pub struct Plan<'a> {
+    band: &'a Band,
+    /// The index of the row in the band.
+    row: usize,
+}
+
+/// The samples of a row of tiles.
+struct Band {
+    columns: Range<usize>,
+    rows: Range<usize>,
+    /// The numbers of samples, as logarithms to base 2.
+    doublings: Vec<u8>,
+    /// The colours of the pixels, if only their own samples contribute to them, with equal weights.
+    colors: Vec<Color>,
+    /// The cost of each pixel, if costs are a layer.
+    costs: Vec<u64>,
+    /// The counts and the sum of the estimated squared errors of each row.
+    counts: Vec<Counts>,
+    errors: Vec<f64>,
+}
+
+/// Samples tiles of a picture.
+pub struct Planner<'a> {
+    picture: &'a PictureTracer<'a>,
+    request: &'a Request,
+    settings: Adaptive,
+    small_things: SmallThings<'a>,
+    /// The largest contrast of details that no sample hits.
+    contrast: f64,
+    /// The rows of tiles that are sampled.
+    bands: Vec<Band>,
+}
+
+/// Returns the rows or columns of tiles of this number of pixels that overlap the range.
+fn tiles(pixels: &Range<usize>, count: usize) -> impl Iterator<Item = Range<usize>> + use<> {
+    let (pixels, parts) = (pixels.clone(), count.div_ceil(SIDE));
+    let tiles = (0..parts).map(move |k| k * count / parts..(k + 1) * count / parts);
+    tiles.filter(move |tile| tile.start < pixels.end && pixels.start < tile.end)
+}
+
+impl Band {
+    /// Returns the index of a pixel in the lists, given by its column and the index of its row.
+    fn index(&self, column: usize, row: usize) -> usize {
+        row * self.columns.len() + column - self.columns.start
+    }
+}
+
+impl Plan<'_> {
+    /// Returns the number of samples of a pixel.
+    pub fn samples(self, column: usize) -> u32 {
+        1 << self.band.doublings[self.band.index(column, self.row)]
+    }
+
+    /// Returns the colour of a pixel, or `None` if its samples must be traced again.
+    pub fn color(self, column: usize) -> Option<Color> {
+        self.band.colors.get(self.band.index(column, self.row)).copied()
+    }
+
+    /// Returns the cost of sampling a pixel, if costs are a layer.
+    pub fn cost(self, column: usize) -> Option<u64> {
+        self.band.costs.get(self.band.index(column, self.row)).copied()
+    }
+
+    /// Returns the counts of sampling the row.
+    pub fn counts(self) -> Counts {
+        self.band.counts[self.row]
+    }
+
+    /// Returns the sum of the estimated squared errors of the row's pixels in the window, where white is 1.
+    pub fn squared_error(self) -> f64 {
+        self.band.errors[self.row]
+    }
+}
+
+impl<'a> Planner<'a> {
+    /// Returns a planner, or `None` if samples are not adaptive or no colours are traced.
+    pub fn new(picture: &'a PictureTracer<'a>) -> Option<Self> {
+        let request = picture.request;
+        let settings = request.adaptive.filter(|_| request.traces_colors(request.tracing))?;
+        let small_things = SmallThings::new(&picture.shot.camera, picture.caster.world);
+        let world = picture.caster.world;
+        let reflects =
+            request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
+        let contrast = if reflects { brightest(world).min(MOST_CONTRAST) } else { 1.0 };
+        Some(Self { picture, request, settings, small_things, contrast, bands: vec![] })
+    }
+
+    /// Samples these rows and forgets the others. Fails if the render is cancelled, or if there is too little memory.
+    pub fn prepare(&mut self, rows: &Range<usize>) -> Result<(), Stopped> {
+        let [_, height] = self.request.size;
+        self.bands.retain(|band| band.rows.start < rows.end && rows.start < band.rows.end);
+        for rows in tiles(rows, height) {
+            if self.bands.iter().all(|band| band.rows != rows) {
+                let width = self.request.traced_columns().len() + 2 * SIDE;
+                memory::ask((width * rows.len() * BYTES + SIDE * SIDE * BYTES_OF_TILE) as u64)?;
+                self.bands.push(self.band(rows)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the samples of row `j`, if it is sampled.
+    pub fn plan(&self, j: usize) -> Option<Plan<'_>> {
+        let band = self.bands.iter().find(|band| band.rows.contains(&j))?;
+        Some(Plan { band, row: j - band.rows.start })
+    }
+
+    fn band(&self, rows: Range<usize>) -> Result<Band, Stopped> {
+        let request = self.request;
+        let tracer = self.picture.rows(rows.clone())?;
+        let tiles: Vec<_> = tiles(&request.traced_columns(), request.size[0]).collect();
+        let columns = tiles.first().map_or(0, |tile| tile.start)..tiles.last().map_or(0, |tile| tile.end);
+        let pixels = columns.len() * rows.len();
+        let plots_samples = request.layers.iter().any(|layer| matches!(layer, Layer::Samples { .. }));
+        let keeps_colors = request.filter == Filter::PIXEL && !plots_samples;
+        let mut band = Band {
+            columns,
+            rows: rows.clone(),
+            doublings: vec![0; pixels],
+            colors: if keeps_colors { vec![Color::ZERO; pixels] } else { vec![] },
+            costs: if request.cost().is_some() { vec![0; pixels] } else { vec![] },
+            counts: vec![Counts::default(); rows.len()],
+            errors: vec![0.0; rows.len()],
+        };
+        for columns in tiles {
+            let sampled = Tile::sample(self, &tracer, columns, &mut band);
+            sampled.ok_or_else(|| tracer.tally.reason())?;
+        }
+        Ok(band)
+    }
+}
+
+/// A pixel of a tile.
+#[derive(Clone, Copy, Default)]
+struct Pixel {
+    /// The sums of the first half of its samples, and of all.
+    half: Color,
+    sum: Color,
+    /// The number of samples, as its logarithm to base 2, once there are any.
+    doublings: Option<u8>,
+    /// The square of the range of the neighbours' pilot samples.
+    ring: f32,
+    /// The mean square distance of its own pilot samples from that range.
+    unseen: f32,
+    /// The part that a small thing covers, if there is one.
+    speck: Option<f32>,
+    /// The groups that leave it out, as bits.
+    around: u32,
+}
+
+/// A pilot sample.
+#[derive(Clone, Copy)]
+struct Pilot {
+    color: Vec3,
+    /// True if it is in the right half of its pixel, and in the upper half.
+    is_right: bool,
+    is_upper: bool,
+}
+
+/// The new samples of a row of a tile.
+struct TracedRow {
+    pixels: Vec<Pixel>,
+    pilots: Vec<Pilot>,
+    /// The cost of each pixel, or zeros if costs are no layer.
+    costs: Vec<u64>,
+    counts: Counts,
+}
+
+/// A tile in progress.
+struct Tile<'t, 'a> {
+    planner: &'t Planner<'a>,
+    tracer: &'t PictureTracer<'t>,
+    columns: Range<usize>,
+    rows: Range<usize>,
+    /// The pixels, row by row.
+    pixels: Vec<Pixel>,
+    /// The pilot samples of each pixel.
+    pilots: Vec<Pilot>,
+    /// The first number of samples, as its logarithm to base 2.
+    floor: u8,
+    groups: [Group; GROUPS],
+}
+
+/// The decisions for a group of pixels.
+#[derive(Clone, Copy)]
+struct Group {
+    /// The mean of u without and with a small thing, for each part of a pixel that it covers.
+    unseen: [f32; 2],
+    /// The logarithm of k to base 2, in steps of the classes.
+    scale: i32,
+}
+
+/// Pixels of a class with the same number of samples.
+#[derive(Clone, Copy, Default)]
+struct Alike {
+    /// The number of pixels, the sum of their estimated squared errors and the sum of the errors' squares.
+    pixels: f64,
+    error: f64,
+    squares: f64,
+}
+
+/// The pixels that decide for a group, by their numbers of samples as logarithms to base 2, and their classes.
+struct Others {
+    most: u8,
+    cells: Vec<(u8, usize, Alike)>,
+}
+
+impl<'t, 'a> Tile<'t, 'a> {
+    /// Samples the tile in these columns of a band. Returns `None` if the render is cancelled.
+    fn sample(
+        planner: &'t Planner<'a>,
+        tracer: &'t PictureTracer<'t>,
+        columns: Range<usize>,
+        band: &mut Band,
+    ) -> Option<()> {
+        let rows = band.rows.clone();
+        let count = columns.len() * rows.len();
+        let settings = planner.settings;
+        let (square, most) = (settings.square(), settings.most.ilog2() as u8);
+        let floor = (planner.contrast * (2.0 / (square * count as f64)).sqrt())
+            .ceil()
+            .clamp(1.0, f64::from(settings.most)) as u32;
+        let floor = (floor.next_power_of_two().ilog2() as u8).clamp(LEAST, most);
+        let pixels = vec![Pixel::default(); count];
+        let groups = [Group { unseen: [0.0; 2], scale: LEAST_SCALE }; GROUPS];
+        let mut tile = Self { planner, tracer, columns, rows, pixels, pilots: vec![], floor, groups };
+        tile.trace(band)?;
+        tile.look_around()?;
+        for pass in 0..PASSES {
+            let enough = if pass == 0 { AIM } else { ENOUGH };
+            let scale = |group: usize| {
+                let (others, scale) = (tile.others(group), tile.groups[group].scale);
+                let [estimate, _] = others.expected(scale);
+                if estimate > enough * square { others.next_scale(scale, AIM * square) } else { scale }
+            };
+            let scales: Vec<i32> = (0..GROUPS).into_par_iter().map(scale).collect();
+            if tile.groups.iter().map(|group| group.scale).eq(scales.iter().copied()) {
+                break;
+            }
+            tile.groups.iter_mut().zip(scales).for_each(|(group, scale)| group.scale = scale);
+            tile.trace(band)?;
+        }
+        tile.finish(band);
+        Some(())
+    }
+
+    /// Returns the group of a pixel.
+    fn group(&self, pixel: usize) -> usize {
+        let [x, y] = [pixel % self.columns.len(), pixel / self.columns.len()];
+        y / SQUARE % TURNS * TURNS + x / SQUARE % TURNS
+    }
+
+    /// Returns the groups of a pixel and its neighbours, as bits. They leave the pixel out.
+    fn groups_around(&self, pixel: usize) -> u32 {
+        let [x, y] = [pixel % self.columns.len(), pixel / self.columns.len()];
+        let turns = |k: usize| [k.saturating_sub(1), k + 1].map(|k| k / SQUARE % TURNS);
+        let bits = |row: usize| turns(x).map(|column| 1 << (row * TURNS + column));
+        turns(y).into_iter().flat_map(bits).fold(0, |all, bit: u32| all | bit)
+    }
+
+    /// Returns the pixels that decide for a group.
+    fn deciding(&self, group: usize) -> impl Iterator<Item = (usize, &Pixel)> {
+        self.pixels.iter().enumerate().filter(move |(_, pixel)| pixel.around >> group & 1 == 0)
+    }
+
+    /// Returns the class that a pixel has or would have in a group.
+    fn class(&self, group: usize, pixel: &Pixel) -> usize {
+        let [plain, with_speck] = self.groups[group].unseen;
+        class(pixel.ring + UNSEEN * pixel.speck.map_or(plain, |part| part * with_speck))
+    }
+
+    /// Traces the samples that pixels lack. The first samples are also pilot samples.
+    fn trace(&mut self, band: &mut Band) -> Option<()> {
+        let (width, height) = (self.columns.len(), self.planner.request.size[1]);
+        let (is_first, most) = (self.pilots.is_empty(), self.planner.settings.most.ilog2() as u8);
+        let sampler = self.planner.request.sampler;
+        let has_floats = self.planner.request.has_floats;
+        let brightest = Color::splat(if has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST });
+        let row = |j: usize| {
+            if self.tracer.tally.asks(0) {
+                return None;
+            }
+            let first = (j - self.rows.start) * width;
+            let mut pixels = self.pixels[first..][..width].to_vec();
+            let ranges = |k: usize| {
+                let Some(old) = pixels[k].doublings else { return 0..1u32 << self.floor };
+                let group = self.group(first + k);
+                let class = self.class(group, &pixels[k]);
+                1 << old..1 << grown(old, self.groups[group].scale, class, most)
+            };
+            let ranges: Vec<Range<u32>> = (0..width).map(ranges).collect();
+            let of_pixel = |(column, range): (usize, &Range<u32>)| {
+                let sequence = sampler.sequence((column * height + j) as u64);
+                range.clone().map(move |index| (column, sequence.offset(index)))
+            };
+            let columns = self.columns.clone();
+            let places =
+                columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty()).flat_map(of_pixel);
+            let looked = self.tracer.look(j, places)?;
+            let (mut colors, mut costs) = (looked.colors.iter(), looked.costs.iter());
+            let (mut pilots, mut costs_of_pixels) = (vec![], vec![]);
+            for ((pixel, range), column) in pixels.iter_mut().zip(&ranges).zip(columns) {
+                costs_of_pixels.push(costs.by_ref().take(range.len()).sum());
+                if range.is_empty() {
+                    continue;
+                }
+                let half = range.end / 2;
+                if range.start == half {
+                    pixel.half = pixel.sum;
+                }
+                let sequence = sampler.sequence((column * height + j) as u64);
+                for (index, &color) in range.clone().zip(&mut colors) {
+                    pixel.sum += color;
+                    if index + 1 == half {
+                        pixel.half = pixel.sum;
+                    }
+                    if is_first && index < MOST_PILOTS {
+                        let offset = sequence.offset(index);
+                        let color = color.clamp(Color::ZERO, brightest).as_vec3();
+                        pilots.push(Pilot { color, is_right: offset.x >= 0.0, is_upper: offset.y >= 0.0 });
+                    }
+                }
+                pixel.doublings = Some(range.end.ilog2() as u8);
+            }
+            Some(TracedRow { pixels, pilots, costs: costs_of_pixels, counts: looked.counts })
+        };
+        let rows = self.tracer.tally.in_parallel(self.rows.clone(), row);
+        let (mut all_pixels, mut all_pilots) = (vec![], vec![]);
+        for (row, traced) in rows.into_iter().enumerate() {
+            let TracedRow { pixels, pilots, costs, counts } = traced?;
+            all_pixels.extend(pixels);
+            all_pilots.extend(pilots);
+            band.counts[row] = band.counts[row].merge(counts);
+            let first = band.index(self.columns.start, row);
+            let of_band = band.costs.get_mut(first..).unwrap_or_default();
+            of_band.iter_mut().zip(costs).for_each(|(sum, cost)| *sum += cost);
+        }
+        self.pixels = all_pixels;
+        if is_first {
+            self.pilots = all_pilots;
+        }
+        Some(())
+    }
+
+    /// Finds the rings of the pixels, u, and the means of u.
+    fn look_around(&mut self) -> Option<()> {
+        let (width, height) = (self.columns.len(), self.rows.len());
+        let pilots = self.pilots.len() / self.pixels.len();
+        let specks = self.planner.small_things.specks(&self.columns, &self.rows, self.tracer.tally).ok()?;
+        // Each pilot sample is within half a pixel of three neighbours.
+        let empty = [Vec3A::INFINITY, Vec3A::NEG_INFINITY];
+        let is_empty = |ring: &[Vec3A; 2]| ring[0].x > ring[1].x;
+        let mut rings_by_kind = [(); 2].map(|()| vec![empty; self.pixels.len()]);
+        for (k, pilot) in self.pilots.iter().enumerate() {
+            let [x, y] = [k / pilots % width, k / pilots / width];
+            let beside = |k: usize, is_after: bool| if is_after { Some(k + 1) } else { k.checked_sub(1) };
+            let column = beside(x, pilot.is_right).filter(|&x| x < width);
+            let row = beside(y, pilot.is_upper).filter(|&y| y < height);
+            let rings = &mut rings_by_kind[usize::from(specks[k / pilots].is_alone())];
+            for (x, y) in [(column, Some(y)), (Some(x), row), (column, row)] {
+                if let (Some(x), Some(y)) = (x, y) {
+                    let [low, high] = &mut rings[y * width + x];
+                    (*low, *high) = (low.min(pilot.color.into()), high.max(pilot.color.into()));
+                }
+            }
+        }
+        let [plain, with_specks] = rings_by_kind;
+        let ring = |(plain, other): (&[Vec3A; 2], &[Vec3A; 2])| if is_empty(plain) { *other } else { *plain };
+        let rings: Vec<[Vec3A; 2]> = plain.iter().zip(&with_specks).map(ring).collect();
+        let unseen = |(own, &[low, high]): (&[Pilot], &[Vec3A; 2])| {
+            let beyond = |pilot: &Pilot| {
+                let color = Vec3A::from(pilot.color);
+                mean_square((color - high).max(low - color).max(Vec3A::ZERO))
+            };
+            // A tile of one pixel has no rings.
+            if low.x > high.x { 0.0 } else { own.iter().map(beyond).sum::<f32>() / pilots as f32 }
+        };
+        let unseen: Vec<f32> = self.pilots.chunks(pilots).zip(&rings).map(unseen).collect();
+        for k in 0..self.pixels.len() {
+            let (ring, around) = (rings[k], self.groups_around(k));
+            let pixel = &mut self.pixels[k];
+            pixel.ring = if is_empty(&ring) { 0.0 } else { mean_square(ring[1] - ring[0]) };
+            pixel.unseen = unseen[k];
+            pixel.speck = specks[k].is_alone().then_some(specks[k].part);
+            pixel.around = around;
+        }
+        let means = |group: usize| {
+            let mut sums = [[0.0f64; 2]; 2];
+            for (_, pixel) in self.deciding(group) {
+                let [sum, weights] = &mut sums[usize::from(pixel.speck.is_some())];
+                *sum += f64::from(pixel.unseen);
+                *weights += f64::from(pixel.speck.unwrap_or(1.0));
+            }
+            sums.map(|[sum, weights]| if weights > 0.0 { (sum / weights) as f32 } else { 0.0 })
+        };
+        let means: Vec<[f32; 2]> = (0..GROUPS).into_par_iter().map(means).collect();
+        self.groups.iter_mut().zip(means).for_each(|(group, unseen)| group.unseen = unseen);
+        Some(())
+    }
+
+    /// Sorts the pixels that decide for a group.
+    fn others(&self, group: usize) -> Others {
+        let most = self.planner.settings.most.ilog2() as u8;
+        let mut cells = vec![[Alike::default(); CLASSES]; usize::from(most) + 1];
+        for (k, pixel) in self.deciding(group) {
+            let error = self.error(k);
+            let alike = &mut cells[usize::from(pixel.doublings.unwrap_or(LEAST))][self.class(group, pixel)];
+            alike.pixels += 1.0;
+            alike.error += error;
+            alike.squares += error * error;
+        }
+        let in_row = |(doublings, classes): (usize, [Alike; CLASSES])| {
+            let cells = classes.into_iter().enumerate().filter(|(_, alike)| alike.pixels > 0.0);
+            cells.map(move |(class, alike)| (doublings as u8, class, alike))
+        };
+        Others { most, cells: cells.into_iter().enumerate().flat_map(in_row).collect() }
+    }
+
+    /// Returns the estimated squared error of a pixel. In pictures of bytes, halves that are both white are equal. If
+    /// one is brighter than white, the pixel may well get darker, so its brightness counts up to a limit.
+    fn error(&self, pixel: usize) -> f64 {
+        let Pixel { half, sum, doublings, .. } = self.pixels[pixel];
+        let has_floats = self.planner.request.has_floats;
+        let brightest = Color::splat(if has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST });
+        let part = 2.0 / f64::from(1u32 << doublings.unwrap_or(LEAST));
+        let [one, other] = [half, sum - half].map(|sum| (part * sum).clamp(Color::ZERO, brightest));
+        let mut difference = one - other;
+        if !has_floats {
+            difference = Color::select(one.min(other).cmpge(Color::ONE), Color::ZERO, difference);
+        }
+        if difference.is_finite() { HALVES / 4.0 * difference.length_squared() / 3.0 } else { 0.0 }
+    }
+
+    /// Moves the results to the band.
+    fn finish(&self, band: &mut Band) {
+        let shown = self.planner.request.columns();
+        for (k, pixel) in self.pixels.iter().enumerate() {
+            let (column, row) = (self.columns.start + k % self.columns.len(), k / self.columns.len());
+            let (index, doublings) = (band.index(column, row), pixel.doublings.unwrap_or(LEAST));
+            band.doublings[index] = doublings;
+            if let Some(color) = band.colors.get_mut(index) {
+                *color = pixel.sum / f64::from(1u32 << doublings);
+            }
+            if shown.contains(&column) {
+                band.errors[row] += self.error(k);
+            }
+        }
+    }
+}
+
+impl Others {
+    /// Returns the estimated squared error, with doubt, if all these pixels had at least the numbers of samples that
+    /// follow from this scale, and the number of their samples then.
+    fn expected(&self, scale: i32) -> [f64; 2] {
+        let [mut pixels, mut samples, mut error, mut squares] = [0.0; 4];
+        for (before, class, alike) in &self.cells {
+            let doublings = grown(*before, scale, *class, self.most);
+            let less = LESS[usize::from(doublings - before)];
+            pixels += alike.pixels;
+            samples += alike.pixels * f64::from(1u32 << doublings);
+            error += less * alike.error;
+            squares += less * less * alike.squares;
+        }
+        [(error + DOUBT * squares.sqrt()) / f64::max(pixels, 1.0), samples]
+    }
+
+    /// Returns the scale above this one that leaves this error, within the limits of growth.
+    fn next_scale(&self, scale: i32, aim: f64) -> i32 {
+        let [_, samples_before] = self.expected(scale);
+        let is_enough = |scale: i32| {
+            let [error, samples] = self.expected(scale);
+            let growth = samples / samples_before;
+            growth >= GROWTH.start && (error <= aim || growth >= GROWTH.end)
+        };
+        // With the last scale all pixels get the most.
+        let (mut low, mut high) = (scale, STEPS * (i32::from(self.most) + 1));
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            if is_enough(middle) { high = middle } else { low = middle }
+        }
+        high
+    }
+}
+
+/// The error with twice as many samples, with four times as many and so on, over the error without them: 2^-1.5k.
+const LESS: [f64; 11] = {
+    let mut less = [1.0; 11];
+    let mut k = 1;
+    while k < less.len() {
+        less[k] = 0.5 * std::f64::consts::FRAC_1_SQRT_2 * less[k - 1];
+        k += 1;
+    }
+    less
+};
+
+/// Returns the brightest colour of diffuse surfaces and the background, without highlights, but at least white.
+fn brightest(world: &World) -> f64 {
+    let color = |light: &Light| match *light {
+        Light::Directional { color, .. } | Light::Point { color, .. } => color,
+    };
+    let light = world.ambient + world.lights.iter().map(color).sum::<Color>();
+    let diffuse = world.materials.iter().filter_map(|material| match material {
+        Material::Phong(phong) | Material::Painted(phong, _) => Some((phong.diffuse * light).max_element()),
+        Material::Texture(_) => None,
+    });
+    diffuse.fold(world.background.max_element().max(1.0), f64::max)
+}
+
+fn mean_square(v: Vec3A) -> f32 {
+    v.length_squared() / 3.0
+}
+
+/// Returns the class of a pixel with this D.
+fn class(d: f32) -> usize {
+    // The bits of a float are about its logarithm to base 2, times 2^23.
+    let doublings = d.max(LEAST_D).to_bits() - LEAST_D.to_bits();
+    let steps = u64::from(doublings) * (2 * STEPS as u64) / 5 >> 23;
+    (steps as usize).min(CLASSES - 1)
+}
+
+/// Returns the larger number of samples of these, and k w rounded to a power of two, as logarithms to base 2. `scale` is
+/// the logarithm of k, in steps of the classes.
+fn grown(doublings: u8, scale: i32, class: usize, most: u8) -> u8 {
+    let wanted = (scale + class as i32 + STEPS / 2).div_euclid(STEPS);
+    doublings.max(wanted.clamp(0, i32::from(most)) as u8)
+}
