@@ -1,5 +1,5 @@
 //! Ray casting: finds the nearest hit or any hit of a ray. A caster tests the planes first, and then the finite
-//! primitives in a list, a uniform grid or a tree of boxes. These structures are never nested.
+//! primitives in a list, a uniform grid or a tree of boxes.
 //!
 //! Each module imports only from the modules before it in this list.
 
@@ -54,7 +54,7 @@ pub struct Caster<'w> {
     pub level: Level,
     /// Contains every finite primitive; `None` if the world has no finite primitives, or if no ray meets them.
     structure: Option<Arc<AccelerationStructure>>,
-    /// The cells of the grid for which steps are counted, if there is a grid.
+    /// The cells in which steps are counted; `None` without a grid, or if steps are not counted.
     counts: Option<Arc<CellCounts>>,
     /// Ends the search along a ray that takes long. The result is not used then.
     patience: &'w dyn Patience,
@@ -103,13 +103,13 @@ impl<'w> Caster<'w> {
         self.structure.as_ref().map_or(StructureSize::default(), |structure| structure.size())
     }
 
-    /// Returns the nearest hit on the ray.
+    /// Returns the nearest hit, or `None`.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         self.nearest(ray, RayOrigin::FREE).map(|visible| self.world.hit(ray, visible))
     }
 
-    /// Finds the primitive that the ray hits first; the decision is exact.
+    /// Returns the primitive that the ray hits first, or `None`. The decision is exact.
     #[inline(always)]
     pub fn nearest(&self, ray: &Ray, origin: RayOrigin) -> Option<Visible> {
         let best = dispatch!(self.level, simd => self.nearest_at(simd, ray, origin));

@@ -1,8 +1,8 @@
 //! A ray tracer that mirrors the one of MIT's 6.837 graphics course: it reads the course's scenes, and renders and
 //! counts as the course's program does, but exactly and in milliseconds.
 //!
-//! A [`Renderer`](render::renderer::Renderer) opens a scene once. Prepared once for each grid, it renders any number of
-//! requests: other layers, other effects, a moved camera, or a window of the picture.
+//! A [`Renderer`](render::renderer::Renderer) opens a scene once. Prepared once for each structure, it renders any number
+//! of requests: other layers, other effects, a moved camera, or a window of the picture.
 //!
 //! ```
 //! use raytracer::render::{Layer, Request, Window};
@@ -15,7 +15,7 @@
 //! let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
 //! let layers = vec![Layer::Color, Layer::Normals];
 //! let request = Request { effects, layers, ..Request::new(size) };
-//! // Builds a grid if it saves time for this scene and this request.
+//! // The structure is built when the first ray needs it.
 //! let prepared = renderer.prepare(&request)?;
 //! let pictures = prepared.render(&request)?;
 //! assert_eq!(pictures[0].size, size);

@@ -1,6 +1,6 @@
 //! The tracer, after Whitted ("An Improved Illumination Model for Shaded Display", CACM 23(6), 1980).
 //!
-//! [`Tracer::color`] finds the surface that a camera ray hits first. The colour there is the ambient light, the light
+//! [`Tracer`] finds the surface that a camera ray hits first. The colour there is the ambient light, the light
 //! of each source that nothing blocks, and the colours along the reflected and the refracted ray. These secondary rays
 //! wait on a stack. An [`Observer`] counts or records the steps. [`Hints`] spare rays and never change a colour.
 
@@ -75,7 +75,7 @@ pub struct Effects {
 /// The number of lights between two questions whether the work should end.
 const LIGHTS_AT_ONCE: usize = 16;
 
-/// Traces rays one at a time.
+/// Finds the colours of rays: of a packet of camera rays in `trace`, of a single one in [`color`](Self::color).
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, H = NoHints> {
     caster: &'a Caster<'a>,
@@ -118,7 +118,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         color
     }
 
-    /// Sets the colour along a camera ray that hits this surface first, or nothing if it is `None`.
+    /// Sets the colour along a camera ray. `surface` is the one that it hits first, or `None`.
     #[inline(always)]
     fn set_color<S: Simd, O: Observer>(
         &self,
@@ -166,7 +166,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         *sum = color;
     }
 
-    /// Casts a ray.
+    /// Returns the nearest hit, or `None`, and tells the observer the course's steps.
     #[inline(always)]
     fn cast<O: Observer>(&self, ray: &Ray, origin: RayOrigin, observer: &mut O) -> Option<Visible> {
         let visible = self.caster.nearest(ray, origin);

@@ -1,5 +1,5 @@
 //! The number of primitives in each cell of a grid, and from it the steps that the course's program takes along a ray.
-//! They are counted apart from the search for the hit, whose structure is another one or leaves primitives out.
+//! They are counted apart from the search for the hit, which leaves out primitives that no ray sees.
 
 use crate::base::patience::{Ended, Patience, Steps};
 use crate::caster::bounds::{Entry, Region};

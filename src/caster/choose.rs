@@ -11,7 +11,7 @@ use crate::math::aabb::Aabb;
 use crate::world::World;
 use serde::Serialize;
 
-/// The acceleration structure to build. All of them find the same hits.
+/// An acceleration structure that can be built. All of them find the same hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// A list of the primitives.
@@ -22,7 +22,7 @@ pub enum Layout {
     Tree,
 }
 
-/// The requested acceleration structure. All of them give the same pictures.
+/// The acceleration structure that a request asks for. All of them give the same pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Structure {
@@ -46,7 +46,7 @@ pub enum Resolution {
 }
 
 /// Measured: a tree pays from this number of triangles on, where a sphere counts as eight triangles.
-const LEAST: usize = 32;
+const LEAST_FOR_TREE: usize = 32;
 
 /// Measured: from this number of rays per primitive on, the time per ray matters more than the time to build a grid.
 const MANY_RAYS: usize = 8;
@@ -54,9 +54,9 @@ const MANY_RAYS: usize = 8;
 impl Structure {
     /// Returns the layout to build for a world and about this number of rays from the camera.
     pub fn layout(self, world: &World, camera_rays: usize) -> Layout {
-        let tests = world.visible_count() + (LANES - 1) * world.shapes.len();
+        let triangles = world.visible_count() + (LANES - 1) * world.shapes.len();
         match self {
-            Self::Any if tests >= LEAST => Layout::Tree,
+            Self::Any if triangles >= LEAST_FOR_TREE => Layout::Tree,
             Self::Any | Self::List => Layout::List,
             Self::Grid(Resolution::Cells(cells)) => Layout::Grid(cells),
             Self::Grid(Resolution::Auto) => {

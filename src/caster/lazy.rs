@@ -27,7 +27,7 @@ impl<'w> LazyCaster<'w> {
         if self.structure.get().is_none() {
             let build = |layout| AccelerationStructure::of_world(self.planes.world, layout, patience);
             let structure = match build(self.layout) {
-                // A tree is not asked for, so use a list instead.
+                // A tree was not asked for. A list is slower, but fits.
                 Err(NotBuilt::TooLarge) if self.layout == Layout::Tree => build(Layout::List),
                 structure => structure,
             };
@@ -37,8 +37,8 @@ impl<'w> LazyCaster<'w> {
         Ok(self.so_far(patience))
     }
 
-    /// Returns the caster, which searches as long as there is patience, or one of the planes alone unless the structure is
-    /// built.
+    /// Returns the caster with the structure if it is built, and otherwise the caster of the planes alone. It searches as
+    /// long as there is patience.
     pub fn so_far<'a>(&'a self, patience: &'a dyn Patience) -> Caster<'a> {
         let structure = self.structure.get().cloned().flatten();
         Caster { structure, patience, ..self.planes.clone() }

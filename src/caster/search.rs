@@ -66,8 +66,8 @@ pub struct Nearest<'a> {
     pub best: Visible,
     /// A lower bound on the t of `best`. It equals the upper bound if t is known.
     t_lower_bound: f64,
-    /// True if another primitive was hit so close to the best primitive at that time that both may lie in the same
-    /// place. Then it is still undecided which of them the ray sees.
+    /// True if two primitives were hit so close together that both may lie in the same place. Then it is undecided which
+    /// of them the ray sees, unless a nearer hit followed.
     pub is_undecided: bool,
 }
 
@@ -78,9 +78,9 @@ impl<'a> Nearest<'a> {
         Self { world, best, t_lower_bound: ray.t_max, is_undecided: false }
     }
 
-    /// Takes a hit that may lie in the same place as the best primitive. Returns true if it is the best one now.
+    /// Returns true if a hit that may lie in the same place as the best primitive precedes it.
     #[cold]
-    fn take_close(&mut self, ray: &Ray, t: f64, primitive: u32) -> bool {
+    fn precedes_best(&mut self, ray: &Ray, t: f64, primitive: u32) -> bool {
         self.is_undecided |= self.best.primitive != NONE;
         if t >= self.t_lower_bound && t <= self.best.t_bound && self.t_lower_bound < self.best.t_bound {
             // The bounds do not decide.
@@ -110,7 +110,7 @@ impl Goal for Nearest<'_> {
             return false;
         }
         let is_nearer = t + self.world.coincidence_reach(t) < self.t_lower_bound;
-        let is_best = is_nearer || self.take_close(ray, t, primitive);
+        let is_best = is_nearer || self.precedes_best(ray, t, primitive);
         if is_best {
             self.best = Visible { primitive, t_bound: t };
             self.t_lower_bound = t;
@@ -193,7 +193,7 @@ pub struct Search<'a, G> {
     world: &'a World,
     pub ray: &'a Ray,
     pub goal: G,
-    /// The primitive that is not tested, or [`NONE`].
+    /// The primitive on which the ray starts, which is not tested again, or [`NONE`].
     left_out: u32,
     /// Computed when the first triangle needs it.
     shear: Option<Shear<'a>>,
@@ -314,7 +314,7 @@ impl<'a, G: Goal> Search<'a, G> {
     /// once is already the best one, or never becomes it.
     #[inline(always)]
     fn is_known(&self, id: u32) -> bool {
-        id == self.left_out || self.tested.contains(&id)
+        id == self.left_out || id == self.goal.found() || self.tested.contains(&id)
     }
 
     /// Tests a primitive exactly, unless it is known. Returns true if that changes the rest of the search.

@@ -1,5 +1,5 @@
-//! A tree of boxes over all primitives: a bounding volume hierarchy with eight branches per node and eight primitives
-//! per leaf.
+//! A tree of boxes over the finite primitives: a bounding volume hierarchy with up to eight branches per node and up to
+//! eight primitives per leaf.
 //!
 //! A branch whose primitives are too small for the coordinates of the frame gets a frame of its own.
 

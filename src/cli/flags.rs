@@ -335,13 +335,14 @@ pub(super) struct Flags {
 
     /// Prints counters and times after rendering.
     ///
-    /// With this flag the program runs the course's algorithm, so that the counters are comparable.
+    /// With this flag all rays of the course's program are traced, and its tests and steps are counted.
     #[arg(long, group = "usual")]
     pub stats: bool,
 
     /// Renders n times, 1 to 10000, and prints the least time, the median and the spread (maximum minus minimum).
     ///
-    /// With -stats the course's algorithm is timed, otherwise the optimised one. Pictures are written once.
+    /// With -stats the time includes the rays that only the course's program casts, and the counting. Pictures are
+    /// written once.
     #[arg(long, value_name = "n", value_parser = value_parser!(u32).range(1..=10_000))]
     pub repeat: Option<u32>,
 

@@ -46,7 +46,7 @@ pub struct Progress {
     pub done: usize,
     /// The number of rows of pixels in the window.
     pub rows: usize,
-    /// The number of rays that have been cast for these rows.
+    /// The number of rays of these rows.
     pub rays: u64,
 }
 
@@ -85,7 +85,7 @@ impl fmt::Display for Stopped {
             Self::Output => write!(f, "the rows are not taken any more"),
             Self::Memory(refused) => refused.fmt(f),
             Self::Size(size) => size.fmt(f),
-            Self::Structure => NotBuilt::TooLarge.fmt(f),
+            Self::Structure => f.write_str("the scene's structure for casting rays does not fit into memory"),
             Self::Rays => write!(
                 f,
                 "the rays of one pixel split without end: more than {MOST_WAITING} wait to be traced; \

@@ -1,8 +1,9 @@
-//! The library's main interface. Open a scene once, prepare it once for each grid, and render it any number of times.
+//! The library's main interface. Open a scene once, prepare it once for each structure, and render it any number of
+//! times.
 
 use crate::base::patience::{Endless, Patience};
 use crate::camera::Camera;
-use crate::caster::choose::{Layout, Structure};
+use crate::caster::choose::Structure;
 use crate::caster::{Caster, Fullness, LazyCaster, NotBuilt};
 use crate::diagnostic::Diagnostic;
 use crate::math::aabb::Aabb;
@@ -95,7 +96,7 @@ impl Renderer {
 
     /// Prepares the scene for a request, with the structure that it asks for, or with the counts of primitives in the
     /// cells that are drawn in place of the scene. For the latter the renderer must have kept the scene's meshes. The
-    /// result renders other requests, too.
+    /// result renders other requests, too. Steps are counted in a grid only if this request counts.
     pub fn prepare(&self, request: &Request) -> Result<Prepared<'_>, NotBuilt> {
         self.prepare_within(request, &Endless)
     }
@@ -116,8 +117,10 @@ impl Renderer {
         if let (Some(cells), Tracing::Counted) = (cells, tracing) {
             planes = planes.counting(cells, patience)?;
         }
-        let caster = LazyCaster::new(planes, if draws_cells { Layout::List } else { layout });
-        if structure != Structure::Any || tracing == Tracing::Counted {
+        let layout = if draws_cells { Structure::Any.layout(&self.world, 0) } else { layout };
+        let caster = LazyCaster::new(planes, layout);
+        // Built now, so that it counts as building, and an error comes before outputs are opened.
+        if !draws_cells && (structure != Structure::Any || tracing == Tracing::Counted) {
             caster.built(patience)?;
         }
         Ok(Prepared { renderer: self, caster, occupancy, cells })

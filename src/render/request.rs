@@ -22,7 +22,7 @@ pub enum Tracing {
     /// As fast as possible. Only rays that the picture needs are traced. Only the total number of rays is counted.
     #[default]
     Fast,
-    /// With all steps of the course's program, which are counted.
+    /// With all rays of the course's program, whose steps are counted.
     Counted,
 }
 

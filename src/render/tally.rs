@@ -12,7 +12,7 @@ pub struct Tally<'a> {
     rows: usize,
     done: AtomicUsize,
     handed_out: AtomicUsize,
-    /// The rays that have been cast, if the probe counts them.
+    /// The rays of the rows that have been traced.
     rays: AtomicU64,
     is_cancelled: AtomicBool,
     has_too_many_rays: AtomicBool,

@@ -52,8 +52,8 @@ impl<'a> PictureTracer<'a> {
         Self { shot, caster, request, tally, hints }
     }
 
-    /// Returns a tracer that is prepared for these rows, counted from the bottom: with their first hits, as far as
-    /// rasterization finds them, and with a structure if other rays are cast.
+    /// Returns a tracer for these rows, counted from the bottom. It has their first hits, as far as rasterization finds
+    /// them. It has a structure if other rays are cast, or if some first hits are unknown.
     pub fn rows(&self, rows: Range<usize>) -> Result<Self, Stopped> {
         let mut own = self.clone();
         if self.casts_further_rays() {
@@ -82,16 +82,16 @@ impl<'a> PictureTracer<'a> {
     fn casts_further_rays(&self) -> bool {
         let Request { effects: Effects { shadows, bounces, .. }, tracing, .. } = *self.request;
         let world = self.caster.world;
-        let casts_secondary_rays = shadows != Shadows::None && !world.lights.is_empty()
+        let casts_from_surfaces = shadows != Shadows::None && !world.lights.is_empty()
             || bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
         let has_colors = self.request.traces_colors(tracing) && matches!(self.shot.view, View::Scene);
         let has_hints = cfg!(feature = "fast") && tracing == Tracing::Fast;
-        (has_colors && casts_secondary_rays)
+        (has_colors && casts_from_surfaces)
             || !has_hints && (has_colors || self.request.measured() > Stage::Rays)
     }
 
     /// Traces the samples of a packet in row `j` up to a stage, and computes their colours if they are wanted. Does not
-    /// count the camera rays. Does nothing once the memory is cut.
+    /// count the camera rays. Does nothing once rays were left out.
     pub fn trace(
         &self,
         j: usize,
@@ -117,6 +117,7 @@ impl<'a> PictureTracer<'a> {
                 let tracer = Tracer::with_hints(caster, *effects, &self.hints);
                 let rays = &mut RayCount::default();
                 dispatch!(level, simd => tracer.trace(simd, camera, j, stage, packet, memory, rays));
+                // The total of all kinds.
                 counts.non_shadow_rays += rays.0;
             }
         }

@@ -103,8 +103,9 @@ impl VisibilityBuffer {
     ) -> Option<Self> {
         let (world, width) = (caster.world, size[0]);
         let pixels = width * rows.len();
-        // According to measurements, casting a ray costs as much as rasterizing 3/4 of a triangle if there is a grid,
-        // and otherwise as much as rasterizing 1/64 of all triangles.
+        // According to measurements, casting a ray costs as much as rasterizing 3/4 of a triangle if the caster is
+        // selective, and otherwise as much as rasterizing 1/64 of all triangles. A tree that is not built is a list here,
+        // since building it costs as much as rasterizing some times.
         let count = world.triangles.len();
         let max_triangles =
             if caster.is_selective() { pixels / 4 * 3 } else { pixels.saturating_mul((count / 64).max(1)) };
