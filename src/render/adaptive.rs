@@ -367,18 +367,9 @@ impl<'t, 'a> Tile<'t, 'a> {
         Some(())
     }
 
-    /// Returns the group of a pixel.
-    fn group(&self, pixel: usize) -> usize {
-        let [x, y] = [pixel % self.columns.len(), pixel / self.columns.len()];
-        y / SQUARE % TURNS * TURNS + x / SQUARE % TURNS
-    }
-
-    /// Returns the groups of a pixel and its neighbours, as bits. They leave the pixel out.
-    fn groups_around(&self, pixel: usize) -> u32 {
-        let [x, y] = [pixel % self.columns.len(), pixel / self.columns.len()];
-        let turns = |k: usize| [k.saturating_sub(1), k + 1].map(|k| k / SQUARE % TURNS);
-        let bits = |row: usize| turns(x).map(|column| 1 << (row * TURNS + column));
-        turns(y).into_iter().flat_map(bits).fold(0, |all, bit: u32| all | bit)
+    /// Returns the column and the row of a pixel in the tile.
+    fn place(&self, pixel: usize) -> [usize; 2] {
+        [pixel % self.columns.len(), pixel / self.columns.len()]
     }
 
     /// Returns the pixels that decide for a group.
@@ -407,7 +398,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             let mut pixels = self.pixels[first..][..width].to_vec();
             let ranges = |k: usize| {
                 let Some(old) = pixels[k].doublings else { return 0..1u32 << self.floor };
-                let group = self.group(first + k);
+                let group = group(self.place(first + k));
                 let class = self.class(group, &pixels[k]);
                 1 << old..1 << grown(old, self.groups[group].scale, class, most)
             };
@@ -500,7 +491,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         };
         let unseen: Vec<f32> = self.pilots.chunks(pilots).zip(&rings).map(unseen).collect();
         for k in 0..self.pixels.len() {
-            let (ring, around) = (rings[k], self.groups_around(k));
+            let (ring, around) = (rings[k], groups_around(self.place(k)));
             let pixel = &mut self.pixels[k];
             pixel.ring = if is_empty(&ring) { 0.0 } else { mean_square(ring[1] - ring[0]) };
             pixel.unseen = unseen[k];
@@ -629,6 +620,18 @@ fn brightest(world: &World) -> f64 {
     diffuse.fold(world.background.max_element().max(1.0), f64::max)
 }
 
+/// Returns the group of the pixel at this place in its tile.
+fn group([x, y]: [usize; 2]) -> usize {
+    y / SQUARE % TURNS * TURNS + x / SQUARE % TURNS
+}
+
+/// Returns the groups of a pixel and its neighbours, as bits. They leave the pixel out.
+fn groups_around([x, y]: [usize; 2]) -> u32 {
+    let around = |k: usize| [k.saturating_sub(1), k + 1];
+    let bits = |y: usize| around(x).map(|x| 1 << group([x, y]));
+    around(y).into_iter().flat_map(bits).fold(0, |all, bit: u32| all | bit)
+}
+
 fn mean_square(v: Vec3A) -> f32 {
     v.length_squared() / 3.0
 }
@@ -646,4 +649,52 @@ fn class(d: f32) -> usize {
 fn grown(doublings: u8, scale: i32, class: usize, most: u8) -> u8 {
     let wanted = (scale + class as i32 + STEPS / 2).div_euclid(STEPS);
     doublings.max(wanted.clamp(0, i32::from(most)) as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_group_leaves_out_its_pixels_and_their_neighbours() {
+        for [x, y] in (0..80usize).flat_map(|y| (0..80usize).map(move |x| [x, y])) {
+            let rows = y.saturating_sub(1)..y + 2;
+            let near = rows.flat_map(|y| (x.saturating_sub(1)..x + 2).map(move |x| 1u32 << group([x, y])));
+            assert_eq!(groups_around([x, y]), near.fold(0, |all, bit| all | bit), "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn classes_are_even_steps_of_w() {
+        assert_eq!([0.0, LEAST_D].map(class), [0, 0]);
+        for doublings in 0..20 {
+            // w doubles if D becomes 2^2.5 times as large.
+            let d = LEAST_D * (2.5 * doublings as f32).exp2();
+            assert!(class(d).abs_diff(doublings * STEPS as usize) <= 1, "{doublings}");
+        }
+        assert_eq!(class(f32::MAX), CLASSES - 1);
+    }
+
+    #[test]
+    fn numbers_of_samples_grow_to_the_nearest_power_of_two() {
+        let scale = |k: f64| (k.log2() * f64::from(STEPS)).round() as i32;
+        for (k, doublings) in [(0.1, 2), (4.0, 2), (11.0, 3), (12.0, 4), (900.0, 10), (1e5, 10)] {
+            assert_eq!(grown(2, scale(k), 0, 10), doublings, "{k}");
+        }
+        assert_eq!(grown(3, LEAST_SCALE, CLASSES - 1, 10), 3);
+    }
+
+    #[test]
+    fn the_next_scale_leaves_the_error_that_is_aimed_at() {
+        let alike = |pixels: f64, error: f64| Alike { pixels, error, squares: error * error / pixels };
+        let cells = vec![(1, 0, alike(900.0, 1.0)), (1, 40, alike(100.0, 50.0)), (3, 80, alike(50.0, 20.0))];
+        let others = Others { most: 10, cells };
+        let [before, samples] = others.expected(LEAST_SCALE);
+        for part in [0.9, 0.5, 0.1] {
+            let scale = others.next_scale(LEAST_SCALE, part * before);
+            let ([error, more], [less, _]) = (others.expected(scale), others.expected(scale - 1));
+            assert!(error <= part * before || more >= GROWTH.end * samples, "{part}");
+            assert!(more >= GROWTH.start * samples && (less > error || scale == LEAST_SCALE + 1), "{part}");
+        }
+    }
 }
