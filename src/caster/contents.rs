@@ -96,10 +96,11 @@ impl Contents {
             }
         }
         let mut end = 0;
-        for run in lattice.x_runs().chain([places.len()..places.len()]) {
+        for run in lattice.x_runs() {
             contents.starts[end..run.start].iter_mut().for_each(|start| *start |= BORDER);
             end = run.end;
         }
+        contents.starts[end..places.len()].iter_mut().for_each(|start| *start |= BORDER);
         Ok(contents)
     }
 

@@ -34,7 +34,7 @@ impl RayOrigin {
     }
 }
 
-/// What a search looks for.
+/// The aim of a search.
 pub trait Goal {
     /// True if the first hit ends the search.
     const IS_ANY: bool = false;

@@ -640,7 +640,7 @@ fn mean_square(v: Vec3A) -> f32 {
 fn class(d: f32) -> usize {
     // The bits of a float are about its logarithm to base 2, times 2^23.
     let doublings = d.max(LEAST_D).to_bits() - LEAST_D.to_bits();
-    let steps = u64::from(doublings) * (2 * STEPS as u64) / 5 >> 23;
+    let steps = (u64::from(doublings) * (2 * STEPS as u64) / 5) >> 23;
     (steps as usize).min(CLASSES - 1)
 }
 

@@ -112,9 +112,9 @@ fn steps_are_those_of_the_cells_up_to_the_hit() {
             continue;
         };
         let (mut tests, mut cells) = (planes, 0);
-        while t >= entry {
+        loop {
             let at = lattice.cell_of(dda.index());
-            if at.min_element() < 0.0 || (0..3).any(|axis| at[axis] >= FINE[axis] as f64) {
+            if t < entry || at.min_element() < 0.0 || (0..3).any(|axis| at[axis] >= FINE[axis] as f64) {
                 break;
             }
             tests += counts[dda.index()];

@@ -85,7 +85,7 @@ pub fn layers_and_nans(
     tracing: Tracing,
 ) -> (Vec<Vec<u8>>, u64) {
     let caster = &LazyCaster::from(caster.clone());
-    let shot = Shot { camera: camera.clone(), caster, view: View::Scene };
+    let shot = Shot { camera: *camera, caster, view: View::Scene };
     let rendered =
         render_in_memory(&shot, &Request { tracing, ..request.clone() }, &|_| ControlFlow::Continue(()));
     let (pictures, _) = rendered.expect("small pictures");
