@@ -667,7 +667,7 @@ mod tests {
     #[test]
     fn classes_are_even_steps_of_w() {
         assert_eq!([0.0, LEAST_D].map(class), [0, 0]);
-        for doublings in 0..20 {
+        for doublings in 0..20usize {
             // w doubles if D becomes 2^2.5 times as large.
             let d = LEAST_D * (2.5 * doublings as f32).exp2();
             assert!(class(d).abs_diff(doublings * STEPS as usize) <= 1, "{doublings}");
