@@ -89,7 +89,6 @@ fn measure_mesh(stage: &Stage, mesh: Mesh, rounds: usize) -> Result<Row, Box<dyn
     let rays = stage.rays(mesh, &ours);
     Ok(Row {
         faces: mesh.triangles.len(),
-        cells: ours.cells().unwrap_or_default(),
         build: vec![our_build, obvhs_build, parry_build, boxes_build],
         results: race(&contestants, &rays, rounds),
     })

@@ -6,15 +6,13 @@ use std::fmt::Write;
 /// The results for one mesh, by contestant.
 pub struct Row {
     pub faces: usize,
-    pub cells: [usize; 3],
     pub build: Vec<Median>,
     pub results: Vec<Outcome>,
 }
 
 /// One line per contestant, as soon as its mesh is done.
 pub fn plain(names: &[&str], row: &Row) -> String {
-    let [nx, ny, nz] = row.cells;
-    let mut text = format!("{} faces, {nx} x {ny} x {nz} cells\n", row.faces);
+    let mut text = format!("{} faces\n", row.faces);
     for ((name, build), result) in names.iter().zip(&row.build).zip(&row.results) {
         let _ = write!(text, "  {name:<10} build {:8.2} ms", build.value);
         for (kind, name) in KINDS.iter().enumerate() {
