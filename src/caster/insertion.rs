@@ -2,6 +2,7 @@
 //! the primitive's box touches, and for a sphere those whose centres are near it. Cells are padded, so that the cell that
 //! the DDA visits at the t of a hit always lists the primitive.
 
+use crate::base::memory;
 use crate::base::patience::{Ended, Patience, Steps};
 use crate::caster::bounds::widened;
 use crate::caster::dda::face_error_bound;
@@ -34,6 +35,8 @@ pub fn references(
     patience: &dyn Patience,
 ) -> Result<Vec<Vec<Reference>>, NotBuilt> {
     lattice.ask_for_entries()?;
+    let bytes = most_references(world, lattice).saturating_mul(size_of::<Reference>() as u64);
+    memory::ask(bytes).map_err(|_| NotBuilt::TooLarge)?;
     let count = world.finite_count() as u32;
     let chunk = |first: u32| {
         let (mut cells, mut references) = (vec![], Vec::with_capacity(4 * PRIMS_PER_CHUNK));

@@ -515,9 +515,11 @@ impl<'t, 'a> Tile<'t, 'a> {
     /// Sorts the pixels that decide for a group.
     fn others(&self, group: usize) -> Others {
         let most = self.planner.settings.most.ilog2() as u8;
+        // A half that is brighter than white may well get darker, so its brightness counts up to a limit.
+        let brightest = if self.planner.request.has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST };
         let mut cells = vec![[Alike::default(); CLASSES]; usize::from(most) + 1];
         for (k, pixel) in self.deciding(group) {
-            let error = self.error(k);
+            let error = self.error(k, brightest);
             let alike = &mut cells[usize::from(pixel.doublings.unwrap_or(LEAST))][self.class(group, pixel)];
             alike.pixels += 1.0;
             alike.error += error;
@@ -530,16 +532,15 @@ impl<'t, 'a> Tile<'t, 'a> {
         Others { most, cells: cells.into_iter().enumerate().flat_map(in_row).collect() }
     }
 
-    /// Returns the estimated squared error of a pixel. In pictures of bytes, halves that are both white are equal. If
-    /// one is brighter than white, the pixel may well get darker, so its brightness counts up to a limit.
-    fn error(&self, pixel: usize) -> f64 {
+    /// Returns the estimated squared error of a pixel whose colour is clamped at this brightness. In pictures of bytes,
+    /// halves that are both white are equal.
+    fn error(&self, pixel: usize, brightest: f64) -> f64 {
         let Pixel { half, sum, doublings, .. } = self.pixels[pixel];
-        let has_floats = self.planner.request.has_floats;
-        let brightest = Color::splat(if has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST });
         let part = 2.0 / f64::from(1u32 << doublings.unwrap_or(LEAST));
-        let [one, other] = [half, sum - half].map(|sum| (part * sum).clamp(Color::ZERO, brightest));
+        let most = Color::splat(brightest);
+        let [one, other] = [half, sum - half].map(|sum| (part * sum).clamp(Color::ZERO, most));
         let mut difference = one - other;
-        if !has_floats {
+        if !self.planner.request.has_floats {
             difference = Color::select(one.min(other).cmpge(Color::ONE), Color::ZERO, difference);
         }
         if difference.is_finite() { HALVES / 4.0 * difference.length_squared() / 3.0 } else { 0.0 }
@@ -547,6 +548,7 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Moves the results to the band.
     fn finish(&self, band: &mut Band) {
+        let brightest = if self.planner.request.has_floats { BRIGHTEST_FLOAT } else { 1.0 };
         let shown = self.planner.request.columns();
         for (k, pixel) in self.pixels.iter().enumerate() {
             let (column, row) = (self.columns.start + k % self.columns.len(), k / self.columns.len());
@@ -556,7 +558,7 @@ impl<'t, 'a> Tile<'t, 'a> {
                 *color = pixel.sum / f64::from(1u32 << doublings);
             }
             if shown.contains(&column) {
-                band.errors[row] += self.error(k);
+                band.errors[row] += self.error(k, brightest);
             }
         }
     }
