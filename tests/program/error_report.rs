@@ -127,7 +127,7 @@ fn only_what_costs_more_may_be_better_on_the_front() {
 fn what_the_scene_shows_is_measured_and_no_grid_changes_it() {
     let table = table(&REPORT.0, "r/report.csv");
     let kinds = |kind: &str| table.iter().filter(|line| line[1] == kind).count();
-    assert_eq!(["samples", "secondary rays", "octaves", "grid"].map(kinds), [80, 6, 2, 4]);
+    assert_eq!(["samples", "secondary rays", "octaves", "grid"].map(kinds), [100, 6, 2, 4]);
     let changed: Vec<&str> =
         table.iter().filter(|line| line[1] == "grid").map(|line| line[line.len() - 3].as_str()).collect();
     assert_eq!(changed, ["0"; 4]);
@@ -250,7 +250,7 @@ fn the_page_is_one_file() {
     }
     for text in [
         if cfg!(windows) { "-input &quot;&amp;b;.txt&quot;" } else { "-input &#39;&lt;b&gt;.txt&#39;" },
-        "All 92 settings were measured.",
+        "All 112 settings were measured.",
         "slope -0.",
         "this program</td><td>0</td><td>0</td><td>0</td>",
     ] {
@@ -278,7 +278,7 @@ fn an_interrupt_keeps_what_is_done() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(said, "note: stopped: the report has the measurements made so far\n");
     let page = String::from_utf8(folder.read("r/report.html")).unwrap();
-    assert!(page.contains("<strong>The run was stopped: 0 of 86 settings were measured.</strong>"));
+    assert!(page.contains("<strong>The run was stopped: 0 of 106 settings were measured.</strong>"));
     assert_eq!(table(&folder, "r/report.csv").len(), 1);
 }
 
