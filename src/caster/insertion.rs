@@ -132,8 +132,7 @@ impl CellRange {
     /// nearest cell.
     #[inline(always)]
     fn of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> Self {
-        // The conversion saturates at 0, and maps NaN to 0.
-        let cell = |x: f64, axis: usize| (x as u32).min(lattice.cells()[axis] as u32 - 1);
+        let cell = |x: f64, axis: usize| lattice.cell_at(axis, x) as u32;
         let [min, max] = [lattice.to_cells(bounds.min) - padding, lattice.to_cells(bounds.max) + padding];
         Self {
             start: [0, 1, 2].map(|axis| cell(min[axis], axis)),

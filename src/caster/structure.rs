@@ -69,7 +69,8 @@ impl AccelerationStructure {
         (world.finite_count() > 0).then(build).transpose()
     }
 
-    /// Builds the structure of a world with finite primitives. Returns an error if it does not fit into memory, or if the patience is over.
+    /// Builds the structure of a world with finite primitives. Returns an error if it does not fit into memory, or if the
+    /// patience is over.
     pub fn new(world: &World, layout: Layout, patience: &dyn Patience) -> Result<Self, NotBuilt> {
         let bounds = bounds_of(world);
         let visible = || (0..world.finite_count() as u32).filter(|&id| world.may_be_seen(id)).collect();

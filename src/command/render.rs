@@ -19,7 +19,7 @@ use crate::sampling::filter::Filter;
 use crate::scene::edition::Edition;
 use crate::scene::load::LoadedScene;
 use crate::scene::model::Shows;
-use crate::stats::{self, Counts, Repeats, Timings};
+use crate::stats::{self, Repeats, Timings};
 use crate::tools::explain::{Explainer, PixelTree};
 use crate::tools::standard_error::standard_error;
 use crate::tools::warnings;
@@ -69,7 +69,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
 
     // Render rows.
     let rendered = render_rows(options, &prepared, &request, &mut products, signals)?;
-    let Rendered { counts, costs, squared_error } = match rendered {
+    let mut rendered = match rendered {
         Ok(rendered) => rendered,
         Err(rows) => {
             let kept = products.keep_parts(rows)?;
@@ -86,12 +86,13 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     }
     warn(not_shown(&products.exceptional()))?;
     let encoding = products.encoding;
-    let Finished { files: pictures, costs, picture } = products.finish(costs)?;
+    let Finished { files: pictures, costs, picture } =
+        products.finish(std::mem::take(&mut rendered.costs))?;
     let outputs = Outputs::new(pictures, signals)?;
     let timings = Timings { reading, building, rendering, writing: encoding + lap() };
 
     // Report.
-    let statistics = statistics(options, &prepared, &request, (counts, squared_error), timings)?;
+    let statistics = statistics(options, &prepared, &request, &rendered, timings)?;
     let repeats =
         options.repeat.map(|count| repeated(options, &prepared, &request, count, rendering)).transpose()?;
     let pixel =
@@ -143,7 +144,7 @@ fn statistics(
     options: &Options,
     prepared: &Prepared,
     request: &Request,
-    (counts, squared_error): (Counts, f64),
+    rendered: &Rendered,
     timings: Timings,
 ) -> Result<stats::Report, Diagnostic> {
     // Adaptive samples are taken until this error is small enough.
@@ -154,7 +155,7 @@ fn statistics(
     let pixels = request.window_size().iter().product::<usize>();
     let standard_error = match options.stats {
         false => None,
-        true if is_known => Some(255.0 * (squared_error / pixels.max(1) as f64).sqrt()),
+        true if is_known => Some(255.0 * (rendered.squared_error / pixels.max(1) as f64).sqrt()),
         true => standard_error(prepared, request)?,
     };
     let edition = options.edition.filter(|&edition| edition != Edition::default());
@@ -162,7 +163,7 @@ fn statistics(
         size: request.window_size(),
         bounds: prepared.renderer().bounds(),
         grid: prepared.cells(),
-        counts,
+        counts: rendered.counts,
         timings,
         threads: rayon::current_num_threads(),
         standard_error,

@@ -22,7 +22,6 @@ pub use tracing::Shot;
 pub use crate::picture::Window;
 
 use crate::base::memory::{self, NoMemory};
-use crate::caster::NotBuilt;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::sampling::blur::Blur;
 use crate::sampling::sampler::Sampler;
@@ -96,15 +95,6 @@ impl fmt::Display for Stopped {
 }
 
 impl std::error::Error for Stopped {}
-
-impl From<NotBuilt> for Stopped {
-    fn from(error: NotBuilt) -> Self {
-        match error {
-            NotBuilt::TooLarge => Self::Structure,
-            NotBuilt::Ended => Self::Cancelled { rows: 0 },
-        }
-    }
-}
 
 impl From<BadSize> for Stopped {
     fn from(size: BadSize) -> Self {
@@ -194,7 +184,7 @@ pub fn render_some_rows(
 ) -> Result<Vec<Vec<Color>>, Stopped> {
     let tally = Tally::new(rows.len(), &|_| ControlFlow::Continue(()));
     // Otherwise each of the rows would build the structure.
-    shot.caster.built(&tally)?;
+    shot.built(&tally)?;
     let render = |&sampler: &Sampler| {
         let request = &Request { sampler, ..request.clone() };
         let tracer = PictureTracer::new(shot, request, &tally);

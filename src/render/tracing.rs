@@ -28,6 +28,16 @@ pub struct Shot<'a> {
     pub view: View<'a>,
 }
 
+impl<'a> Shot<'a> {
+    /// Returns the caster with its structure, which is built unless the render is cancelled.
+    pub(super) fn built(&'a self, tally: &'a Tally) -> Result<Caster<'a>, Stopped> {
+        self.caster.built(tally).map_err(|error| match error {
+            NotBuilt::Ended => tally.reason(),
+            NotBuilt::TooLarge => Stopped::Structure,
+        })
+    }
+}
+
 /// Traces the samples of a picture.
 #[derive(Clone)]
 pub struct PictureTracer<'a> {
@@ -57,25 +67,18 @@ impl<'a> PictureTracer<'a> {
     pub fn rows(&self, rows: Range<usize>) -> Result<Self, Stopped> {
         let mut own = self.clone();
         if self.casts_further_rays() {
-            own.caster = self.caster()?;
+            own.caster = self.shot.built(self.tally)?;
         }
         #[cfg(feature = "fast")]
         if self.request.tracing == Tracing::Fast {
             own.hints = self.hints.in_rows(&self.shot.camera, &own.caster, rows);
             if own.hints.are_incomplete() {
-                own.caster = self.caster()?;
+                own.caster = self.shot.built(self.tally)?;
             }
         }
         #[cfg(not(feature = "fast"))]
         let _ = rows;
         Ok(own)
-    }
-
-    fn caster(&self) -> Result<Caster<'a>, Stopped> {
-        self.shot.caster.built(self.tally).map_err(|error| match error {
-            NotBuilt::Ended => self.tally.reason(),
-            NotBuilt::TooLarge => Stopped::Structure,
-        })
     }
 
     /// Returns true if other rays are cast than those that rasterization may replace.

@@ -51,16 +51,14 @@ fn hits_depend_neither_on_instructions_nor_on_structure() {
     assert!(expected.iter().filter(|(_, hit)| hit.is_some()).count() > 5000);
     for level in instructions::available() {
         for layout in [Layout::List, Layout::Grid([1; 3]), Layout::Grid(FINE), Layout::Tree] {
-            {
-                let caster = Caster::with(&world, layout, level).unwrap();
-                let is_fine = layout == Layout::Tree || layout.cells() == Some(FINE);
-                // Where every ray is tested against all triangles, fewer do.
-                let single = if is_fine { expected.len() } else { expected.len() / 10 };
-                for (ray, hit) in &expected[..single] {
-                    let context = (level, layout, ray);
-                    assert_eq!(caster.closest(ray), *hit, "{context:?}");
-                    assert_eq!(caster.any(ray, RayOrigin::FREE), hit.is_some(), "{context:?}");
-                }
+            let caster = Caster::with(&world, layout, level).unwrap();
+            let is_fine = layout == Layout::Tree || layout.cells() == Some(FINE);
+            // Where every ray is tested against all triangles, fewer do.
+            let single = if is_fine { expected.len() } else { expected.len() / 10 };
+            for (ray, hit) in &expected[..single] {
+                let context = (level, layout, ray);
+                assert_eq!(caster.closest(ray), *hit, "{context:?}");
+                assert_eq!(caster.any(ray, RayOrigin::FREE), hit.is_some(), "{context:?}");
             }
         }
     }
