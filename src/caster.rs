@@ -162,35 +162,34 @@ impl<'w> Caster<'w> {
 
     #[inline(always)]
     fn nearest_at<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin) -> Visible {
-        let mut search = Search::new(self.world, ray, Nearest::new(self.world, ray), self.patience);
-        self.search(simd, origin, &mut search);
-        let Nearest { best, is_undecided, .. } = search.goal;
+        let nearest = Nearest::new(self.world, ray);
+        let Nearest { best, is_undecided, .. } = self.search(simd, ray, origin, nearest);
         if is_undecided { self.foremost(simd, ray, origin, best) } else { best }
     }
 
     #[inline(always)]
     fn any_at<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin) -> bool {
-        let mut search = Search::new(self.world, ray, Any::new(ray), self.patience);
-        self.search(simd, origin, &mut search);
-        search.goal.is_hit
+        self.search(simd, ray, origin, Any::new(ray)).is_hit
     }
 
     #[inline(always)]
-    fn search<S: Simd, G: Goal>(&self, simd: S, origin: RayOrigin, search: &mut Search<G>) {
+    fn search<S: Simd, G: Goal>(&self, simd: S, ray: &Ray, origin: RayOrigin, goal: G) -> G {
         let entry = match self.structure.as_deref() {
-            Some(structure) => structure.region.entry(simd, search.ray, search.ray.t_max),
+            Some(structure) => structure.region.entry(simd, ray, ray.t_max),
             None => Entry::Misses,
         };
         // Most rays that hit nothing end here.
         if matches!(entry, Entry::Misses) && self.world.planes.is_empty() {
-            return;
+            return goal;
         }
+        let mut search = Search::new(self.world, ray, goal, self.patience);
         if search.start(origin) && G::IS_ANY {
-            return;
+            return search.goal;
         }
         if let Some(structure) = self.structure.as_deref() {
-            structure.traverse(simd, &entry, search);
+            structure.traverse(simd, &entry, &mut search);
         }
+        search.goal
     }
 
     /// Decides which primitive a ray sees if it hits several so close together that their t do not decide. Another
@@ -201,9 +200,8 @@ impl<'w> Caster<'w> {
         let t = self.world.hit(ray, nearest).t;
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
-        let mut search = Search::new(self.world, &ray_to_there, All::new(&ray_to_there), self.patience);
-        self.search(simd, origin, &mut search);
-        let foremost = self.world.foremost(ray, search.goal.hits, &mut Steps::new(self.patience));
+        let All { hits, .. } = self.search(simd, &ray_to_there, origin, All::new(&ray_to_there));
+        let foremost = self.world.foremost(ray, hits, &mut Steps::new(self.patience));
         foremost.map_or(nearest, |(t_bound, primitive)| Visible { primitive, t_bound })
     }
 }

@@ -16,7 +16,6 @@ use crate::caster::insertion::{bounds_of, references};
 use crate::caster::lattice::{Lattice, NotBuilt};
 use crate::caster::search::{Goal, Search};
 use crate::caster::tree::{Branch, LEAF, SMALL, Small, Tree};
-use crate::math::instructions::prefetch;
 use crate::math::simd::lanes;
 use crate::world::World;
 use arrayvec::ArrayVec;
@@ -173,10 +172,8 @@ impl AccelerationStructure {
         }
     }
 
-    /// Searches a branch of a tree in the frame of the filter's ray. Returns true if that changes the rest of the search.
-    /// Not inlined, so that the loop over the cells stays small.
-    #[simd]
-    #[inline(never)]
+    /// Searches a branch of a tree in the frame of the filter's ray. Returns true if a hit ends the search.
+    #[inline(always)]
     fn descend<S: Simd, G: Goal>(
         &self,
         simd: S,
@@ -186,62 +183,36 @@ impl AccelerationStructure {
         search: &mut Search<G>,
     ) -> bool {
         let box_ray = BoxRay::new(&filter_state.ray);
-        let (mut stack, mut child, mut has_changed) = (Stack::new(), branch, false);
+        let (mut stack, mut child) = (Stack::new(), branch);
         loop {
             let mut next = None;
             if child < SMALL {
                 let node = &tree.nodes[child as usize];
                 let meeting = meet(simd, node, &box_ray, filter_state.ray.max_depth);
-                next = self.first_child::<G>(tree, &node.children, &meeting, &mut stack);
+                next = first_child::<G>(&node.children, &meeting, &mut stack);
             } else {
-                let changed = if child >= LEAF {
+                let has_changed = if child >= LEAF {
                     let (block, others) = self.contents.leaf((child - LEAF) as usize);
                     search.test_cell(simd, block, others, filter_state)
                 } else {
                     self.test_small(simd, tree, &tree.small[(child - SMALL) as usize], filter_state, search)
                 };
-                if G::IS_ANY && changed {
+                if G::IS_ANY && has_changed {
                     return true;
                 }
-                has_changed |= changed;
             }
             while next.is_none() {
-                let Some((entry, waiting)) = stack.pop() else { return has_changed };
+                let Some((entry, waiting)) = stack.pop() else { return false };
                 next = (G::IS_ANY || entry <= filter_state.ray.max_depth).then_some(waiting);
             }
             child = next.unwrap_or(child);
         }
     }
 
-    /// Returns the child to visit next, which is the nearest one unless any hit will do. Pushes the other children that
-    /// the ray meets onto the stack.
-    #[inline(always)]
-    fn first_child<G: Goal>(
-        &self,
-        tree: &Tree,
-        children: &[Branch; LANES],
-        meeting: &Meeting,
-        stack: &mut Stack,
-    ) -> Option<Branch> {
-        let mut met = lanes(meeting.set).map(|lane| (meeting.entries[lane], children[lane]));
-        let mut first = met.next()?;
-        self.prefetch_child(tree, first.1);
-        let waiting = stack.len();
-        for mut other in met {
-            self.prefetch_child(tree, other.1);
-            if !G::IS_ANY && other.0 < first.0 {
-                std::mem::swap(&mut first, &mut other);
-            }
-            stack.push(other);
-            if !G::IS_ANY {
-                sink_last(&mut stack[waiting..]);
-            }
-        }
-        Some(first.1)
-    }
-
-    /// Searches a branch with a frame of its own, and shortens the ray in the outer frame.
-    #[inline(always)]
+    /// Searches a branch with a frame of its own, and shortens the ray in the outer frame. Returns true if a hit ends the
+    /// search.
+    #[simd]
+    #[inline(never)]
     fn test_small<S: Simd, G: Goal>(
         &self,
         simd: S,
@@ -251,7 +222,7 @@ impl AccelerationStructure {
         search: &mut Search<G>,
     ) -> bool {
         let last = search.goal.end();
-        let changed = match region.entry(simd, search.ray, last) {
+        let is_over = match region.entry(simd, search.ray, last) {
             Entry::Misses => return false,
             Entry::Passes(interval) => {
                 let mut filter_state = FilterState::new(&interval, &region.frame, last);
@@ -261,17 +232,27 @@ impl AccelerationStructure {
             Entry::TooFar => search.test_each(self.contents.primitives_of(leaves.clone())),
         };
         outer.shorten(search.goal.end());
-        changed
+        is_over
     }
+}
 
-    #[inline(always)]
-    fn prefetch_child(&self, tree: &Tree, child: Branch) {
-        if child >= LEAF {
-            self.contents.blocks.get((child - LEAF) as usize).into_iter().for_each(prefetch);
-        } else if let Some(node) = tree.nodes.get(child as usize) {
-            prefetch(node);
+/// Returns the child to visit next, which is the nearest one unless any hit will do. Pushes the other children that the
+/// ray meets onto the stack.
+#[inline(always)]
+fn first_child<G: Goal>(children: &[Branch; LANES], meeting: &Meeting, stack: &mut Stack) -> Option<Branch> {
+    let mut met = lanes(meeting.set).map(|lane| (meeting.entries[lane], children[lane]));
+    let mut first = met.next()?;
+    let waiting = stack.len();
+    for mut other in met {
+        if !G::IS_ANY && other.0 < first.0 {
+            std::mem::swap(&mut first, &mut other);
+        }
+        stack.push(other);
+        if !G::IS_ANY {
+            sink_last(&mut stack[waiting..]);
         }
     }
+    Some(first.1)
 }
 
 /// Moves the last child to its position among the others, which are sorted with the nearest last.
