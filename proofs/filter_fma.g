@@ -64,7 +64,7 @@ depthf = (n0 + m0) * (1 + rn0) * sf0 * ts0 + (n1 + m1) * (1 + rn1) * sf1 * ts1 +
 depth_sum = n0 * z0 + n1 * z1 + n2 * z2;
 depth_m = m0 * (1 + rn0) * sf0 * ts0 + m1 * (1 + rn1) * sf1 * ts1 + m2 * (1 + rn2) * sf2 * ts2;
 depth_error = depth_sum + depth_m;
-# The error of w = det - (u + v) has a part proportional to b c and a part proportional to b^2.
+# The error of w = det - (u + v) has a part proportional to b and a part proportional to b^2.
 w_edges = (u_edges + v_edges) * (1 + ra) * (1 + rb);
 w_area = (of_sum + v_of_sum) * (1 + ra) * (1 + rb) + det_error * (1 + rb) + (w * rb - uv * (ra + ra * rb));
 
@@ -80,7 +80,7 @@ of_det = n0 * dy0 + n1 * dy1 + n2 * dy2;
 apart = of_depth - t * of_det + (dn0 * (sz0 - t * dy0) + dn1 * (sz1 - t * dy1) + dn2 * (sz2 - t * dy2));
 # The test against the maximum depth, and the bounds of Verdict::depths, without `normal`.
 before = dfar * (det + det_error) - apart - t_error * (det + det_error);
-depths = apart + (t * (det + det_error) + (apart - normal_of_c) - bound) * (ra + rb + ra * rb)
+depths = apart + (t * (det + det_error) + (apart - normal_b2) - bound) * (ra + rb + ra * rb)
   - t_error * (det + det_error);
 
 {
@@ -144,7 +144,7 @@ depths = apart + (t * (det + det_error) + (apart - normal_of_c) - bound) * (ra +
 |p1| <= 0x1.00001p0 /\
 |p2| <= 0x1.00001p0 /\
 |normal_sum| <= 0x4.0001p-24 /\
-|normal_of_c| <= 0x8.01p-24 /\
+|normal_b2| <= 0x8.01p-24 /\
 |of_depth| <= 1843202b-40 /\
 |of_det| <= 794626b-40 /\
 |v_edges| <= 31b-25 /\

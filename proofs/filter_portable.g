@@ -12,11 +12,10 @@
 # Sums of three products are computed from the third one on, so that the first is rounded twice, and the others three
 # times: as a product, and in the sums.
 #
-# Scaling. All coordinates of corners and of the ray's origin are divided by c, a power of two from 1 to 4, which
-# changes no rounding. Then all of them are at most 1, and t is at most MAX_DEPTH. Edges and what is computed from
-# them, u, v, w, n, det and n.s, are divided by b or b^2, which need not be powers of two. Hence their roundings are
-# modelled by relative errors of their own, re, rn, rq, ru, rd, rs, ra, rb and rp, of at most r, instead of by the
-# spacing of floats. The goals are multiples of r b c, r b^2, r b^2 c and, for `normal`, r b^3.
+# Scaling. All coordinates of corners and of the ray's origin are at most 1, and t is at most MAX_DEPTH. Edges and what
+# is computed from them, u, v, w, n, det and n.s, are divided by b or b^2, which need not be powers of two. Hence their
+# roundings are modelled by relative errors of their own, re, rn, rq, ru, rd, rs, ra, rb and rp, of at most r, instead
+# of by the spacing of floats. The goals are multiples of r b, r b^2 and, for `normal`, r b^3.
 #
 # Underflow. A relative error does not model numbers below 2^-126: there, storing or multiplying adds an error of up
 # to 2^-150. Counted with their factors, these errors are at most 36 for w (12 for each edge, which q multiplies, and
@@ -36,8 +35,8 @@
 #   x, y, z, dy and sz, which are goals.
 # - The hypothesis on of_sum follows in the same way. With p the vector from the first corner to the point where the
 #   ray meets the triangle's plane, s = t d - p and q = p x d; and in a triangle no coordinate of p exceeds that of an
-#   edge, which the rounding of a stored edge may have made larger than b. normal_of_c is `normal` in units of b^2 c:
-#   up to twice as much, since b <= 2 c.
+#   edge, which the rounding of a stored edge may have made larger than b. normal_b2 is `normal` in units of b^2:
+#   up to twice as much, since b <= 2.
 # - Hits have 0 <= u + v <= det and 0 <= w <= det, if all quantities are negated where det is negative.
 # - t is the result of the test in f64, in units of the frame. t_error is its error, together with that of the f64
 #   arithmetic on the filter's results: a sheared vertex has an error of 5 * 2^-53 * 2^20, which causes one of at most
@@ -51,7 +50,7 @@
 #   and v are at least -u_error - det_error, w is at least -(u_error + v_error), n.s is at least -depth_error - t
 #   det_error, as the last goal says in roundings, and the last one is at least n.s >= -depth_error. All of these are
 #   within the bounds.
-# - A certain hit is a hit. Let u, v and w as computed all exceed their bound B, 37 r b c + 67 r b^2. Then u + v is
+# - A certain hit is a hit. Let u, v and w as computed all exceed their bound B, 37 r b + 67 r b^2. Then u + v is
 #   below det, so that w's roundings are those of numbers below det, as for a hit; and det, which is their sum,
 #   exceeds 3 B - 18 r b^2 > 183 r b^2 and has the sign that was computed. Let N be the absolute value of the sum of
 #   the negative ones among the exact u / det, v / det and w / det. Then p is at most (1 + 2 N) b, and since of_sum
@@ -114,7 +113,7 @@ depthf = (n0 + m0) * (1 + rn0) * sf0 * ts0 + (n1 + m1) * (1 + rn1) * sf1 * ts1 +
 depth_sum = n0 * z0 + n1 * z1 + n2 * z2;
 depth_m = m0 * (1 + rn0) * sf0 * ts0 + m1 * (1 + rn1) * sf1 * ts1 + m2 * (1 + rn2) * sf2 * ts2;
 depth_error = depth_sum + depth_m;
-# The error of w = det - (u + v) has a part proportional to b c and a part proportional to b^2.
+# The error of w = det - (u + v) has a part proportional to b and a part proportional to b^2.
 w_edges = (u_edges + v_edges) * (1 + ra) * (1 + rb);
 w_area = (of_sum + v_of_sum) * (1 + ra) * (1 + rb) + det_error * (1 + rb) + (w * rb - uv * (ra + ra * rb));
 
@@ -130,7 +129,7 @@ of_det = n0 * dy0 + n1 * dy1 + n2 * dy2;
 apart = of_depth - t * of_det + (dn0 * (sz0 - t * dy0) + dn1 * (sz1 - t * dy1) + dn2 * (sz2 - t * dy2));
 # The test against the maximum depth, and the bounds of Verdict::depths, without `normal`.
 before = dfar * (1 + rp) * (det + det_error) + far * rp * (det + det_error) - apart - t_error * (det + det_error);
-depths = apart + (t * (det + det_error) + (apart - normal_of_c) - bound) * (ra + rb + ra * rb)
+depths = apart + (t * (det + det_error) + (apart - normal_b2) - bound) * (ra + rb + ra * rb)
   - t_error * (det + det_error);
 
 {
@@ -200,7 +199,7 @@ depths = apart + (t * (det + det_error) + (apart - normal_of_c) - bound) * (ra +
 |p1| <= 0x1.00001p0 /\
 |p2| <= 0x1.00001p0 /\
 |normal_sum| <= 0x4.0001p-24 /\
-|normal_of_c| <= 0x8.01p-24 /\
+|normal_b2| <= 0x8.01p-24 /\
 |of_depth| <= 2105346b-40 /\
 |of_det| <= 925698b-40 /\
 |v_edges| <= 37b-25 /\

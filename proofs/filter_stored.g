@@ -4,7 +4,7 @@
 # The names are those of filter_portable.g. a, o and d are a coordinate of the corner, of the origin and of the
 # direction in f64; at, ot and dt are the exact ones. The origin, (o - center + entry direction) scale, has two
 # roundings of numbers up to 2^20, since rays from farther away are not tested by the filter, and it lies outside the
-# box by no more than the rounding of entry. 2^-31 is more than either. All are divided by c, a power of two.
+# box by no more than the rounding of entry. 2^-31 is more than either.
 
 @f32 = float<ieee_32, ne>;
 MAX_DEPTH = 2.03125;

@@ -2,7 +2,7 @@
 //! [`crate::caster::filter`], with the error bounds that `proofs/filter_portable.g` and `proofs/filter_fma.g` prove.
 
 use crate::math::aabb::Aabb;
-use crate::math::extremes::{box_corners, max, max3};
+use crate::math::extremes::max;
 use crate::world::World;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -39,21 +39,11 @@ impl Block {
         Self { ids, ..Self::zeroed() }
     }
 
-    /// Fills a new block with the coordinates of its triangles. If `all_in_frame` is true, all triangles of the world
-    /// must lie in the frame's box, and they are not tested for that.
-    pub fn fill(&mut self, world: &World, frame: &Frame, all_in_frame: bool) {
+    /// Fills a new block with the coordinates of its triangles, which must lie in the frame's box.
+    pub fn fill(&mut self, world: &World, frame: &Frame) {
         self.corner = [[f32::NAN; LANES]; 3];
-        let mut block_max_abs_coord = 1.0;
         for (lane, id) in self.ids.into_iter().take_while(|&id| id != NONE).enumerate() {
-            let corners = world.corners(id as usize);
-            let max_abs_coord = if all_in_frame { 1.0 } else { frame.max_abs_coord(corners) };
-            if max_abs_coord <= MAX_CORNER_COORD {
-                self.set(lane, frame, corners);
-                block_max_abs_coord = f64::max(block_max_abs_coord, max_abs_coord);
-            } else {
-                // With zeros throughout, the filter never rejects the triangle and is never certain of a hit.
-                self.corner.iter_mut().for_each(|row| row[lane] = 0.0);
-            }
+            self.set(lane, frame, world.corners(id as usize));
         }
         // Empty lanes need no special case, since their edges are 0.
         let mut longest = [0.0f32; LANES];
@@ -61,7 +51,7 @@ impl Block {
             longest = std::array::from_fn(|lane| max(longest[lane], row[lane].abs()));
         }
         let longest = longest.into_iter().fold(0.0, max);
-        self.error_bounds = FilterErrorBounds::of(longest, block_max_abs_coord);
+        self.error_bounds = FilterErrorBounds::of(longest);
     }
 
     /// Stores a triangle in a lane.
@@ -79,11 +69,6 @@ impl Block {
     }
 }
 
-/// The largest absolute coordinate of a corner in a block. A frame in a tree contains only the parts of triangles in
-/// the tree's cell, and a triangle may extend far beyond it. A triangle that exceeds this limit is left to double
-/// precision, since it would enlarge the error bounds of the other triangles in its block, or overflow.
-const MAX_CORNER_COORD: f64 = 4.0;
-
 /// Negated error bounds of the filter's quantities for the triangles of a block. If the exact value of a quantity is
 /// not negative, the computed value is at least the negated bound. The bounds are derived in [`crate::caster::filter`].
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -95,14 +80,14 @@ pub struct FilterErrorBounds {
     pub depth: f32,
 }
 
-/// Error bound of w, the least accurate of u, v and w: the part in roundings of an edge times a corner. Half of it is
+/// Error bound of w, the least accurate of u, v and w: the part in roundings of an edge. Half of it is
 /// enough for u and v, but one bound for the least of the three saves a comparison.
 const EDGE_ROUNDINGS: f32 = 37.0;
 
 /// Error bound of w: the part in roundings of an edge squared.
 const AREA_ROUNDINGS: f32 = 67.0;
 
-/// Error bound of n.s - t det: the part in roundings of an edge squared times a corner.
+/// Error bound of n.s - t det: the part in roundings of an edge squared.
 const DEPTH_ROUNDINGS: f32 = 82.0;
 
 /// Error bound of n.s - t det: the part in roundings of an edge cubed, for the error of n.
@@ -113,16 +98,10 @@ const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 impl FilterErrorBounds {
     /// Returns the error bounds of a block. `longest` is b, the largest absolute coordinate of its edges.
-    /// `max_abs_coord` is the largest absolute coordinate of its corners. The next power of two is c, so that the
-    /// division by c in the proof is exact.
-    pub fn of(longest: f32, max_abs_coord: f64) -> Self {
+    pub fn of(longest: f32) -> Self {
         const ROUNDING: f32 = 1.0 / (1u32 << 24) as f32;
-        let mut corner = 1.0;
-        while f64::from(corner) < max_abs_coord {
-            corner *= 2.0;
-        }
-        let edge = EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest;
-        let depth = (DEPTH_ROUNDINGS * corner + NORMAL_ROUNDINGS * longest) * longest;
+        let edge = EDGE_ROUNDINGS + AREA_ROUNDINGS * longest;
+        let depth = (DEPTH_ROUNDINGS + NORMAL_ROUNDINGS * longest) * longest;
         let scale = ROUNDING * longest;
         Self { edge: -(edge * scale) - UNDERFLOW, depth: -(depth * scale) - UNDERFLOW }
     }
@@ -153,18 +132,6 @@ impl Frame {
         }
     }
 
-    /// Returns true if the coordinates of a box in this frame are from -1 to 1.
-    pub fn holds(&self, bounds: &Aabb) -> bool {
-        let [min, max] = [bounds.min, bounds.max].map(|corner| self.point(corner));
-        min.min_element() >= -1.0 && max.max_element() <= 1.0
-    }
-
-    /// Returns the largest absolute coordinate of three corners in this frame.
-    fn max_abs_coord(&self, [a, b, c]: [DVec3; 3]) -> f64 {
-        let points = [self.point(a).abs(), self.point(b).abs(), self.point(c).abs()];
-        max3(box_corners(points)[1].to_array())
-    }
-
     /// Converts a point to the coordinates of this frame.
     pub fn point(&self, point: DVec3) -> DVec3 {
         let [x, y, z, _] = self.center;
@@ -187,22 +154,15 @@ mod tests {
     }
 
     #[test]
-    fn the_error_bounds_are_so_many_roundings_of_edges_and_corners() {
+    fn the_error_bounds_are_these_roundings_of_edges() {
         let rounding = 2f32.powi(-24);
-        for (max_abs_coord, corner) in [(0.5, 1.0), (1.0, 1.0), (1.5, 2.0), (3.0, 4.0), (4.0, 4.0)] {
-            for longest in [0.25, 0.5, 2.0] {
-                let error_bounds = FilterErrorBounds::of(longest, max_abs_coord);
-                let edge = (EDGE_ROUNDINGS * corner + AREA_ROUNDINGS * longest) * longest * rounding;
-                let depth =
-                    (DEPTH_ROUNDINGS * corner + NORMAL_ROUNDINGS * longest) * longest * longest * rounding;
-                assert_eq!(
-                    (error_bounds.edge, error_bounds.depth),
-                    (-edge, -depth),
-                    "{max_abs_coord} {longest}"
-                );
-            }
+        for longest in [0.25, 0.5, 2.0] {
+            let error_bounds = FilterErrorBounds::of(longest);
+            let edge = (EDGE_ROUNDINGS + AREA_ROUNDINGS * longest) * longest * rounding;
+            let depth = (DEPTH_ROUNDINGS + NORMAL_ROUNDINGS * longest) * longest * longest * rounding;
+            assert_eq!((error_bounds.edge, error_bounds.depth), (-edge, -depth), "{longest}");
         }
-        let least = FilterErrorBounds::of(0.0, 1.0);
+        let least = FilterErrorBounds::of(0.0);
         assert_eq!((least.edge, least.depth), (-UNDERFLOW, -UNDERFLOW));
     }
 
@@ -212,23 +172,5 @@ mod tests {
         assert_eq!(point(6.0, 2.0, 3.0), DVec3::new(0.5, -0.5, -0.25));
         assert_eq!(frame().vector(DVec3::new(6.0, 2.0, -4.0)), DVec3::new(1.5, 0.5, -1.0));
         assert_eq!((frame().scale, frame().unit), (0.25, 4.0));
-        let corners = [(4.0, 4.0, 5.0), (4.0, -8.0, 4.0), (6.0, 4.0, 4.0)].map(DVec3::from);
-        assert_eq!(frame().max_abs_coord(corners), 3.0);
-    }
-
-    #[test]
-    fn a_frame_holds_what_is_within_one_unit_of_its_middle() {
-        let holds = |low: f64, high: f64| {
-            [0, 1, 2].map(|axis| {
-                let (mut min, mut max) = (DVec3::splat(3.0), DVec3::splat(5.0));
-                (min[axis], max[axis]) = (low, high);
-                frame().holds(&Aabb { min, max })
-            })
-        };
-        assert_eq!((holds(0.0, 8.0), holds(5.0, 5.0)), ([true; 3], [true; 3]));
-        assert_eq!(
-            (holds(-0.1, 5.0), holds(5.0, 8.1), holds(-0.1, 8.1)),
-            ([false; 3], [false; 3], [false; 3])
-        );
     }
 }

@@ -137,8 +137,7 @@ impl Contents {
     ) -> Result<(), Ended> {
         let ends = frames.iter().skip(1).map(|(start, _)| *start).chain([self.blocks.len()]);
         for ((start, frame), end) in frames.iter().zip(ends.collect::<Vec<_>>()) {
-            let all_in_frame = frame.holds(&world.bounds);
-            let fill = |block: &mut Block| block.fill(world, frame, all_in_frame);
+            let fill = |block: &mut Block| block.fill(world, frame);
             for part in self.blocks[*start..end].chunks_mut(BLOCKS_AT_ONCE) {
                 patience.check()?;
                 part.par_iter_mut().for_each(fill);

@@ -78,7 +78,7 @@ fn compared(
         let demand = Demand { size, footprint, enters_objects: false, shadow_rays: 1 << 20 };
         let hints = RasterHints::new(world, demand, &Endless).in_rows(camera, &caster, 0..size[1]);
         let (fast, tracer) = (Tracer::with_hints(&caster, effects, &hints), Tracer::new(&caster, effects));
-        let mut memory = RayStack::default();
+        let mut stack = RayStack::default();
         let mut packet = SamplePacket::default();
         for j in 0..size[1] {
             let columns: Vec<usize> = (0..size[0]).collect();
@@ -90,13 +90,13 @@ fn compared(
                     packet.push(column, if is_center { DVec2::ZERO } else { offset }, true);
                 }
                 let (stage, rays) = (Stage::Colors, &mut RayCount::default());
-                let (samples, kept) = (&mut packet, &mut memory);
+                let (samples, kept) = (&mut packet, &mut stack);
                 dispatch!(level, simd => fast.trace(simd, camera, j, stage, samples, kept, rays));
                 for (sample, color) in packet.samples().iter().zip(packet.colors()) {
                     let ray = camera.ray(DVec2::new(sample.column as f64, j as f64), sample.offset);
                     let is_known = hints.first_hit(world, &ray, [sample.column, j]) != FirstHit::Unknown;
                     found[0] += usize::from(is_known);
-                    let expected = tracer.color(&ray, &mut memory, &mut Counts::default());
+                    let expected = tracer.color(&ray, &mut stack, &mut Counts::default());
                     let bits = |color: crate::picture::Color| color.to_array().map(f64::to_bits);
                     assert_eq!(bits(*color), bits(expected), "{effects:?} {:?} {ray:?}", world.lighting);
                     found[1] += usize::from(expected == world.background_along(ray.direction));

@@ -1,8 +1,6 @@
 //! Minima and maxima that compile to one instruction each. Unlike `f64::min` and `f64::max`, which avoid NaN, they
 //! return their second argument if either one is NaN.
 
-use glam::DVec3;
-
 /// Returns the minimum of two, or the second if they are unordered or equal.
 #[inline(always)]
 pub fn min<T: PartialOrd>(a: T, b: T) -> T {
@@ -27,14 +25,6 @@ pub fn max3<T: PartialOrd>([a, b, c]: [T; 3]) -> T {
     max(max(a, b), c)
 }
 
-/// Returns the minimum and maximum corners of the bounding box of three points.
-#[inline(always)]
-pub fn box_corners([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
-    let axis = |axis: usize| [a[axis], b[axis], c[axis]];
-    let (x, y, z) = (axis(0), axis(1), axis(2));
-    [DVec3::new(min3(x), min3(y), min3(z)), DVec3::new(max3(x), max3(y), max3(z))]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,11 +44,5 @@ mod tests {
             assert!(extreme(0.0, f64::NAN).is_nan() && extreme(f64::NAN, 0.0) == 0.0);
             assert!(extreme(0.0, -0.0).is_sign_negative() && extreme(-0.0, 0.0).is_sign_positive());
         }
-    }
-
-    #[test]
-    fn box_corners_bound_three_points_tightly() {
-        let points = [DVec3::new(1.0, 6.0, -7.0), DVec3::new(2.0, 5.0, 9.0), DVec3::new(3.0, 4.0, 8.0)];
-        assert_eq!(box_corners(points), [DVec3::new(1.0, 4.0, -7.0), DVec3::new(3.0, 6.0, 9.0)]);
     }
 }

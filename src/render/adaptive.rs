@@ -410,8 +410,8 @@ impl<'t, 'a> Tile<'t, 'a> {
             let columns = self.columns.clone();
             let places =
                 columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty()).flat_map(of_pixel);
-            let looked = self.tracer.look(j, places)?;
-            let (mut colors, mut costs) = (looked.colors.iter(), looked.costs.iter());
+            let traced = self.tracer.trace_rays(j, places)?;
+            let (mut colors, mut costs) = (traced.colors.iter(), traced.costs.iter());
             let (mut pilots, mut costs_of_pixels) = (vec![], vec![]);
             for ((pixel, range), column) in pixels.iter_mut().zip(&ranges).zip(columns) {
                 costs_of_pixels.push(costs.by_ref().take(range.len()).sum());
@@ -436,7 +436,7 @@ impl<'t, 'a> Tile<'t, 'a> {
                 }
                 pixel.doublings = Some(range.end.ilog2() as u8);
             }
-            Some(TracedRow { pixels, pilots, costs: costs_of_pixels, counts: looked.counts })
+            Some(TracedRow { pixels, pilots, costs: costs_of_pixels, counts: traced.counts })
         };
         let rows = self.tracer.tally.in_parallel(self.rows.clone(), row);
         let (mut all_pixels, mut all_pilots) = (vec![], vec![]);

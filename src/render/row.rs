@@ -37,7 +37,7 @@ pub struct Row {
 }
 
 /// The results of some rays of a row.
-pub struct Looked {
+pub struct RaySamples {
     pub colors: Vec<Color>,
     /// The cost of all rays together.
     pub counts: Counts,
@@ -120,7 +120,7 @@ impl PictureTracer<'_> {
         };
         let mut painter = Painter {
             tracer: self,
-            memory: RayStack::until(&is_over, self.caster.world),
+            stack: RayStack::until(&is_over, self.caster.world),
             is_shown,
             shown: request.columns(),
             center_weight: request.filter.weight(DVec2::ZERO),
@@ -136,7 +136,7 @@ impl PictureTracer<'_> {
         for first in columns.clone().step_by(at_once) {
             let before = std::mem::take(&mut painter.row.counts);
             painter.paint(first..columns.end.min(first + at_once), &mut sampler, &mut packet);
-            if painter.memory.is_cut() {
+            if painter.stack.is_cut() {
                 return None;
             }
             let counts = painter.row.counts;
@@ -154,10 +154,14 @@ impl PictureTracer<'_> {
 
     /// Casts rays through these columns of row `j`, at these offsets from their pixels' centres. Returns `None` if the
     /// render is cancelled meanwhile.
-    pub fn look(&self, j: usize, mut places: impl Iterator<Item = (usize, DVec2)>) -> Option<Looked> {
+    pub fn trace_rays(
+        &self,
+        j: usize,
+        mut places: impl Iterator<Item = (usize, DVec2)>,
+    ) -> Option<RaySamples> {
         let is_over = |waiting| self.tally.asks(waiting);
-        let mut memory = RayStack::until(&is_over, self.caster.world);
-        let mut looked = Looked { colors: vec![], counts: Counts::default(), costs: vec![] };
+        let mut stack = RayStack::until(&is_over, self.caster.world);
+        let mut traced = RaySamples { colors: vec![], counts: Counts::default(), costs: vec![] };
         // In a tuple, the packet would be copied.
         let mut packet = SamplePacket::default();
         let cost = self.request.cost();
@@ -166,16 +170,16 @@ impl PictureTracer<'_> {
             places.by_ref().take(at_once).for_each(|(column, offset)| packet.push(column, offset, false));
             let count = packet.samples().len();
             if count == 0 {
-                return Some(looked).filter(|_| !self.tally.is_cancelled());
+                return Some(traced).filter(|_| !self.tally.is_cancelled());
             }
             let mut counts = Counts { non_shadow_rays: count as u64, ..Counts::default() };
-            self.trace(j, Stage::Rays, true, &mut packet, &mut memory, &mut counts);
-            if memory.is_cut() {
+            self.trace(j, Stage::Rays, true, &mut packet, &mut stack, &mut counts);
+            if stack.is_cut() {
                 return None;
             }
-            looked.colors.extend_from_slice(packet.colors());
-            looked.costs.extend(cost.map(|cost| cost.of(&counts)));
-            looked.counts = looked.counts.merge(counts);
+            traced.colors.extend_from_slice(packet.colors());
+            traced.costs.extend(cost.map(|cost| cost.of(&counts)));
+            traced.counts = traced.counts.merge(counts);
             packet.clear();
         }
     }
@@ -184,7 +188,7 @@ impl PictureTracer<'_> {
 /// Traces the pixels of one row.
 struct Painter<'a> {
     tracer: &'a PictureTracer<'a>,
-    memory: RayStack<'a>,
+    stack: RayStack<'a>,
     is_shown: bool,
     /// The columns of the window.
     shown: Range<usize>,
@@ -241,8 +245,8 @@ impl Painter<'_> {
     }
 
     fn trace(&mut self, measured: Stage, has_colors: bool, packet: &mut SamplePacket) {
-        let (memory, counts) = (&mut self.memory, &mut self.row.counts);
-        self.tracer.trace(self.row.j, measured, has_colors, packet, memory, counts);
+        let (stack, counts) = (&mut self.stack, &mut self.row.counts);
+        self.tracer.trace(self.row.j, measured, has_colors, packet, stack, counts);
     }
 
     /// Adds the samples of a packet to the row.

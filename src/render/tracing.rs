@@ -101,12 +101,12 @@ impl<'a> PictureTracer<'a> {
         measured: Stage,
         has_colors: bool,
         packet: &mut SamplePacket,
-        memory: &mut RayStack,
+        stack: &mut RayStack,
         counts: &mut Counts,
     ) {
         let Self { shot: Shot { camera, view, .. }, caster, request, .. } = self;
         let Request { effects, tracing, size, .. } = request;
-        if memory.is_cut() {
+        if stack.is_cut() {
             return;
         }
         let stage = if has_colors && matches!(view, View::Scene) { Stage::Colors } else { measured };
@@ -114,12 +114,12 @@ impl<'a> PictureTracer<'a> {
         match tracing {
             Tracing::Counted => {
                 let tracer = Tracer::new(caster, *effects);
-                dispatch!(level, simd => tracer.trace(simd, camera, j, stage, packet, memory, counts));
+                dispatch!(level, simd => tracer.trace(simd, camera, j, stage, packet, stack, counts));
             }
             Tracing::Fast => {
                 let tracer = Tracer::with_hints(caster, *effects, &self.hints);
                 let rays = &mut RayCount::default();
-                dispatch!(level, simd => tracer.trace(simd, camera, j, stage, packet, memory, rays));
+                dispatch!(level, simd => tracer.trace(simd, camera, j, stage, packet, stack, rays));
                 // The total of all kinds.
                 counts.non_shadow_rays += rays.0;
             }
@@ -137,7 +137,7 @@ impl<'a> PictureTracer<'a> {
                 }
             }
         }
-        memory.spend(packet.samples().len() as u32);
+        stack.spend(packet.samples().len() as u32);
     }
 }
 

@@ -28,7 +28,7 @@ impl<H: Hints> Tracer<'_, H> {
         j: usize,
         stage: Stage,
         packet: &mut SamplePacket,
-        memory: &mut RayStack,
+        stack: &mut RayStack,
         observer: &mut O,
     ) {
         aim::<S>(simd, packet, camera, j);
@@ -53,10 +53,10 @@ impl<H: Hints> Tracer<'_, H> {
         }
         if stage == Stage::Colors {
             for (Sample { ray, surface, .. }, color) in packet.colors_mut() {
-                if memory.asks_within_packets() && memory.spend(1) {
+                if stack.asks_within_packets() && stack.spend(1) {
                     break;
                 }
-                self.set_color(simd, color, ray, surface.as_ref(), memory, observer);
+                self.set_color(simd, color, ray, surface.as_ref(), stack, observer);
             }
         }
     }

@@ -237,9 +237,9 @@ mod tests {
             asked.fetch_add(1, Ordering::Relaxed);
             false
         };
-        let mut memory = RayStack::until(&is_over, &world);
-        assert_eq!(memory.asks_within_packets(), textures > 1000);
-        assert!((0..2000).all(|_| !memory.spend(1)));
+        let mut stack = RayStack::until(&is_over, &world);
+        assert_eq!(stack.asks_within_packets(), textures > 1000);
+        assert!((0..2000).all(|_| !stack.spend(1)));
         asked.into_inner()
     }
 

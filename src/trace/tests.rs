@@ -57,10 +57,10 @@ impl Setting {
             triangle: None,
         };
         let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
-        let (tracer, memory, mut color) =
+        let (tracer, stack, mut color) =
             (Tracer::new(&caster, self.effects), &mut RayStack::default(), Color::ZERO);
         let surface = Some(&surface);
-        dispatch!(caster.level, simd => tracer.set_color(simd, &mut color, &ray, surface, memory, &mut Quiet));
+        dispatch!(caster.level, simd => tracer.set_color(simd, &mut color, &ray, surface, stack, &mut Quiet));
         color
     }
 }
@@ -363,11 +363,10 @@ fn uncounted_rays_have_the_colours_of_counted_ones_with_fewer_shadow_rays() {
     for level in instructions::available() {
         let caster = Caster::with(&world, Layout::Grid([6, 5, 7]), level).unwrap();
         let tracer = Tracer::new(&caster, effects);
-        let (mut memory, mut rays, mut counts) =
-            (RayStack::default(), RayCount::default(), Counts::default());
+        let (mut stack, mut rays, mut counts) = (RayStack::default(), RayCount::default(), Counts::default());
         for ray in (0..1500).map(camera_ray) {
-            let color = tracer.color(&ray, &mut memory, &mut rays);
-            let expected = tracer.color(&ray, &mut memory, &mut counts);
+            let color = tracer.color(&ray, &mut stack, &mut rays);
+            let expected = tracer.color(&ray, &mut stack, &mut counts);
             let bits = |color: Color| color.to_array().map(f64::to_bits);
             assert_eq!(bits(color), bits(expected), "{ray:?}");
         }

@@ -30,7 +30,7 @@ enum Bound {
     Depth,
 }
 
-/// The error bound of v, in roundings of an edge times a corner and of an edge squared.
+/// The error bound of v, in roundings of an edge and of an edge squared.
 const V_EDGE_ROUNDINGS: f32 = 18.5;
 const V_AREA_ROUNDINGS: f32 = 20.5;
 
@@ -147,7 +147,7 @@ impl Trial {
         let mut ids = [NONE; LANES];
         ids[0] = id;
         let mut block = Block::new(ids);
-        block.fill(world, &FRAME, true);
+        block.fill(world, &FRAME);
         let ray = self.ray();
         let is_alone = bound != Bound::V || self.w() > f64::from(-block.error_bounds.edge);
         if bound == Bound::V {

@@ -123,7 +123,7 @@ pub struct Student<'a> {
 }
 
 /// A ray and its history since the camera.
-struct Way {
+struct PathRay {
     ray: Ray,
     /// The primitive that the ray leaves.
     leaves: Option<u32>,
@@ -136,7 +136,7 @@ struct Way {
 
 /// A surface where a ray arrives.
 struct Arrival<'m> {
-    way: &'m Way,
+    path_ray: &'m PathRay,
     surface: &'m SurfacePoint,
     material: PointMaterial<'m>,
 }
@@ -159,8 +159,8 @@ impl<'a> Student<'a> {
 
     /// Returns the colour along a ray from the camera.
     pub fn color(&self, ray: &Ray) -> Color {
-        let way = Way { ray: *ray, leaves: None, weight: 1.0, bounces: 0, index: 1.0 };
-        self.clamped_by(Rule::SamplesClamped, self.trace(&way))
+        let path_ray = PathRay { ray: *ray, leaves: None, weight: 1.0, bounces: 0, index: 1.0 };
+        self.clamped_by(Rule::SamplesClamped, self.trace(&path_ray))
     }
 
     /// Returns the distance and the surface of a camera ray's nearest hit.
@@ -170,17 +170,17 @@ impl<'a> Student<'a> {
     }
 
     /// Returns the colour along a ray: the surface's own colour, plus the colours of the refracted and mirrored rays.
-    fn trace(&self, way: &Way) -> Color {
+    fn trace(&self, path_ray: &PathRay) -> Color {
         // One camera ray may cause more rays than can ever be traced.
         if self.patience.is_over() {
             return Color::ZERO;
         }
-        let color = match self.hits.nearest(&way.ray, way.leaves) {
+        let color = match self.hits.nearest(&path_ray.ray, path_ray.leaves) {
             Some(visible) => {
-                let surface = &self.surface(&way.ray, visible);
+                let surface = &self.surface(&path_ray.ray, visible);
                 let mut mixture = Mixture::default();
                 let material = self.material(surface, &mut mixture);
-                let arrival = Arrival { way, surface, material };
+                let arrival = Arrival { path_ray, surface, material };
                 let own = self.shade(&arrival);
                 let [refracted, mirrored] = self.branches(&arrival);
                 if self.rules.has_any(&[Rule::ReflectionBlended, Rule::RefractionBlended]) {
@@ -188,20 +188,20 @@ impl<'a> Student<'a> {
                     self.blended(Rule::RefractionBlended, own, refracted)
                 } else {
                     let both = [refracted, mirrored].into_iter().flatten();
-                    both.fold(own, |sum, (tint, way)| sum + tint * self.trace(&way))
+                    both.fold(own, |sum, (tint, path_ray)| sum + tint * self.trace(&path_ray))
                 }
             }
-            None if way.bounces > 0 && self.breaks(Rule::BackgroundForCameraOnly) => Color::ZERO,
-            None => self.world().background_along(way.ray.direction),
+            None if path_ray.bounces > 0 && self.breaks(Rule::BackgroundForCameraOnly) => Color::ZERO,
+            None => self.world().background_along(path_ray.ray.direction),
         };
         self.clamped_by(Rule::RaysClamped, color)
     }
 
     /// Adds the colour of a secondary ray. If the rule is broken, the colour so far is multiplied by 1 minus its factor.
-    fn blended(&self, rule: Rule, color: Color, branch: Option<(Color, Way)>) -> Color {
-        let Some((tint, way)) = branch else { return color };
+    fn blended(&self, rule: Rule, color: Color, branch: Option<(Color, PathRay)>) -> Color {
+        let Some((tint, path_ray)) = branch else { return color };
         let part = if self.breaks(rule) { 1.0 - tint } else { Color::ONE };
-        part * color + tint * self.trace(&way)
+        part * color + tint * self.trace(&path_ray)
     }
 
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
@@ -278,9 +278,9 @@ impl<'a> Student<'a> {
 
     /// Returns the surface's own colour: ambient light, and the lights visible from the point.
     fn shade(&self, arrival: &Arrival) -> Color {
-        let Arrival { way, surface, material } = arrival;
+        let Arrival { path_ray, surface, material } = arrival;
         let highlight = self.world().lighting.highlight;
-        let is_back = surface.normal.dot(way.ray.direction) > 0.0;
+        let is_back = surface.normal.dot(path_ray.ray.direction) > 0.0;
         let is_inside = is_back && highlight == Highlight::Blinn;
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;
@@ -309,7 +309,7 @@ impl<'a> Student<'a> {
                 continue;
             }
             let passed = others.unwrap_or_else(|| self.passed(arrival, &light, index));
-            let view = Geometry { cosine, normal, to_viewer: -way.ray.direction };
+            let view = Geometry { cosine, normal, to_viewer: -path_ray.ray.direction };
             let reflected = if shows { self.reflect(material, &light, index, &view) } else { Color::ZERO };
             let lit = passed * reflected;
             is_lit |= passed != Color::ZERO;
@@ -447,7 +447,7 @@ impl<'a> Student<'a> {
         let surface = arrival.surface;
         let start = match self.shadow_bias() {
             Some(bias) => {
-                let side = -surface.normal.dot(arrival.way.ray.direction).signum();
+                let side = -surface.normal.dot(arrival.path_ray.ray.direction).signum();
                 (Ray::new(surface.position + side * bias * surface.normal, light.direction), None)
             }
             None => self.departing(Departure::Shadow, surface, light.direction),
@@ -489,30 +489,30 @@ impl<'a> Student<'a> {
             let is_blocked = !at_light.is_empty() || self.hits.nearest(&ray, leaves).is_some();
             return if is_blocked { Color::ZERO } else { Color::ONE };
         }
-        let absorbed = |passed: Color, tint: Color, way: f64| match is_unshadowed {
+        let absorbed = |passed: Color, tint: Color, inside: f64| match is_unshadowed {
             true => passed,
-            false => (passed * transmittance(tint, way)).min(Color::splat(LARGEST)),
+            false => (passed * transmittance(tint, inside)).min(Color::splat(LARGEST)),
         };
         let (mut passed, mut mixture) = (Color::ONE, Mixture::default());
         let mut is_within = surface.normal.dot(light.direction) < 0.0;
         // The distance from the last surface to the current start of the ray.
-        let mut way = 0.0;
+        let mut inside = 0.0;
         for _ in 0..self.world().most_crossings() {
             let visible = if self.patience.is_over() { None } else { self.hits.nearest(&ray, leaves) };
             let Some(visible) = visible else { break };
             let (t, crossed) = (self.hits.distance(&ray, visible), self.surface(&ray, visible));
             let is_left = crossed.normal.dot(ray.direction) >= 0.0;
             if at_light.iter().any(|place| place.is_crossed(visible.primitive, ray.direction, is_left)) {
-                way += t;
+                inside += t;
             } else {
                 let tint = self.material(&crossed, &mut mixture).phong.transparent;
                 if tint == Color::ZERO {
                     return Color::ZERO;
                 }
                 if is_left {
-                    passed = absorbed(passed, tint, way + t);
+                    passed = absorbed(passed, tint, inside + t);
                 }
-                (is_within, way) = (!is_left, 0.0);
+                (is_within, inside) = (!is_left, 0.0);
             }
             let t_max = ray.t_max - t;
             (ray, leaves) = self.departing(Departure::Onwards, &crossed, ray.direction);
@@ -521,7 +521,7 @@ impl<'a> Student<'a> {
         let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));
         match tints.reduce(|one, other| if other == Color::ZERO { other } else { one }) {
             Some(Color::ZERO) => Color::ZERO,
-            Some(tint) if is_within => absorbed(passed, tint, way + ray.t_max.max(0.0)),
+            Some(tint) if is_within => absorbed(passed, tint, inside + ray.t_max.max(0.0)),
             _ => passed,
         }
     }
@@ -535,16 +535,16 @@ impl<'a> Student<'a> {
     }
 
     /// Returns the refracted and the mirrored ray, each with the factor of its colour, if they are followed.
-    fn branches(&self, arrival: &Arrival) -> [Option<(Color, Way)>; 2] {
-        let Arrival { way, surface, material } = arrival;
-        let (direction, normal) = (way.ray.direction, surface.normal);
+    fn branches(&self, arrival: &Arrival) -> [Option<(Color, PathRay)>; 2] {
+        let Arrival { path_ray, surface, material } = arrival;
+        let (direction, normal) = (path_ray.ray.direction, surface.normal);
         let cosine = direction.dot(normal);
         let is_entering = cosine < 0.0;
         // In front of the surface and behind it.
         let indices = match is_entering {
-            true => [way.index, material.phong.index_of_refraction],
+            true => [path_ray.index, material.phong.index_of_refraction],
             false if self.breaks(Rule::IndexNotInverted) => [1.0, material.phong.index_of_refraction],
-            false => [way.index, 1.0],
+            false => [path_ray.index, 1.0],
         };
         let Phong { mut reflective, mut transparent, .. } = *material.phong;
         // An opaque surface mirrors all light.
@@ -557,7 +557,7 @@ impl<'a> Student<'a> {
         }
         let next = |why, direction, weight, index| {
             let (ray, leaves) = self.departing(why, surface, direction);
-            Way { ray, leaves, weight, bounces: way.bounces + 1, index }
+            PathRay { ray, leaves, weight, bounces: path_ray.bounces + 1, index }
         };
         let is_turned = !is_entering && !self.breaks(Rule::NormalNotFlippedInRefraction);
         let against = if is_turned { -normal } else { normal };
@@ -565,14 +565,16 @@ impl<'a> Student<'a> {
             // An interpolated normal differs from the triangle's.
             let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
             let primitive = surface.primitive.filter(|_| !is_smooth);
-            self.world().precise_sine((way.ray.origin, direction), primitive, normal)
+            self.world().precise_sine((path_ray.ray.origin, direction), primitive, normal)
         };
         let bent = refracted_between(direction, against, indices, sine);
         let is_total = bent.is_none() && transparent != Color::ZERO;
-        let refracted = self.weight(way, transparent).and_then(|weight| {
+        let refracted = self.weight(path_ray, transparent).and_then(|weight| {
             let (direction, index) = match bent {
                 Some(refracted) => (refracted, if is_entering { indices[1] } else { 1.0 }),
-                None if self.breaks(Rule::TotalReflectionAdded) => (reflected(direction, normal), way.index),
+                None if self.breaks(Rule::TotalReflectionAdded) => {
+                    (reflected(direction, normal), path_ray.index)
+                }
                 None if self.breaks(Rule::TotalReflectionStraight) => (direction, 1.0),
                 None => return None,
             };
@@ -580,7 +582,7 @@ impl<'a> Student<'a> {
             Some((tint, next(Departure::Refracted, direction, weight, index)))
         });
         let is_dropped = is_total && self.breaks(Rule::TotalReflectionDropped);
-        let mirrored = self.weight(way, reflective).filter(|_| !is_dropped).map(|weight| {
+        let mirrored = self.weight(path_ray, reflective).filter(|_| !is_dropped).map(|weight| {
             let direction = if self.breaks(Rule::NormalFlippedInReflection) {
                 reflected_by_sum(direction, normal)
             } else if self.breaks(Rule::ReflectionReversed) {
@@ -589,15 +591,15 @@ impl<'a> Student<'a> {
                 reflected(direction, normal)
             };
             let tint = self.tint(reflective, Rule::ReflectionWithoutColor);
-            (tint, next(Departure::Reflected, direction, weight, way.index))
+            (tint, next(Departure::Reflected, direction, weight, path_ray.index))
         });
         [refracted, mirrored]
     }
 
     /// Returns the weight of a secondary ray of this colour, if it is followed.
-    fn weight(&self, way: &Way, color: Color) -> Option<f64> {
-        let weight = way.weight * color.length();
-        (way.bounces < self.effects.bounces && weight > self.effects.min_weight).then_some(weight)
+    fn weight(&self, path_ray: &PathRay, color: Color) -> Option<f64> {
+        let weight = path_ray.weight * color.length();
+        (path_ray.bounces < self.effects.bounces && weight > self.effects.min_weight).then_some(weight)
     }
 
     /// Returns the factor of a secondary ray's colour.

@@ -44,7 +44,7 @@ impl Explainer<'_, '_> {
         let (camera, lights) = (self.prepared.camera(request), self.scene.lights.len());
         let caster = self.prepared.caster(stop)?;
         let tracer = Tracer::new(&caster, request.effects);
-        let mut memory = RayStack::until(&is_over, caster.world);
+        let mut stack = RayStack::until(&is_over, caster.world);
         let mut tree = PixelTree {
             pixel: [x, y],
             has_grid: self.prepared.cells().is_some(),
@@ -70,7 +70,7 @@ impl Explainer<'_, '_> {
                     let is_kept = tree.samples.len() < MAX_SAMPLES;
                     let kept = if is_kept { room.min(lines / (1 + lights)) } else { 0 };
                     let mut recorder = Recorder::new(self, ray, kept, stop);
-                    let color = tracer.color(&ray, &mut memory, &mut recorder);
+                    let color = tracer.color(&ray, &mut stack, &mut recorder);
                     recorder.leave_out();
                     if stop.is_over() {
                         return Err(Diagnostic::error("the rays behind the pixel take too long"));
