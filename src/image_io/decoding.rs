@@ -1,12 +1,14 @@
 //! Shared by the readers of all formats: opening a file, the errors of its size and its end, and samples that become
 //! levels.
 
+use crate::base::escape::quoted;
 use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Color, FloatPicture, Picture, Pixels};
+use std::error::Error;
 use std::fs::{self, File};
-use std::io;
 use std::path::Path;
+use std::{io, iter};
 
 /// Facts that a user should know about a picture that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,6 +85,14 @@ pub(super) fn no_pixels() -> Diagnostic {
 
 pub(super) fn too_short([width, height]: [u32; 2]) -> Diagnostic {
     Diagnostic::error(format!("it is too short for {width} x {height} pixels"))
+}
+
+/// Returns the error of a TGA, PNG or BMP file that its decoder refuses.
+pub(super) fn refused(reason: &(dyn Error + 'static)) -> Diagnostic {
+    let reasons = iter::successors(Some(reason), |reason| (*reason).source());
+    let shown = quoted(&reasons.last().unwrap_or(reason).to_string());
+    Diagnostic::error(format!("it is damaged, or of a rare variant: its decoder says {shown}"))
+        .with_hint("copy it again, in binary mode, or save it as PNG with 8 bits per channel")
 }
 
 /// Returns the level nearest to a sample between 0 and `white`.

@@ -5,7 +5,6 @@
 mod decoding;
 mod distinct_files;
 mod exr;
-mod faults;
 mod format;
 mod header;
 mod merge;

@@ -3,9 +3,11 @@
 //! The message of an error is the reason alone, to which [`read_picture`] adds the file.
 
 use super::cannot;
-use super::decoding::{Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, too_short};
+use super::decoding::{
+    Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, refused, too_short,
+};
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
-use super::{exr, faults, netpbm};
+use super::{exr, netpbm};
 use crate::base::memory::{Bytes, with_room};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{Picture, Pixels};
@@ -89,20 +91,14 @@ fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixe
     }
     let max_pixels = MAX_PIXELS_PER_BYTE * bytes.len() as u64;
     let (picture, transparent) = match format {
-        Format::Tga => {
-            let (header, file) = tga(bytes)?;
-            decoded(TgaDecoder::new(file), max_pixels, limit, || faults::in_tga(header))?
-        }
+        Format::Tga => decoded(TgaDecoder::new(tga(bytes)?), max_pixels, limit)?,
         Format::Png => {
             check_png_size(bytes, max_pixels, limit)?;
             let mut limits = Limits::no_limits();
             limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
-            let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits);
-            decoded(decoder, max_pixels, limit, || faults::in_png(bytes))?
+            decoded(PngDecoder::with_limits(Cursor::new(bytes), limits), max_pixels, limit)?
         }
-        Format::Bmp => {
-            decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit, || faults::in_bmp(bytes))?
-        }
+        Format::Bmp => decoded(BmpDecoder::new(Cursor::new(bytes)), max_pixels, limit)?,
         Format::Ppm | Format::Pfm => return netpbm::read(bytes, limit, wanted),
         Format::Exr => return exr::read(bytes, limit, wanted),
     };
@@ -129,7 +125,7 @@ fn has_no_pixels(format: Format, bytes: &[u8]) -> bool {
 /// Returns a TGA file for the image crate, which decodes all unknown types as grey, and expects the number of alpha
 /// bits that belongs to the size of a pixel. Many programs store another one, such as 8 for pixels of 24 bits, which is
 /// harmless, because alpha is ignored.
-fn tga(bytes: &[u8]) -> Result<(&[u8; TGA_HEADER], impl Read), Diagnostic> {
+fn tga(bytes: &[u8]) -> Result<impl Read, Diagnostic> {
     let (stored, rest) =
         bytes.split_first_chunk::<TGA_HEADER>().ok_or_else(|| Diagnostic::error(CUT_HEADER))?;
     let (mut header, kind, bits) = (*stored, stored[2], stored[16]);
@@ -138,7 +134,7 @@ fn tga(bytes: &[u8]) -> Result<(&[u8; TGA_HEADER], impl Read), Diagnostic> {
         return Err(Diagnostic::error(problem).with_hint("save it as PNG, or as TGA of type 2"));
     }
     header[17] = header[17] & 0xf0 | if matches!((kind, bits), (3 | 11, 16)) { 8 } else { 0 };
-    Ok((stored, Cursor::new(header).chain(rest)))
+    Ok(Cursor::new(header).chain(rest))
 }
 
 /// Refuses a PNG file whose header states a size that the file or the limit does not allow. The decoder would refuse a
@@ -156,14 +152,13 @@ fn check_png_size(bytes: &[u8], max_pixels: u64, limit: u64) -> Result<(), Diagn
 }
 
 /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows. Returns also how many of
-/// them are not opaque. `fault` finds out what is wrong with a file that the decoder refuses.
+/// them are not opaque.
 fn decoded<D: ImageDecoder>(
     decoder: image::ImageResult<D>,
     max_pixels: u64,
     limit: u64,
-    fault: impl Fn() -> Diagnostic,
 ) -> Result<(Picture, u64), Diagnostic> {
-    let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER), &fault))?;
+    let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER)))?;
     let (width, height) = decoder.dimensions();
     let (size, color_type, length) = ([width, height], decoder.color_type(), decoder.total_bytes());
     match u64::from(width) * u64::from(height) {
@@ -173,7 +168,7 @@ fn decoded<D: ImageDecoder>(
     }
     let mut samples = with_room(length as usize)?;
     samples.resize(length as usize, 0);
-    decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size), &fault))?;
+    decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size)))?;
     if color_type == ColorType::Rgb8 {
         return Ok((Picture::from_rgb(width, height, samples), 0));
     }
@@ -193,8 +188,8 @@ fn transparent(color_type: ColorType, samples: &[u8]) -> u64 {
     pixels.filter(|pixel| pixel[alpha..].iter().any(|&byte| byte != u8::MAX)).count() as u64
 }
 
-/// Returns the error for a file that a decoder refuses, in other words than the decoder's.
-fn undecoded(error: image::ImageError, too_early: Diagnostic, fault: &impl Fn() -> Diagnostic) -> Diagnostic {
+/// Returns the error of a file that a decoder refuses.
+fn undecoded(error: image::ImageError, too_early: Diagnostic) -> Diagnostic {
     match error {
         image::ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => too_early,
         image::ImageError::Limits(_) => {
@@ -202,7 +197,7 @@ fn undecoded(error: image::ImageError, too_early: Diagnostic, fault: &impl Fn() 
             let problem = format!("a row of its pixels or its metadata take more than {most}");
             Diagnostic::error(problem).with_hint("save it again without metadata, or in another format")
         }
-        _ => fault(),
+        error => refused(&error),
     }
 }
 

@@ -1,8 +1,7 @@
 //! The rows of TGA and PNG files as this program writes them, one by one, and the part of a picture that they state.
 
 use super::cannot;
-use super::decoding::{open_regular, or_too_early, too_short};
-use super::faults::in_png;
+use super::decoding::{open_regular, or_too_early, refused, too_short};
 use super::format::{CUT_HEADER, Format, START, TGA_HEADER, identify};
 use super::part::{PNG_COMMENT, Part};
 use crate::diagnostic::Diagnostic;
@@ -85,7 +84,7 @@ impl Rows {
                 Diagnostic::error("it is not encoded like a part written by `-region`"),
             )),
             Err(error) if format == Format::Png && error.kind() != ErrorKind::UnexpectedEof => {
-                Err(cannot("read", path, fault_in_png(path)))
+                Err(cannot("read", path, refused(&error)))
             }
             Err(error) => Err(cannot("read", path, or_too_early(error, Diagnostic::error(CUT_HEADER)))),
         }
@@ -109,7 +108,7 @@ impl Rows {
         };
         read.map_err(|error| {
             let fault = match self.decoder {
-                Decoder::Png(_) if error.kind() != ErrorKind::UnexpectedEof => fault_in_png(&self.path),
+                Decoder::Png(_) if error.kind() != ErrorKind::UnexpectedEof => refused(&error),
                 _ => or_too_early(error, too_short(self.size)),
             };
             cannot("read", &self.path, fault)
@@ -128,11 +127,6 @@ fn tga(mut source: BufReader<File>) -> io::Result<Found> {
     let [_, 0, 2, 0, 0, 0, 0, 0, _, _, _, _, w0, w1, h0, h1, 24, 32] = header else { return Ok(None) };
     let size = [[w0, w1], [h0, h1]].map(|side| u32::from(u16::from_le_bytes(side)));
     Ok(Some((size, String::from_utf8(id).ok(), Decoder::Tga(source))))
-}
-
-/// Says what is wrong with a PNG file that the decoder refuses.
-fn fault_in_png(path: &Path) -> Diagnostic {
-    open_regular(path).map_or_else(|error| error, |file| in_png(BufReader::new(file)))
 }
 
 fn png(source: BufReader<File>) -> io::Result<Found> {

@@ -278,15 +278,6 @@ fn a_damaged_byte_leads_to_a_picture_or_an_error() {
             if let Err(error) = folder.read(name, &damaged) {
                 let message = error.in_one_line();
                 assert_eq!(message.lines().count(), 1, "{error}");
-                if !["tga", "bmp", "png"].iter().any(|ending| name.ends_with(ending)) {
-                    continue;
-                }
-                // The words of the decoders.
-                for word in
-                    ["ecod", "nvalid", "upport", "error", "chunk of", " {", "Unknown", "Missing", "Bitmap"]
-                {
-                    assert!(!message.contains(word) || message.contains("TGA of type"), "{word}: {message}");
-                }
             }
         }
     }
@@ -310,122 +301,32 @@ fn an_index_outside_the_colour_map_is_an_error() {
     for index in [1, 8] {
         let tga = Tga { image_type: 1, bits: 8, descriptor: 0, map: (2, 24, 6) };
         let file = tga.file(&COLORS.map(bgr).concat(), &[2, 3, index, 5, 6, 7].map(|i| vec![i]));
-        assert!(folder.complaint("a.tga", &file).contains("an index beyond its colour map"));
-    }
-}
-
-/// Checks what is said about files, given by their messages and the start of their hints.
-fn assert_complaints(name: &str, rows: &[(Vec<u8>, &str, &str)]) {
-    let folder = Folder::new();
-    for (file, problem, hint) in rows {
-        let expected = format!("cannot read `F/{name}`: {problem}; {hint}");
-        let complaint = folder.complaint(name, file);
-        assert!(complaint.starts_with(&expected), "{complaint}\n{expected}");
+        assert!(folder.complaint("a.tga", &file).contains("its decoder says"));
     }
 }
 
 #[test]
-fn a_png_file_that_is_refused_is_explained() {
-    let whole = || png([2, 1], 8, 2, &[], &[&[1, 2, 3, 4, 5, 6]]);
-    let changed = |at: usize, byte: u8| {
-        let mut file = whole();
-        file[at] = byte;
-        file
-    };
-    let header = |place: usize, byte: u8| {
-        let mut header = [0, 0, 0, 2, 0, 0, 0, 1, 8, 2, 0, 0, 0];
-        header[place] = byte;
-        let mut file = whole();
-        file.splice(8..33, chunk(b"IHDR", &header));
-        file
-    };
-    let in_apple_form = [&whole()[..8], &chunk(b"CgBI", &[0; 4]), &whole()[8..]].concat();
-    let without_header = [&whole()[..8], &whole()[33..]].concat();
-    let damaged = "the file is damaged";
-    assert_complaints(
-        "a.png",
-        &[
-            (changed(60, 99), "the checksum of its chunk `IDAT` is wrong", damaged),
-            (changed(24, 99), "the checksum of its chunk `IHDR` is wrong", damaged),
-            (changed(4, b'\n'), "the first bytes of the PNG file are damaged", "it was copied as text"),
-            (header(8, 3), "it has 3 bits per sample, which PNG's colour type 2 has not", damaged),
-            (header(9, 5), "its colour type, 5, is not one of PNG's", damaged),
-            (header(9, 3), "it has no palette before its pixels", damaged),
-            (
-                header(12, 2),
-                "its method of compression, filtering or interlacing is not one of PNG's",
-                damaged,
-            ),
-            (header(7, 2), "its compressed pixels are damaged or end too early", damaged),
-            (in_apple_form, "it is a PNG file in Apple's own form, as Xcode packs them", "`xcrun pngcrush"),
-            (without_header, "it begins with the chunk `IDAT` in place of its header", damaged),
-        ],
-    );
-    // The row by row reader says the same.
+fn a_file_that_its_decoder_refuses_is_an_error_with_its_reason() {
     let folder = Folder::new();
-    folder.complaint("a.png", &changed(60, 99));
+    let mut png = png([2, 1], 8, 2, &[], &[&[1, 2, 3, 4, 5, 6]]);
+    png[60] = 99;
+    let mut bmp = bmp(false);
+    bmp[30] = 4;
+    let tga =
+        Tga { image_type: 2, bits: 8, descriptor: 0, map: (0, 0, 0) }.file(&[], &[0; 6].map(|_| vec![0]));
+    for (name, file, reason) in
+        [("a.png", &png, "CRC error"), ("a.bmp", &bmp, "compression"), ("a.tga", &tga, "")]
+    {
+        let complaint = folder.complaint(name, file);
+        let start =
+            format!("cannot read `F/{name}`: it is damaged, or of a rare variant: its decoder says `");
+        assert!(complaint.starts_with(&start) && complaint.contains(reason), "{complaint}");
+    }
+    // The row by row reader says the same.
+    folder.complaint("a.png", &png);
     let mut rows = Rows::open(&folder.0.path().join("a.png")).unwrap();
     let error = rows.next(&mut vec![]).unwrap_err();
-    assert!(error.message.ends_with("the checksum of its chunk `IDAT` is wrong"), "{error}");
-}
-
-#[test]
-fn a_bmp_file_that_is_refused_is_explained() {
-    let changed = |at: usize, bytes: &[u8]| {
-        let mut file = bmp(false);
-        file[at..at + bytes.len()].copy_from_slice(bytes);
-        file
-    };
-    let (damaged, save) = ("the file is damaged", "save it as PNG");
-    assert_complaints(
-        "a.bmp",
-        &[
-            (changed(14, &[64]), "its header has 64 bytes, which no BMP file of Windows has", save),
-            (changed(26, &[0]), "it has 0 planes, and a BMP file has 1", damaged),
-            (changed(28, &[7]), "it has 7 bits per pixel, which BMP's compression 0 has not", save),
-            (changed(30, &[1]), "it has 24 bits per pixel, which BMP's compression 1 has not", save),
-            (changed(30, &[4]), "its compression is JPEG (number 4)", save),
-            (changed(30, &[6]), "its compression is a field of bits with alpha (number 6)", save),
-            (changed(30, &[99]), "its compression is unknown (number 99)", save),
-            (changed(18, &(-3_i32).to_le_bytes()), "its size is -3 x 2 pixels", damaged),
-            (
-                changed(18, &70000_i32.to_le_bytes()),
-                "it has 70000 x 2 pixels, and at most 65535 a side are read",
-                save,
-            ),
-        ],
-    );
-}
-
-#[test]
-fn a_tga_file_that_is_refused_is_explained() {
-    let file = |image_type, bits, map| {
-        let pixels = [0; 6].map(|_| vec![0; 4]);
-        Tga { image_type, bits, descriptor: 0, map }.file(&[0; 24], &pixels)
-    };
-    let save = "save it as PNG";
-    assert_complaints(
-        "a.tga",
-        &[
-            (file(3, 1, (0, 0, 0)), "it has 1 bit per pixel; TGA files of greys are read with 8, 16", save),
-            (
-                file(2, 8, (0, 0, 0)),
-                "it has 8 bits per pixel; TGA files of colours are read with 15, 16, 24, 32",
-                save,
-            ),
-            (
-                file(1, 24, (0, 24, 6)),
-                "it has 24 bits per pixel; TGA files with a colour map are read with 8, 16",
-                save,
-            ),
-            (
-                file(1, 8, (0, 0, 0)),
-                "its pixels are indices, but it has no colour map",
-                "the file is damaged",
-            ),
-            (file(1, 8, (0, 12, 6)), "the colours of its map have 12 bits, not 15, 16, 24 or 32", save),
-        ],
-    );
+    assert!(error.message.contains("CRC error"), "{error}");
 }
 
 #[test]
