@@ -120,6 +120,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
 
     /// Sets the colour along a camera ray. `surface` is the one that it hits first, or `None`.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "an inner loop")]
     fn set_color<S: Simd, O: Observer>(
         &self,
         simd: S,

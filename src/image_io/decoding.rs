@@ -90,7 +90,7 @@ pub(super) fn too_short([width, height]: [u32; 2]) -> Diagnostic {
 /// Returns the error of a TGA, PNG or BMP file that its decoder refuses.
 pub(super) fn refused(reason: &(dyn Error + 'static)) -> Diagnostic {
     let reasons = iter::successors(Some(reason), |reason| (*reason).source());
-    let shown = quoted(&reasons.last().unwrap_or(reason).to_string());
+    let shown = quoted(reasons.last().unwrap_or(reason).to_string());
     Diagnostic::error(format!("it is damaged, or of a rare variant: its decoder says {shown}"))
         .with_hint("copy it again, in binary mode, or save it as PNG with 8 bits per channel")
 }

@@ -95,6 +95,7 @@ impl<'a> PictureTracer<'a> {
 
     /// Traces the samples of a packet in row `j` up to a stage, and computes their colours if they are wanted. Does not
     /// count the camera rays. Does nothing once rays were left out.
+    #[allow(clippy::too_many_arguments, reason = "an inner loop")]
     pub fn trace(
         &self,
         j: usize,

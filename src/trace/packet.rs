@@ -20,7 +20,7 @@ impl<H: Hints> Tracer<'_, H> {
     /// Traces the samples of a packet in row `j` up to a stage. Does not count the camera rays.
     #[simd]
     #[inline(never)]
-    #[allow(clippy::too_many_arguments)]
+    #[allow(clippy::too_many_arguments, reason = "an inner loop")]
     pub(crate) fn trace<S: Simd, O: Observer>(
         &self,
         simd: S,

@@ -12,7 +12,7 @@ use crate::math::exact::{Scaled, area_vector, volume};
 use crate::math::ray::Ray;
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::plane::Plane;
-use crate::world::shape::Shape;
+use crate::world::shape::{Shape, UnitSphereMaps};
 use crate::world::sphere::Sphere;
 use glam::{DMat3, DVec3};
 
@@ -198,15 +198,15 @@ impl World {
             return spheres_coincide([one, other], moved[0] + moved[1]);
         }
         let [maps, other_maps] = shapes.map(|shape| shape.form().unit_sphere_maps());
-        let error = |(center, linear, _): (DVec3, DMat3, DMat3), moved: DVec3| {
+        let error = |UnitSphereMaps { center, linear, .. }, moved: DVec3| {
             let size = linear.x_axis.length() + linear.y_axis.length() + linear.z_axis.length();
             let rounding = 16.0 * WRITTEN_ROUNDINGS * UNIT_ROUNDOFF * (center.abs().max_element() + size);
             moved.max_element() + rounding
         };
         let errors = error(maps, moved[0]) + error(other_maps, moved[1]);
-        let ((center, _, inverse), (other_center, other_linear, _)) = (maps, other_maps);
-        let relative = 8.0 * errors * largest_number(inverse);
-        let (map, moved) = (inverse * other_linear, inverse * (other_center - center));
+        let relative = 8.0 * errors * largest_number(maps.inverse);
+        let map = maps.inverse * other_maps.linear;
+        let moved = maps.inverse * (other_maps.center - maps.center);
         let deviation = map * map.transpose() - DMat3::IDENTITY;
         largest_number(deviation) <= relative && moved.abs().max_element() <= relative
     }

@@ -1,7 +1,7 @@
 //! Ellipsoids: the images of spheres under transforms that are not similarities. They are the only primitive
 //! that keeps a matrix while rays are traced.
 
-use super::shape::Form;
+use super::shape::{Form, UnitSphereMaps};
 use super::sphere::first_on_ray;
 use crate::math::double_double::{Dd, dot, minus};
 use crate::math::robust::{UNIT_ROUNDOFF, unit};
@@ -115,8 +115,8 @@ impl Form for Ellipsoid {
         [dot(on_sphere, on_sphere) - Dd::from(1.0), slope + slope]
     }
 
-    fn unit_sphere_maps(&self) -> (DVec3, DMat3, DMat3) {
-        (self.center, self.linear, self.inverse)
+    fn unit_sphere_maps(&self) -> UnitSphereMaps {
+        UnitSphereMaps { center: self.center, linear: self.linear, inverse: self.inverse }
     }
 }
 

@@ -118,10 +118,38 @@ impl PlacedPlane {
         let matrix = placement.transform.map(|_| placement.matrix);
         let own = Plane { normal: robust::unit(normal), offset };
         let (own, same) = written.add(matrix, own, steps)?;
-        let (plane, direction, error) = placed(own, placement, normal)?;
-        // The rounding of the written normal's length changes the error a little.
-        let error = same.map_or(error, |same| earlier[same].error);
-        Ok(Self { plane, direction: robust::rescaled(direction), error, place })
+        let mut placed = Self::placed(own, placement, normal, place)?;
+        if let Some(same) = same {
+            // The rounding of the written normal's length changes the error a little.
+            placed.error = earlier[same].error;
+        }
+        Ok(placed)
+    }
+
+    /// Returns a plane under the transforms around it. `normal` is the normal in the text, of any length.
+    fn placed(
+        written: Plane,
+        placement: &Placement,
+        normal: DVec3,
+        place: PlaceInScene,
+    ) -> Result<Self, Diagnostic> {
+        if placement.transform.is_none() {
+            let error = PlaneError::as_written(normal);
+            return Ok(Self { plane: written, direction: robust::rescaled(normal), error, place });
+        }
+        placement.check_regular()?;
+        let in_world =
+            |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
+        let world_normal = robust::unit(in_world(written.normal));
+        // The terms of the offset may be far larger than the offset itself.
+        let offset = Dd::from(written.offset);
+        let foot = written.normal.to_array().map(|x| offset * Dd::from(x));
+        let foot = robust::transformed_precisely(&placement.matrix, foot);
+        let world_offset = dot(world_normal.to_array().map(Dd::from), foot).value();
+        let foot = DVec3::from_array(foot.map(Dd::value));
+        let error = PlaneError::transformed(placement, (normal, written.offset), (world_normal, foot));
+        let plane = Plane { normal: world_normal, offset: world_offset };
+        Ok(Self { plane, direction: robust::rescaled(in_world(normal)), error, place })
     }
 
     /// Returns true if two planes agree within their errors, both in their directions and at the point nearest to the
@@ -134,30 +162,6 @@ impl PlacedPlane {
         tilt <= earlier.error.tilt + self.error.tilt + rounding
             && apart <= earlier.error.at(foot) + self.error.at(foot) + rounding * earlier.plane.offset.abs()
     }
-}
-
-/// Returns a plane under the transforms around it, a vector along its normal, and its error. `normal` is the normal in
-/// the text, of any length.
-fn placed(
-    written: Plane,
-    placement: &Placement,
-    normal: DVec3,
-) -> Result<(Plane, DVec3, PlaneError), Diagnostic> {
-    if placement.transform.is_none() {
-        return Ok((written, normal, PlaneError::as_written(normal)));
-    }
-    placement.check_regular()?;
-    let in_world =
-        |normal| robust::transformed_normal(placement.matrix.matrix3, placement.orientation, normal);
-    let world_normal = robust::unit(in_world(written.normal));
-    // The terms of the offset may be far larger than the offset itself.
-    let offset = Dd::from(written.offset);
-    let foot = written.normal.to_array().map(|x| offset * Dd::from(x));
-    let foot = robust::transformed_precisely(&placement.matrix, foot);
-    let world_offset = dot(world_normal.to_array().map(Dd::from), foot).value();
-    let foot = DVec3::from_array(foot.map(Dd::value));
-    let error = PlaneError::transformed(placement, (normal, written.offset), (world_normal, foot));
-    Ok((Plane { normal: world_normal, offset: world_offset }, in_world(normal), error))
 }
 
 #[cfg(test)]

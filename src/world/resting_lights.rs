@@ -16,8 +16,8 @@ use crate::picture::Color;
 use crate::scene::Light;
 use crate::scene::material::Material;
 use crate::world::plane::Plane;
-use crate::world::shape::Shape;
-use glam::{DMat3, DVec3};
+use crate::world::shape::{Shape, UnitSphereMaps};
+use glam::DVec3;
 use std::cmp::Ordering;
 
 /// The largest distance between a surface and a light that lies on it, in roundings of the largest of their
@@ -213,7 +213,7 @@ fn normal_at(point: DVec3, shape: &Shape, moved: f64) -> Option<DVec3> {
     /// The number of steps. A step ends beside a flat shape if the point is beyond its rim, however close to its plane.
     const STEPS: usize = 3;
     let margin = margin(point, shape.form().extent()) + moved;
-    let (center, _, inverse) = shape.form().unit_sphere_maps();
+    let UnitSphereMaps { center, inverse, .. } = shape.form().unit_sphere_maps();
     let (mut place, mut outward) = (point, DVec3::ZERO);
     for _ in 0..STEPS {
         // The length is 1 on the surface, and the gradient gives the distance to it.
@@ -274,7 +274,7 @@ impl NearTriangle {
 fn may_touch_shape(
     bounds: &Extents<3>,
     of_shape: &Aabb,
-    (center, _, inverse): (DVec3, DMat3, DMat3),
+    UnitSphereMaps { center, inverse, .. }: UnitSphereMaps,
     reach: f64,
 ) -> bool {
     let of_shape = Extents { min: of_shape.min.to_array(), max: of_shape.max.to_array() };

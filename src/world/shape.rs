@@ -33,8 +33,30 @@ pub trait Form {
     /// Returns both t at which the line of a ray crosses the shape, in order.
     fn roots(&self, ray: &Ray) -> Option<[f64; 2]>;
 
-    /// Returns the centre, and the maps from the unit sphere, whose image the shape is, and back.
-    fn unit_sphere_maps(&self) -> (DVec3, DMat3, DMat3);
+    /// Returns the maps between the unit sphere and the shape.
+    fn unit_sphere_maps(&self) -> UnitSphereMaps;
+}
+
+/// The maps between the unit sphere and a shape, which is its image.
+#[derive(Clone, Copy, Debug)]
+pub struct UnitSphereMaps {
+    /// The centre of the shape.
+    pub center: DVec3,
+    /// The map to the shape, about its centre.
+    pub linear: DMat3,
+    /// The map back.
+    pub inverse: DMat3,
+}
+
+/// A point of a surface without a material.
+#[derive(Clone, Copy, Debug)]
+pub struct PlaceOnSurface {
+    /// The outward unit normal.
+    pub normal: DVec3,
+    /// The point.
+    pub position: DVec3,
+    /// The largest absolute coordinate from which the position was computed.
+    pub extent: f64,
 }
 
 /// A primitive that is neither a triangle nor a plane. Large variants are boxed, so that many spheres take little
@@ -65,13 +87,13 @@ impl Shape {
         }
     }
 
-    /// Returns the normal and the point as [`Form::surface`] does, and the [extent](Form::extent).
+    /// Returns the surface at `t`, with the [extent](Form::extent) of the shape.
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, t: f64) -> (DVec3, DVec3, f64) {
-        let ((normal, point), extent) = match self {
+    pub fn surface(&self, ray: &Ray, t: f64) -> PlaceOnSurface {
+        let ((normal, position), extent) = match self {
             Self::Sphere(sphere) => (sphere.surface(ray, t), sphere.extent()),
             Self::Ellipsoid(ellipsoid) => (ellipsoid.surface(ray, t), ellipsoid.extent()),
         };
-        (normal, point, extent)
+        PlaceOnSurface { normal, position, extent }
     }
 }

@@ -1,7 +1,7 @@
 //! Spheres, intersected by a form of the quadratic that stays accurate for distant rays (Haines, Guenther and
 //! Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7, 2019).
 
-use super::shape::Form;
+use super::shape::{Form, UnitSphereMaps};
 use crate::math::double_double::{Dd, SquaredSine, difference, dot, minus};
 use crate::math::{aabb::Aabb, ray::Ray, robust::UNIT_ROUNDOFF, robust::unit};
 use glam::{DMat3, DVec3};
@@ -185,9 +185,10 @@ impl Form for Sphere {
         [dot(from_center, from_center) - radius * radius, slope + slope]
     }
 
-    fn unit_sphere_maps(&self) -> (DVec3, DMat3, DMat3) {
+    fn unit_sphere_maps(&self) -> UnitSphereMaps {
         let scale = |factor: f64| DMat3::from_diagonal(DVec3::splat(factor));
-        (self.center, scale(self.radius), scale(1.0 / self.radius))
+        let [linear, inverse] = [self.radius, 1.0 / self.radius].map(scale);
+        UnitSphereMaps { center: self.center, linear, inverse }
     }
 }
 

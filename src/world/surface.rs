@@ -4,7 +4,7 @@ use super::{Primitive, World};
 use crate::math::double_double::{Dd, SquaredSine, cross, difference};
 use crate::math::ray::{Hit, Ray, Visible};
 use crate::scene::MaterialId;
-use crate::world::shape::Shape;
+use crate::world::shape::{PlaceOnSurface, Shape};
 use crate::world::triangle;
 use glam::DVec3;
 use serde::Serialize;
@@ -41,7 +41,7 @@ impl World {
     /// suffice for its surface.
     #[inline(always)]
     pub fn visible_surface(&self, ray: &Ray, Visible { primitive, t_bound: t }: Visible) -> SurfacePoint {
-        let (normal, position, extent) = match self.primitive(primitive) {
+        let place = match self.primitive(primitive) {
             Primitive::Triangle(i) => {
                 let corners = self.corners(i);
                 // Interpolated from the vertices, because a position along the ray has a rounding error that grows with
@@ -50,22 +50,23 @@ impl World {
                     Some(weights) => triangle::point(corners, weights),
                     None => ray.at(t),
                 };
-                (triangle::normal(corners), position, triangle::extent(corners))
+                let (normal, extent) = (triangle::normal(corners), triangle::extent(corners));
+                PlaceOnSurface { normal, position, extent }
             }
             Primitive::Shape(i) => self.shapes[i].surface(ray, t),
             Primitive::Plane(i) => {
                 let plane = &self.planes[i];
-                (plane.normal, plane.project(ray.at(t)), plane.offset.abs())
+                let (normal, position) = (plane.normal, plane.project(ray.at(t)));
+                PlaceOnSurface { normal, position, extent: plane.offset.abs() }
             }
         };
         let triangle = self.is_triangle(primitive).then_some(primitive);
         let material = self.material_of(primitive);
         // Separate variables stay in registers. The result of a cold function lies in memory, and the processor stalls
         // on numbers that are stored one by one and loaded as a vector.
-        let (mut normal, mut position, mut extent) = (normal, position, extent);
+        let PlaceOnSurface { mut normal, mut position, mut extent } = place;
         if position.abs().max_element() < LEAST_PART * extent {
-            let precise = self.precise_surface(ray, t, primitive, (normal, position, extent));
-            (normal, position, extent) = precise;
+            PlaceOnSurface { normal, position, extent } = self.precise_surface(ray, t, primitive, place);
         }
         SurfacePoint { position, normal, extent, material, primitive: Some(primitive), triangle }
     }
@@ -106,20 +107,14 @@ impl World {
         cross(rescaled(difference(b, a)), rescaled(difference(c, a)))
     }
 
-    /// Returns the normal, the position and the extent of a surface, with the position computed along the ray. Computed
-    /// from the primitive, the position would lose digits to the coordinates of distant parts.
+    /// Returns a place on a surface with its position computed along the ray. Computed from the primitive, the position
+    /// would lose digits to the coordinates of distant parts.
     #[cold]
-    fn precise_surface(
-        &self,
-        ray: &Ray,
-        t: f64,
-        primitive: u32,
-        (normal, position, extent): (DVec3, DVec3, f64),
-    ) -> (DVec3, DVec3, f64) {
+    fn precise_surface(&self, ray: &Ray, t: f64, primitive: u32, place: PlaceOnSurface) -> PlaceOnSurface {
         let found = match self.primitive(primitive) {
             Primitive::Triangle(i) => {
-                let point = triangle::Shear::new(ray).precise_point(self.corners_in_place(i), normal);
-                point.map(|position| (normal, position))
+                let point = triangle::Shear::new(ray).precise_point(self.corners_in_place(i), place.normal);
+                point.map(|position| (place.normal, position))
             }
             Primitive::Shape(i) => match &self.shapes[i] {
                 Shape::Sphere(sphere) => Some(sphere.precise_surface(ray, t)),
@@ -127,12 +122,12 @@ impl World {
             },
             Primitive::Plane(_) => None,
         };
-        let Some((normal, position)) = found else { return (normal, position, extent) };
+        let Some((normal, position)) = found else { return place };
         // The offset along the normal, which is rounded itself, covers the roundings along the ray. In double-double
         // numbers, distant coordinates contribute less than a rounding of the square of the least part.
         let way = ray.origin.abs().max_element() + (position - ray.origin).abs().max_element();
-        let own = position.abs().max_element() + LEAST_PART * (way + LEAST_PART * extent);
-        (normal, position, own.min(extent))
+        let own = position.abs().max_element() + LEAST_PART * (way + LEAST_PART * place.extent);
+        PlaceOnSurface { normal, position, extent: own.min(place.extent) }
     }
 }
 

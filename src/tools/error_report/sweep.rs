@@ -161,7 +161,7 @@ impl Sweep<'_> {
         let other = if let Axis::Octaves(most) = setting.axis { Some(limited(most)?) } else { None };
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let prepared = self.prepared(renderer, &setting.request)?;
-        let (colors, rays, times) = self.repeat(setting, &prepared)?;
+        let Repeated { colors, rays, times } = self.repeat(setting, &prepared)?;
         let picture = colors.to_picture();
         let is_over = || patience.is_over();
         let compare = || Comparison::new_unless(&picture, &reference.picture, &is_over);
@@ -183,21 +183,17 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    /// Renders repeatedly on one thread. Returns the picture, the number of rays cast, and the time of each run.
-    fn repeat(
-        &self,
-        setting: &Setting,
-        prepared: &Prepared,
-    ) -> Result<(FloatPicture, u64, Vec<Duration>), Ended> {
+    /// Renders repeatedly on one thread.
+    fn repeat(&self, setting: &Setting, prepared: &Prepared) -> Result<Repeated, Ended> {
         let (label, mut times) = (setting.label(), Vec::new());
         loop {
             let start = (self.bench.clock)();
-            let (picture, rays) = self.render(self.bench.one, prepared, &setting.request, 0.0, &label)?;
+            let (colors, rays) = self.render(self.bench.one, prepared, &setting.request, 0.0, &label)?;
             times.push((self.bench.clock)().saturating_sub(start));
             let is_enough = times.len() >= FEWEST && times.iter().sum::<Duration>() >= ENOUGH;
             if is_enough || times.len() >= MOST {
                 times.sort();
-                return Ok((picture, rays, times));
+                return Ok(Repeated { colors, rays, times });
             }
         }
     }
@@ -223,6 +219,15 @@ impl Sweep<'_> {
             Err(stopped) => Err(Some(stopped.into())),
         }
     }
+}
+
+/// A picture that was rendered several times.
+struct Repeated {
+    colors: FloatPicture,
+    /// The number of rays cast in a run.
+    rays: u64,
+    /// The time of each run, in ascending order.
+    times: Vec<Duration>,
 }
 
 /// Returns the approximate work to measure a setting, in samples per pixel.

@@ -5,7 +5,7 @@ use super::tree::{CloseCall, CloseCallKind};
 use crate::math::ray::{Hit, Ray};
 use crate::math::robust::UNIT_ROUNDOFF;
 use crate::world::edge_functions::Sides;
-use crate::world::shape::Shape;
+use crate::world::shape::{Shape, UnitSphereMaps};
 use crate::world::triangle::Shear;
 use crate::world::{Primitive, World};
 
@@ -115,7 +115,7 @@ impl Search<'_> {
 
 /// Returns the t at which the line of a ray with a unit direction is tangent to a shape within roundings.
 fn tangent_at(shape: &Shape, ray: &Ray) -> Option<f64> {
-    let (center, _, inverse) = shape.form().unit_sphere_maps();
+    let UnitSphereMaps { center, inverse, .. } = shape.form().unit_sphere_maps();
     let (o, d) = (inverse * (ray.origin - center), inverse * ray.direction);
     let (moment, length) = (o.cross(d).length(), d.length());
     let is_tangent =

@@ -142,9 +142,18 @@ fn taken_for(picture: &OsStr, files: &[Listed], wanted: &[&OsStr]) -> Option<Pat
     alike.min().map(|(_, path)| path.clone())
 }
 
-/// Returns how much the path of a file differs from a picture's name, to be compared in this order: how deep the file
-/// lies, and whether its name has another case or another ending. `None` if it is another picture.
-fn mismatch(file: &Path, picture: &OsStr, wanted: &[&OsStr]) -> Option<(usize, bool, bool)> {
+/// The difference between the path of a file and a picture's name. The first field that differs decides which of two is
+/// less.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Mismatch {
+    /// The number of folders around the file.
+    depth: usize,
+    has_other_case: bool,
+    has_other_ending: bool,
+}
+
+/// Returns the difference between the path of a file and a picture's name, or `None` if it is another picture.
+fn mismatch(file: &Path, picture: &OsStr, wanted: &[&OsStr]) -> Option<Mismatch> {
     let name = file.file_name()?;
     let depth = file.components().count() - 1;
     if wanted.contains(&name) && (depth == 0 || name != picture) {
@@ -153,7 +162,8 @@ fn mismatch(file: &Path, picture: &OsStr, wanted: &[&OsStr]) -> Option<(usize, b
     let stem = |name: &OsStr| Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let (own, wanted) = (stem(name)?, stem(picture)?);
     let has_other_ending = Path::new(name).extension() != Path::new(picture).extension();
-    (own.to_lowercase() == wanted.to_lowercase()).then_some((depth, own != wanted, has_other_ending))
+    let is_same = own.to_lowercase() == wanted.to_lowercase();
+    is_same.then(|| Mismatch { depth, has_other_case: own != wanted, has_other_ending })
 }
 
 /// Returns the only wanted picture whose name has the words and numbers of this file's name; or else the one whose words

@@ -4,7 +4,7 @@
 use crate::math::ray::{Ray, Visible};
 use crate::tools::causes::student::Hits;
 use crate::world::plane::Plane;
-use crate::world::shape::Shape;
+use crate::world::shape::{Shape, UnitSphereMaps};
 use crate::world::sphere::Sphere;
 use crate::world::{Primitive, SurfacePoint, World};
 use glam::Vec3;
@@ -57,7 +57,7 @@ impl SinglePrecision<'_> {
                     (t, (ray.at(t) - center).normalize_or_zero())
                 }
                 shape => {
-                    let (center, _, inverse) = shape.form().unit_sphere_maps();
+                    let UnitSphereMaps { center, inverse, .. } = shape.form().unit_sphere_maps();
                     let (center, inverse) = (center.as_vec3(), inverse.as_mat3());
                     let t = quadratic(ray, inverse * (ray.origin - center), inverse * ray.direction, 1.0)?;
                     let normal = inverse.transpose() * (inverse * (ray.at(t) - center));
