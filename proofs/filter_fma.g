@@ -3,8 +3,6 @@
 #@ src/caster/block.rs AREA_ROUNDINGS = 67.0
 #@ src/caster/block.rs DEPTH_ROUNDINGS = 82.0
 #@ src/caster/block.rs NORMAL_ROUNDINGS = 4.5
-#@ tests/hard_cases/filter_worst.rs V_EDGE_ROUNDINGS = 18.5
-#@ tests/hard_cases/filter_worst.rs V_AREA_ROUNDINGS = 20.5
 #@ src/caster/filter.rs MAX_DEPTH = 2.03125
 #
 # The derivation is the same as in filter_portable.g, with two differences. In a sum of three products each of the first
@@ -15,8 +13,6 @@ EDGE_ROUNDINGS = 37.0;
 AREA_ROUNDINGS = 67.0;
 DEPTH_ROUNDINGS = 82.0;
 NORMAL_ROUNDINGS = 4.5;
-V_EDGE_ROUNDINGS = 18.5;
-V_AREA_ROUNDINGS = 20.5;
 MAX_DEPTH = 2.03125;
 
 # The stored numbers, whose errors filter_stored.g bounds.
@@ -173,8 +169,6 @@ bound in [0, 0x1p-17]
 |y2| <= 296960b-40 /\
 |z2| <= 657408b-40 /\
 |u_edges| <= 31b-25 /\
-|u_edges / V_EDGE_ROUNDINGS| <= 1b-24 /\
-|of_sum / V_AREA_ROUNDINGS| <= 0x.fffp-24 /\
 |w_edges / EDGE_ROUNDINGS| <= 0x.fffp-24 /\
 |w_area / AREA_ROUNDINGS| <= 0x.fffp-24 /\
 |before / DEPTH_ROUNDINGS| <= 0x.fffp-24 /\

@@ -245,5 +245,3 @@ fn exact_normal(triangle: [DVec3; 3]) -> DVec3 {
 
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod worst_t;

@@ -9,7 +9,6 @@ mod coincident_surfaces;
 mod critical_angle;
 mod far_things;
 mod filter;
-mod filter_worst;
 mod flattened;
 mod grid;
 mod grid_dda;

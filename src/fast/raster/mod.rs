@@ -21,8 +21,6 @@ mod triangle_bounds;
 mod viewport;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod worst_cases;
 
 use crate::base::memory;
 use crate::base::patience::Patience;
