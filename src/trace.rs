@@ -147,8 +147,6 @@ impl<'a, H: Hints> Tracer<'a, H> {
         observer: &mut O,
     ) {
         let mut color = *sum;
-        // Copy the parts of a ray one by one. They were written one by one just before: reading them as vectors would
-        // defeat store forwarding and stall the processor.
         while let Some(SecondaryRay { ray, origin, path }) = memory.pending.pop() {
             if memory.spend(1) {
                 memory.pending.clear();
@@ -156,13 +154,9 @@ impl<'a, H: Hints> Tracer<'a, H> {
             }
             observer.observe(|| Event::Popped);
             observer.non_shadow_ray();
-            let seen = match self.nearest(&ray, origin, observer) {
-                Some(visible) => {
-                    self.local_color(&ray, &path, Some(&self.surface(&ray, visible)), memory, observer)
-                }
-                None => self.local_color(&ray, &path, None, memory, observer),
-            };
-            color += path.filter * seen;
+            let visible = self.nearest(&ray, origin, observer);
+            let surface = visible.map(|visible| self.surface(&ray, visible));
+            color += path.filter * self.local_color(&ray, &path, surface.as_ref(), memory, observer);
         }
         *sum = color;
     }
@@ -195,9 +189,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
     #[inline(always)]
     fn smooth(&self, mut surface: SurfacePoint) -> SurfacePoint {
         if self.world().has_smooth_normals() {
-            // Taking a reference to a copy keeps the surface itself in registers.
-            let flat = surface;
-            surface.normal = self.world().smooth_normal(&flat).unwrap_or(flat.normal);
+            surface.normal = self.world().smooth_normal(&surface).unwrap_or(surface.normal);
         }
         surface
     }

@@ -131,19 +131,9 @@ impl Spread {
         dispatch!(self.level, simd => self.weigh_at(simd));
     }
 
-    /// Dispatches to one loop per filter, so that its constants stay in registers.
     #[inline(always)]
     fn weigh_at<S: Simd>(&mut self, simd: S) {
-        match self.filter {
-            Filter::Box { radius } => self.weigh_by(simd, Filter::Box { radius }),
-            Filter::Tent { radius } => self.weigh_by(simd, Filter::Tent { radius }),
-            Filter::Gaussian { sigma } => self.weigh_by(simd, Filter::Gaussian { sigma }),
-            Filter::Mitchell { radius } => self.weigh_by(simd, Filter::Mitchell { radius }),
-        }
-    }
-
-    #[inline(always)]
-    fn weigh_by<S: Simd>(&mut self, simd: S, filter: Filter) {
+        let filter = self.filter;
         let Batch { count, columns, offsets: [x, y], colors } = &*self.batch;
         let columns = &columns[..*count];
         for (k, target) in self.target_columns.iter_mut().enumerate() {

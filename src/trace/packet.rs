@@ -5,7 +5,6 @@
 use super::{FirstHit, Hints, Observer, RayStack, Tracer};
 use crate::camera::Camera;
 use crate::caster::RayOrigin;
-use crate::math::instructions::prefetch;
 use crate::math::ray::{Ray, Visible};
 use crate::math::simd::LANES;
 use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
@@ -109,9 +108,6 @@ fn find_surfaces<S: Simd>(simd: S, world: &World, packet: &mut SamplePacket) {
         let Some(visible) = *visible else { continue };
         let id = visible.primitive;
         if world.is_triangle(id) {
-            if !matches!(on_triangles.last(), Some((_, last)) if *last == id) {
-                world.corners_in_place(id as usize).into_iter().for_each(prefetch);
-            }
             on_triangles.push((i, id));
         } else {
             *surface = Some(world.visible_surface(ray, visible));
@@ -120,11 +116,7 @@ fn find_surfaces<S: Simd>(simd: S, world: &World, packet: &mut SamplePacket) {
     // Neighbours often lie on the same triangles.
     let mut last: Option<Group<S>> = None;
     for some in on_triangles.chunks(LANES) {
-        let [(i, a), (j, b), (k, c), (l, d)] = match some {
-            // Constant indices are faster than computed ones.
-            [a, b, c, d] => [*a, *b, *c, *d],
-            _ => [0, 1, 2, 3].map(|i: usize| some[i.min(some.len() - 1)]),
-        };
+        let [(i, a), (j, b), (k, c), (l, d)] = [0, 1, 2, 3].map(|i: usize| some[i.min(some.len() - 1)]);
         let ids = [a, b, c, d];
         let group = match &last {
             Some(group) if group.ids == ids => group,

@@ -160,10 +160,7 @@ impl<H: Hints> Tracer<'_, H> {
         // A smooth normal is not the exact normal of the triangle.
         let is_smooth = self.world().has_smooth_normals() && surface.triangle.is_some();
         let (world, primitive) = (self.world(), surface.primitive.filter(|_| !is_smooth));
-        // The closure takes copies. References to the ray or its path would force them into memory, written part by
-        // part and read as vectors, which stalls the processor.
-        let line = (ray.origin, direction);
-        let precise_sine = move || world.precise_sine(line, primitive, normal);
+        let precise_sine = || world.precise_sine((ray.origin, direction), primitive, normal);
         match refracted_between(direction, against, indices, precise_sine) {
             Some(direction) => {
                 let path = Path { index: indices[1], ..path };
