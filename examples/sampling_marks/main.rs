@@ -5,8 +5,9 @@
 //! [-reference samples] [-fixed seeds] [-bias seeds] [scene ...]`
 //!
 //! *RMS* is the root mean square of the errors of all seeds over what was asked, *worst* is that of the worst seed.
-//! *Estimated* is the error that the program estimates. The errors are those of the picture as it is shown. Times are processor times of one thread. `-bias` measures the
-//! mean error of the colours over this number of seeds, with its standard error, in levels.
+//! *Estimated* is the error that the program estimates. The errors are those of the picture as it is shown. Times are
+//! means of the processor times of one thread. `-bias` measures the mean error of the colours over this number of seeds,
+//! with its standard error, in levels.
 
 mod scenes;
 
@@ -31,6 +32,7 @@ const BIASED: [f64; 2] = [8.0, 2.0];
 /// The patterns with a fixed number of samples, and their numbers.
 const PATTERNS: [Pattern; 2] = [Pattern::Jittered, Pattern::Sobol];
 const COUNTS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
+
 struct Settings {
     side: usize,
     seeds: u32,
@@ -47,7 +49,7 @@ struct Settings {
 #[derive(Clone, Copy)]
 struct Measured {
     rays: f64,
-    /// The least time, in seconds.
+    /// The mean time, in seconds.
     time: f64,
     /// The root mean square error in levels: of all seeds, and of the worst one.
     error: f64,
@@ -160,7 +162,7 @@ fn measure_requests(
     requests: &[Request],
     halves: &[FloatPicture; 2],
 ) -> Result<Measured, Box<dyn Error>> {
-    let (mut least, mut squares, mut rays, mut estimated) = (Duration::MAX, vec![], 0, 0.0);
+    let (mut all, mut squares, mut rays, mut estimated) = (Duration::ZERO, vec![], 0, 0.0);
     for request in requests {
         let mut colors = vec![];
         let mut take_row = |_: usize, row: &[Color]| {
@@ -176,7 +178,7 @@ fn measure_requests(
         let rendered = rendered?;
         rays += rendered.counts.rays();
         estimated += rendered.squared_error;
-        least = least.min(time);
+        all += time;
         squares.push(mean_square(&FloatPicture { size: request.size, colors }, halves));
     }
     let pixels = requests[0].size.iter().product::<usize>() as f64;
@@ -184,7 +186,7 @@ fn measure_requests(
     let levels = |square: f64| 255.0 * square.max(0.0).sqrt();
     Ok(Measured {
         rays: rays as f64 / pixels / count,
-        time: least.as_secs_f64(),
+        time: all.as_secs_f64() / count,
         error: levels(squares.iter().sum::<f64>() / count),
         estimated: levels(estimated / pixels / count),
         worst: levels(squares.iter().fold(0.0, |most, &square| f64::max(most, square))),
