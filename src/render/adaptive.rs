@@ -35,6 +35,7 @@ use super::tracing::PictureTracer;
 use crate::base::memory;
 use crate::picture::Color;
 use crate::sampling::filter::Filter;
+use crate::sampling::sobol::Sobol;
 use crate::scene::Light;
 use crate::scene::material::Material;
 use crate::stats::Counts;
@@ -271,6 +272,23 @@ struct Pixel {
     around: u32,
 }
 
+impl Pixel {
+    /// Adds the samples with these indices, which follow those that the pixel has.
+    fn add(&mut self, indices: Range<u32>, colors: &mut impl Iterator<Item = Color>) {
+        let half = indices.end / 2;
+        if indices.start == half {
+            self.half = self.sum;
+        }
+        self.doublings = Some(indices.end.ilog2() as u8);
+        for (index, color) in indices.zip(colors) {
+            self.sum += color;
+            if index + 1 == half {
+                self.half = self.sum;
+            }
+        }
+    }
+}
+
 /// A pilot sample.
 #[derive(Clone, Copy)]
 struct Pilot {
@@ -385,75 +403,75 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Traces the samples that pixels lack. The first samples are also pilot samples.
     fn trace(&mut self, band: &mut Band) -> Option<()> {
-        let (width, height) = (self.columns.len(), self.planner.request.size[1]);
-        let (is_first, most) = (self.pilots.is_empty(), self.planner.settings.most.ilog2() as u8);
-        let sampler = self.planner.request.sampler;
-        let has_floats = self.planner.request.has_floats;
-        let brightest = Color::splat(if has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST });
-        let row = |j: usize| {
-            if self.tracer.tally.asks(0) {
-                return None;
-            }
-            let first = (j - self.rows.start) * width;
-            let mut pixels = self.pixels[first..][..width].to_vec();
-            let ranges = |k: usize| {
-                let Some(old) = pixels[k].doublings else { return 0..1u32 << self.floor };
-                let group = group(self.place(first + k));
-                let class = self.class(group, &pixels[k]);
-                1 << old..1 << grown(old, self.groups[group].scale, class, most)
-            };
-            let ranges: Vec<Range<u32>> = (0..width).map(ranges).collect();
-            let of_pixel = |(column, range): (usize, &Range<u32>)| {
-                let sequence = sampler.sequence((column * height + j) as u64);
-                range.clone().map(move |index| (column, sequence.offset(index)))
-            };
-            let columns = self.columns.clone();
-            let places =
-                columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty()).flat_map(of_pixel);
-            let traced = self.tracer.trace_rays(j, places)?;
-            let (mut colors, mut costs) = (traced.colors.iter(), traced.costs.iter());
-            let (mut pilots, mut costs_of_pixels) = (vec![], vec![]);
-            for ((pixel, range), column) in pixels.iter_mut().zip(&ranges).zip(columns) {
-                costs_of_pixels.push(costs.by_ref().take(range.len()).sum());
-                if range.is_empty() {
-                    continue;
-                }
-                let half = range.end / 2;
-                if range.start == half {
-                    pixel.half = pixel.sum;
-                }
-                let sequence = sampler.sequence((column * height + j) as u64);
-                for (index, &color) in range.clone().zip(&mut colors) {
-                    pixel.sum += color;
-                    if index + 1 == half {
-                        pixel.half = pixel.sum;
-                    }
-                    if is_first && index < MOST_PILOTS {
-                        let offset = sequence.offset(index);
-                        let color = color.clamp(Color::ZERO, brightest).as_vec3();
-                        pilots.push(Pilot { color, is_right: offset.x >= 0.0, is_upper: offset.y >= 0.0 });
-                    }
-                }
-                pixel.doublings = Some(range.end.ilog2() as u8);
-            }
-            Some(TracedRow { pixels, pilots, costs: costs_of_pixels, counts: traced.counts })
-        };
-        let rows = self.tracer.tally.in_parallel(self.rows.clone(), row);
-        let (mut all_pixels, mut all_pilots) = (vec![], vec![]);
+        let is_first = self.pilots.is_empty();
+        let rows = self.tracer.tally.in_parallel(self.rows.clone(), |j| self.trace_row(j, is_first));
+        let mut all_pixels = vec![];
         for (row, traced) in rows.into_iter().enumerate() {
             let TracedRow { pixels, pilots, costs, counts } = traced?;
             all_pixels.extend(pixels);
-            all_pilots.extend(pilots);
+            self.pilots.extend(pilots);
             band.counts[row] = band.counts[row].merge(counts);
             let first = band.index(self.columns.start, row);
             let of_band = band.costs.get_mut(first..).unwrap_or_default();
             of_band.iter_mut().zip(costs).for_each(|(sum, cost)| *sum += cost);
         }
         self.pixels = all_pixels;
-        if is_first {
-            self.pilots = all_pilots;
-        }
         Some(())
+    }
+
+    /// Traces the samples that the pixels of row `j` lack.
+    fn trace_row(&self, j: usize, is_first: bool) -> Option<TracedRow> {
+        if self.tracer.tally.asks(0) {
+            return None;
+        }
+        let width = self.columns.len();
+        let first = (j - self.rows.start) * width;
+        let mut pixels = self.pixels[first..][..width].to_vec();
+        let ranges: Vec<Range<u32>> = (first..).zip(&pixels).map(|(k, pixel)| self.lacks(k, pixel)).collect();
+        let places = self.columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty());
+        let places = places.flat_map(|(column, range)| {
+            let sequence = self.sequence(column, j);
+            range.clone().map(move |index| (column, sequence.offset(index)))
+        });
+        let traced = self.tracer.trace_rays(j, places)?;
+        let (mut colors, mut costs) = (traced.colors.iter().copied(), traced.costs.iter());
+        let of_pixel = |range: &Range<u32>| costs.by_ref().take(range.len()).sum();
+        let costs = ranges.iter().map(of_pixel).collect();
+        for (pixel, range) in pixels.iter_mut().zip(ranges).filter(|(_, range)| !range.is_empty()) {
+            pixel.add(range, &mut colors);
+        }
+        let pilots = if is_first { self.pilots_of_row(j, &traced.colors) } else { vec![] };
+        Some(TracedRow { pixels, pilots, costs, counts: traced.counts })
+    }
+
+    /// Returns the indices of the samples that a pixel lacks.
+    fn lacks(&self, k: usize, pixel: &Pixel) -> Range<u32> {
+        let Some(old) = pixel.doublings else { return 0..1 << self.floor };
+        let group = group(self.place(k));
+        let most = self.planner.settings.most.ilog2() as u8;
+        1 << old..1 << grown(old, self.groups[group].scale, self.class(group, pixel), most)
+    }
+
+    /// Returns the Sobol' sequence of a pixel, by its column and row in the picture.
+    fn sequence(&self, column: usize, j: usize) -> Sobol {
+        let Request { sampler, size: [_, height], .. } = self.planner.request;
+        sampler.sequence((column * height + j) as u64)
+    }
+
+    /// Returns the pilot samples of row `j`, whose pixels have these colours, the same number each.
+    fn pilots_of_row(&self, j: usize, colors: &[Color]) -> Vec<Pilot> {
+        let has_floats = self.planner.request.has_floats;
+        let brightest = Color::splat(if has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST });
+        let of_pixel = |(column, colors): (usize, &[Color])| {
+            let sequence = self.sequence(column, j);
+            let pilot = |(index, &color): (u32, &Color)| {
+                let offset = sequence.offset(index);
+                let color = color.clamp(Color::ZERO, brightest).as_vec3();
+                Pilot { color, is_right: offset.x >= 0.0, is_upper: offset.y >= 0.0 }
+            };
+            (0..MOST_PILOTS).zip(colors).map(pilot).collect::<Vec<_>>()
+        };
+        self.columns.clone().zip(colors.chunks(1 << self.floor)).flat_map(of_pixel).collect()
     }
 
     /// Finds the rings of the pixels, u, and the means of u.
