@@ -42,21 +42,6 @@ fn tga_has_the_course_s_header_and_blue_first_rows_from_the_top() {
 }
 
 #[test]
-fn tga_is_what_the_image_crate_writes_uncompressed() {
-    let folder = tempdir().unwrap();
-    let path = folder.path().join("a.tga");
-    let mut picture = Picture::new(300, 259).unwrap();
-    for j in 0..259 {
-        picture.row_mut(j).iter_mut().enumerate().for_each(|(i, byte)| *byte = (i * 7 + j * 13) as u8);
-    }
-    write(&path, &picture).unwrap();
-    let mut expected = Vec::new();
-    let encoder = image::codecs::tga::TgaEncoder::new(&mut expected).disable_rle();
-    encoder.encode(picture.pixels(), 300, 259, image::ExtendedColorType::Rgb8).unwrap();
-    assert_eq!(fs::read(&path).unwrap(), expected);
-}
-
-#[test]
 fn bmp_is_24_bits_and_uncompressed_with_padded_blue_first_rows_from_the_bottom() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("a.bmp");

@@ -29,7 +29,6 @@ mod grade;
 mod image_files;
 mod json;
 mod json_form;
-mod json_numbers;
 mod known_bugs;
 mod little_memory;
 #[cfg(feature = "gui")]

@@ -1,76 +1,6 @@
 //! What the program prints on which stream, how it ends, and which files it leaves.
 
-use crate::support::{CAMERA, Folder, finish, nobody, only_line, program, says, scene, sphere};
-use raytracer::image_io;
-
-#[test]
-fn a_faulty_command_line_is_status_2_and_a_line_with_a_hint() {
-    let folder = Folder::with_scene(&sphere());
-    for (line, expected) in [
-        ("", "-input ... -h"),
-        ("-input s.txt -shadow", "-shadow ... -shadows"),
-        ("-input s.txt -visualize_grid", "-grid <nx>"),
-        ("-input s.txt -size 10", "-size"),
-        ("-input s.txt -stats -stats", "-stats ... multiple times"),
-        ("-input s.txt -bounces many", "-bounces ... many"),
-        ("-input s.txt -random_samples 4 -jittered_samples 4", "-random_samples ... -jittered_samples"),
-    ] {
-        assert!(says(&folder.run(line).message(2), expected), "{line}");
-    }
-    assert_eq!(folder.names(), ["s.txt"]);
-}
-
-#[test]
-fn a_missing_scene() {
-    let folder = Folder::new();
-    let message = folder.run("-input no-such.txt -output o.tga").message(1);
-    assert!(only_line(&message).starts_with("no-such.txt: error: cannot read the scene: "), "{message}");
-    assert!(folder.names().is_empty());
-}
-
-#[test]
-fn a_malformed_scene_is_shown_with_its_place() {
-    let folder = Folder::with_scene("PerspectiveCamera {\n  center 0 0 0 direction 0 zero 1\n}\n");
-    let message = folder.run("-input s.txt -output o.tga").message(1);
-    let lines: Vec<&str> = message.lines().collect();
-    assert_eq!(lines[0], "s.txt:2:28: error: expected a number for `direction`, found `zero`");
-    assert_eq!(lines[1], "    2 |   center 0 0 0 direction 0 zero 1");
-    let caret = lines[2].find('^').expect("a caret");
-    assert_eq!(&lines[1][caret..caret + 4], "zero");
-    assert_eq!(folder.names(), ["s.txt"]);
-}
-
-#[test]
-fn a_missing_mesh_is_named_where_the_scene_names_it() {
-    let folder = Folder::with_scene(&scene(1, "TriangleMesh { obj_file no-such.obj }"));
-    let message = folder.run("-input s.txt -output o.tga").message(1);
-    assert!(message.starts_with("s.txt:5:25: error: cannot read the mesh `no-such.obj`"), "{message}");
-    assert_eq!(folder.names(), ["s.txt"]);
-}
-
-#[test]
-fn a_mesh_is_found_beside_the_scene_from_any_folder() {
-    let folder = Folder::with_scene(&scene(1, "TriangleMesh { obj_file one.obj }"));
-    folder.write("one.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
-    let elsewhere = Folder::new();
-    let input = folder.path().join("s.txt");
-    finish(
-        program(elsewhere.path(), ["-input".as_ref(), input.as_os_str()])
-            .args(["-output", "o.tga", "-size", "3", "3"]),
-    )
-    .ok();
-    assert_eq!(elsewhere.tga("o.tga").at(1, 1), [255; 3]);
-}
-
-#[test]
-fn a_singular_transform_under_a_sphere_is_shown() {
-    let folder =
-        Folder::with_scene(&scene(1, "Transform { Scale 1 0 1\n  Sphere { center 0 0 0 radius 1 } }"));
-    let message = folder.run("-input s.txt -output o.tga").message(1);
-    assert!(message.starts_with("s.txt:5:1: error: the transformation is singular"), "{message}");
-    assert!(message.contains('^'), "{message}");
-    assert_eq!(folder.names(), ["s.txt"]);
-}
+use crate::support::{CAMERA, Folder, finish, nobody, only_line, scene, sphere};
 
 #[test]
 fn a_target_that_cannot_be_written_is_reported_before_anything_is_rendered() {
@@ -110,17 +40,6 @@ fn a_run_leaves_the_pictures_and_nothing_else() {
         (tga.width, tga.height)
     };
     assert_eq!(["c.tga", "n.tga", "s.tga", "f.tga"].map(size), [(5, 4), (5, 4), (15, 12), (11, 9)]);
-}
-
-#[test]
-fn png_and_tga_hold_the_same_pixels() {
-    let folder = Folder::with_scene(&sphere());
-    folder.run("-input s.txt -size 9 7 -output a.tga -normals n.png").ok();
-    folder.run("-input s.txt -size 9 7 -output a.png -normals n.tga").ok();
-    for name in ["a", "n"] {
-        let [tga, png] = ["tga", "png"].map(|end| folder.path().join(name).with_extension(end));
-        assert_eq!(image_io::read_picture(&tga).unwrap(), image_io::read_picture(&png).unwrap());
-    }
 }
 
 #[test]
@@ -183,24 +102,6 @@ fn readers_that_went_away_are_no_reason_to_panic() {
         let run = finish(folder.command(line).stderr(nobody()));
         assert_eq!(run.status, Some(status), "{line}");
     }
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_grid_whose_contents_do_not_fit_into_memory_is_one_line() {
-    let spanning = "Triangle { vertex0 -1 -1 -1 vertex1 1 -1 1 vertex2 -1 1 1 }\n";
-    let folder = Folder::with_scene(&scene(40, &spanning.repeat(40)));
-    // The cells alone fit into memory, but their contents do not.
-    let run = |flags: &str| {
-        let line = format!("-input s.txt -grid 300 300 300 -threads 1 {flags}");
-        let mut command = std::process::Command::new("sh");
-        command.args(["-c", "ulimit -v 250000 && exec \"$@\"", "sh", env!("CARGO_BIN_EXE_raytracer")]);
-        finish(command.args(line.split_whitespace()).current_dir(folder.path()))
-    };
-    let message = run("-stats").message(1);
-    assert!(only_line(&message).starts_with("error: not enough memory: at least "), "{message}");
-    assert_eq!(folder.names(), ["s.txt"]);
-    run("-size 9 9 -visualize_grid -output o.tga").ok();
 }
 
 #[test]

@@ -22,16 +22,6 @@ fn a_picture_may_have_fewer_rows_than_there_are_threads() {
 }
 
 #[test]
-fn a_hundred_thousand_nested_transforms_render() {
-    const DEPTH: usize = 100_000;
-    let identity = "Transform { Scale 1 1 1 Translate 0 0 0 ";
-    let nested = identity.repeat(DEPTH) + "Sphere { center 0 0 0 radius .7 }" + &"}".repeat(DEPTH);
-    let picture = Folder::with_scene(&scene(1, &nested)).render("-size 20 20");
-    assert_eq!(picture, Folder::with_scene(&sphere()).render("-size 20 20"));
-    assert_ne!(picture.at(10, 10), picture.at(0, 0));
-}
-
-#[test]
 fn planes_alone_render_with_a_grid() {
     let folder = Folder::with_scene(&scene(1, "Plane { normal 0 1 1 offset 0 }"));
     let plain = folder.render("-size 8 8");
@@ -145,71 +135,4 @@ fn transparent_shadows_are_tinted_by_the_way_through() {
     let tinted = [[63, 15, 255]];
     assert_eq!(folder.render("-size 1 1 -transparent_shadows").pixels, tinted);
     assert_eq!(folder.render("-size 1 1 -transparent_shadows -shadows -grid 3 3 3").pixels, tinted);
-}
-
-/// A prism of 45 degrees before white, seen through its upper face. Its lower face reflects all light, or none.
-fn prism(index: &str) -> String {
-    format!(
-        "{CAMERA}Background {{ color 1 1 1 }} Group {{ numObjects 2
-         Material {{ diffuseColor 0 0 0 transparentColor 1 1 1 indexOfRefraction {index} }}
-         Plane {{ normal 0 0 1 offset 5 }} Plane {{ normal 0 1 -1 offset -1 }} }}"
-    )
-}
-
-#[test]
-fn total_reflection_is_decided_without_rounding_at_the_critical_angle() {
-    // Half of the square of the index is 1 + 1.4e-16, or 1 - 1.7e-16.
-    for (index, color) in [("1.4142135623730951", [0; 3]), ("1.414213562373095", [255; 3])] {
-        let folder = Folder::with_scene(&prism(index));
-        for flags in ["", "-stats", "-shade_back -jittered_samples 4", "-grid 2 2 2"] {
-            let picture = folder.render(&format!("-size 20 20 -bounces 3 {flags}"));
-            assert!(picture.pixels.iter().all(|&pixel| pixel == color), "{index} {flags}");
-        }
-        let shown = folder.run("-input s.txt -size 20 20 -bounces 3 -pixel 7 9").ok().stdout;
-        let close = "close call: the angle is that of total internal reflection within roundings\n";
-        assert_eq!(shown.matches(close).count(), 1, "{shown}");
-    }
-    let shown = Folder::with_scene(&prism("1.41")).run("-input s.txt -bounces 3 -pixel 7 9").ok().stdout;
-    assert!(!shown.contains("the angle is"), "{shown}");
-}
-
-/// A triangle above a plane, with the light at this point.
-fn under_a_triangle(light: &str) -> String {
-    format!(
-        "OrthographicCamera {{ center 0 0 9 direction 0 0 -1 up 0 1 0 size 8 }}
-         Background {{ color 0 0 0 ambientLight .2 .2 .2 }}
-         Lights {{ numLights 1 PointLight {{ position {light} color 1 1 1 }} }}
-         Group {{ numObjects 2 Material {{ diffuseColor 1 1 1 }}
-         Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }} Plane {{ normal 0 0 1 offset -1 }} }}"
-    )
-}
-
-#[test]
-fn a_light_on_a_triangle_is_behind_it_also_on_an_edge_and_at_a_corner() {
-    for light in ["0 -1 0", "0.3 -1 0", "-1 -1 0", "0 1 0", "0.5 0 0", "0 0 0"] {
-        let folder = Folder::with_scene(&under_a_triangle(light));
-        for flags in
-            ["", "-grid 3 3 3", "-grid none", "-stats", "-jittered_samples 4", "-transparent_shadows"]
-        {
-            let picture = folder.render(&format!("-size 270 270 -shadows {flags}"));
-            assert!(picture.pixels.iter().all(|&pixel| pixel == [51; 3]), "{light} {flags}");
-        }
-        let warning = folder.run("-input s.txt -output o.tga -shadows").ok().stderr;
-        assert!(warning.contains("no effect: it lies on a surface"), "{warning}");
-        let shown = folder.run("-input s.txt -size 80 80 -shadows -pixel 3 70").ok().stdout;
-        assert!(shown.contains("shadow ray blocked by Triangle"), "{shown}");
-        assert!(folder.render("-size 80 80").pixels.iter().any(|&pixel| pixel != [51; 3]));
-    }
-    // A corner far away does not make the light lie on the triangle.
-    let far = "Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1e30 -1e30 }";
-    let text = under_a_triangle("0 -1.5 0")
-        .replace("Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }", far);
-    assert!(text.contains(far));
-    let folder = Folder::with_scene(&text);
-    assert_eq!(folder.run("-input s.txt -output o.tga -shadows").ok().stderr, "");
-    assert!(folder.render("-size 80 80 -shadows").pixels.iter().any(|&pixel| pixel != [51; 3]));
-    // Beside the edge it lights the plane, but for the triangle's shadow.
-    let folder = Folder::with_scene(&under_a_triangle("0 -1.000000001 -0.000000001"));
-    let lit = folder.render("-size 80 80 -shadows").pixels.iter().filter(|&&pixel| pixel != [51; 3]).count();
-    assert!(lit > 6000 - 1200, "{lit}");
 }
