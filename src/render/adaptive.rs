@@ -369,8 +369,9 @@ impl<'t, 'a> Tile<'t, 'a> {
         tile.look_around()?;
         for pass in 0..PASSES {
             let enough = if pass == 0 { AIM } else { ENOUGH };
+            let errors = tile.errors();
             let scale = |group: usize| {
-                let (others, scale) = (tile.others(group), tile.groups[group].scale);
+                let (others, scale) = (tile.others(group, &errors), tile.groups[group].scale);
                 let [estimate, _] = others.expected(scale);
                 if estimate > enough * square { others.next_scale(scale, AIM * square) } else { scale }
             };
@@ -530,14 +531,19 @@ impl<'t, 'a> Tile<'t, 'a> {
         Some(())
     }
 
-    /// Sorts the pixels that decide for a group.
-    fn others(&self, group: usize) -> Others {
-        let most = self.planner.settings.most.ilog2() as u8;
+    /// Returns the estimated squared errors of the pixels.
+    fn errors(&self) -> Vec<f64> {
         // A half that is brighter than white may well get darker, so its brightness counts up to a limit.
         let brightest = if self.planner.request.has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST };
+        (0..self.pixels.len()).map(|k| self.error(k, brightest)).collect()
+    }
+
+    /// Sorts the pixels that decide for a group. `errors` are those of all pixels.
+    fn others(&self, group: usize, errors: &[f64]) -> Others {
+        let most = self.planner.settings.most.ilog2() as u8;
         let mut cells = vec![[Alike::default(); CLASSES]; usize::from(most) + 1];
         for (k, pixel) in self.deciding(group) {
-            let error = self.error(k, brightest);
+            let error = errors[k];
             let alike = &mut cells[usize::from(pixel.doublings.unwrap_or(LEAST))][self.class(group, pixel)];
             alike.pixels += 1.0;
             alike.error += error;
