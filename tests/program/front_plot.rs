@@ -15,10 +15,11 @@ const SECONDS: [f64; 2] = [0.001, 1.0];
 const LEVELS: [f64; 2] = [0.5, 50.0];
 
 /// The first word of a row of the page's tables, and the colour of its line.
-const SERIES: [(&str, &str, &str); 4] = [
+const SERIES: [(&str, &str, &str); 5] = [
     ("random", "random", "#888888"),
     ("uniform", "uniform", "#cc8800"),
     ("jittered", "jittered", "#0066cc"),
+    ("sobol", "Sobol'", "#228833"),
     ("", "adaptive", "#cc2222"),
 ];
 
