@@ -15,7 +15,7 @@ pub mod mesh;
 pub mod model;
 pub mod obj;
 mod obj_lines;
-mod obj_reader;
+mod obj_statements;
 mod parse_material;
 mod parse_objects;
 mod parse_view;

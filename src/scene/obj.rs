@@ -1,16 +1,23 @@
 //! Reads triangle meshes from Wavefront OBJ text.
 //!
-//! Files with only positions and triangles take a faster path in `plain_obj`. `obj_reader` reads all others.
+//! Files with only positions and triangles take a faster path in `plain_obj`. Of all others, `obj_statements` makes
+//! plain statements, `tobj` reads these, and `polygon` cuts faces into triangles.
 
 use super::foreign_format::foreign;
 use super::mesh::{Mesh, NamedFile, ObjFile};
 pub use super::obj_lines::LIBRARY;
+use super::obj_lines::files_in;
+use super::obj_statements::{COORDINATE, Doubt, Statements, VERTEX};
 pub use super::plain_obj::memory_for;
-use super::{obj_lines, obj_reader, plain_obj};
-use crate::base::patience::{Endless, Patience};
+use super::plain_obj::{self, keep_used};
+use super::polygon::{OutlineFault, triangulate};
+use crate::base::patience::{Endless, Patience, Steps};
 use crate::base::shortcut::Shortcut;
 use crate::diagnostic::Diagnostic;
+use glam::{DVec2, DVec3};
 use std::borrow::Cow;
+use std::io::{self, BufReader, Read};
+use tobj::{LoadError, LoadOptions, load_obj_buf};
 
 /// Reads a mesh from the bytes of an OBJ file, with its texture coordinates if `is_textured`.
 ///
@@ -24,7 +31,7 @@ pub fn read_obj(bytes: &[u8], is_textured: bool, patience: &dyn Patience) -> Res
         return Ok(ObjFile { mesh, vertices, ..ObjFile::default() });
     }
     patience.check()?;
-    foreign(bytes).map_or_else(|| obj_reader::read(text, is_textured, patience), Err)
+    foreign(bytes).map_or_else(|| read_any(text, is_textured, patience), Err)
 }
 
 /// Reads a mesh without texture coordinates.
@@ -34,8 +41,7 @@ pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
 
 /// Returns the files that a mesh or a material library names.
 pub fn named_files(kind: &str, bytes: &[u8]) -> Vec<NamedFile> {
-    let text = without_mark(bytes);
-    if kind == LIBRARY { obj_lines::maps_in(text) } else { obj_lines::files_in(text) }
+    files_in(kind, without_mark(bytes))
 }
 
 /// Returns the text of a mesh file. Positions of errors refer to it.
@@ -49,6 +55,86 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let end = text.iter().rposition(|&byte| byte != 0 && byte != END_OF_FILE);
     &text[..end.map_or(0, |last| last + 1)]
+}
+
+/// Reads a mesh from any text without a byte order mark, with texture coordinates if `is_textured`.
+pub(super) fn read_any(
+    text: &[u8],
+    is_textured: bool,
+    patience: &dyn Patience,
+) -> Result<ObjFile, Diagnostic> {
+    let mut statements = Statements::read(text, is_textured, patience)?;
+    let mut lines = BufReader::new(PatientReader { rest: &statements.lines, patience });
+    let read = load_obj_buf(&mut lines, &LoadOptions::default(), |_| Err(LoadError::OpenFileFailed));
+    patience.check()?;
+    let (models, _) = read?;
+    let found = models.into_iter().next().map(|model| model.mesh).unwrap_or_default();
+    let mut vertices: Vec<DVec3> =
+        found.positions.as_chunks().0.iter().copied().map(DVec3::from_array).collect();
+    let triangles = triangles(&mut statements, &found.indices, &vertices, patience)?;
+    // `keep_used` expects indices that count from 1.
+    let mut faces: Vec<[u32; 3]> =
+        triangles.iter().map(|corners| corners.map(|corner| found.indices[corner] + 1)).collect();
+    keep_used(&mut vertices, &mut faces);
+    let coordinate = |corner: usize| {
+        // `tobj` also has a coordinate for a corner that names none.
+        statements.corners[corner].points[COORDINATE]?;
+        let index = found.texcoord_indices[corner] as usize;
+        Some(DVec2::from_array(found.texcoords.as_chunks().0[index]))
+    };
+    let of_triangle = |&[a, b, c]: &[usize; 3]| Some([coordinate(a)?, coordinate(b)?, coordinate(c)?]);
+    let has_coordinates = is_textured && statements.totals[COORDINATE] > 0;
+    Ok(ObjFile {
+        mesh: Mesh { vertices, triangles: faces },
+        vertices: statements.totals[VERTEX] as usize,
+        texture_coordinates: triangles.iter().filter(|_| has_coordinates).map(of_triangle).collect(),
+        doubts: statements.warnings(),
+        files: statements.files,
+    })
+}
+
+/// Hands out a text until the patience is over.
+struct PatientReader<'a> {
+    rest: &'a [u8],
+    patience: &'a dyn Patience,
+}
+
+impl Read for PatientReader<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.patience.check().map_err(io::Error::other)?;
+        self.rest.read(buffer)
+    }
+}
+
+/// Returns the triangles of all faces as places in the list of corners. `indices` are the corners' vertices.
+fn triangles(
+    statements: &mut Statements<'_>,
+    indices: &[u32],
+    vertices: &[DVec3],
+    patience: &dyn Patience,
+) -> Result<Vec<[usize; 3]>, Diagnostic> {
+    /// The steps of work that a corner of a polygon counts for.
+    const STEPS_PER_CORNER: usize = 64;
+    let (mut steps, mut triangles, mut start) = (Steps::new(patience), vec![], 0);
+    for (keyword, count) in std::mem::take(&mut statements.faces) {
+        let first = start;
+        start += count;
+        steps.take(if count > 4 { STEPS_PER_CORNER * count } else { 1 })?;
+        if count == 3 {
+            triangles.push([first, first + 1, first + 2]);
+            continue;
+        }
+        let outline: Vec<DVec3> =
+            indices[first..start].iter().map(|&index| vertices[index as usize]).collect();
+        let polygon = triangulate(&outline);
+        triangles.extend(polygon.triangles.iter().map(|triangle| triangle.map(|corner| first + corner)));
+        match polygon.fault {
+            Some(OutlineFault::Crosses) => statements.doubt(Doubt::CrossingOutline, keyword),
+            Some(OutlineFault::EnclosesNothing) => statements.doubt(Doubt::EmptyOutline, keyword),
+            None => {}
+        }
+    }
+    Ok(triangles)
 }
 
 #[cfg(test)]
@@ -82,12 +168,6 @@ mod tests {
     fn coordinates_are_read_in_full() {
         let mesh = read("v 0.1 1e300 -5e-324\nv 1 2 3\nv 4 5 6\nf 1 2 3");
         assert_eq!(mesh.vertices[0], DVec3::new(0.1, 1e300, -5e-324));
-    }
-
-    #[test]
-    fn convex_polygons_become_fans() {
-        let mesh = read(&format!("{SQUARE}v -1 .5 0\nf 1 2 3 4\nf 1 2 3 4 5\n"));
-        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3], [0, 3, 4]]);
     }
 
     #[test]
@@ -153,21 +233,6 @@ mod tests {
             (library.position(), library.message.as_str()),
             (None, "the file is a material library, not OBJ")
         );
-    }
-
-    #[test]
-    fn other_formats_are_refused_by_their_names() {
-        let utf16: Vec<u8> = SQUARE.encode_utf16().flat_map(u16::to_le_bytes).collect();
-        let marked = [b"\xff\xfe", utf16.as_slice()].concat();
-        for (bytes, format) in [
-            (utf16.as_slice(), "UTF-16 or UTF-32 text"),
-            (&marked, "UTF-16 or UTF-32 text"),
-            (b"ply\nformat binary_little_endian 1.0\n", "PLY"),
-            (b"glTF\x02\0\0\0", "binary glTF"),
-        ] {
-            let error = parse_obj(bytes).unwrap_err();
-            assert_eq!((error.position(), error.message), (None, format!("the file is {format}, not OBJ")));
-        }
     }
 
     /// Returns faulty statements (`@` marks the caret), the error message, and the start of its hint.
@@ -247,6 +312,7 @@ mod tests {
             ("0 @inf 0", not_finite),
             ("0 0 @-1e999", not_finite),
             ("0 0 0 @nan", not_finite),
+            ("0 0 0 @inf", not_finite),
             ("@1e300 0 0 1e-300", not_finite),
             ("0 @1 0 1e-320", not_finite),
             ("@-nan(ind) 0 0", not_finite),
@@ -319,50 +385,12 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_matter_must_be_text() {
-        let text = b"v 0 0 0\nv 0 \xff 0\n";
-        let at = Position { line: 2, column: 5 };
-        let error = parse_obj(text).unwrap_err();
-        assert_eq!(
-            (error.position(), error.message.clone()),
-            (Some(at), "a vertex needs three numbers, found `\u{fffd}`".to_owned())
-        );
-        let shown = error.in_text(Path::new("m"), &super::text(text)).to_string();
-        assert!(shown.ends_with("\n    2 | v 0 \u{fffd} 0\n      |     ^"), "{shown}");
-    }
-
-    /// The corners of one face: periodic, a comb, random ones on a lattice, and random ones.
-    fn faces(count: usize) -> [String; 4] {
-        let mut seed = 1u64;
-        let mut random = |most: u64| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 33) % most
-        };
-        let face = |count: usize| "f".to_owned() + &(1..=count).map(|k| format!(" {k}")).collect::<String>();
-        let mut points = |most: u64| {
-            let point = |_| format!("v {} {} 0\n", random(most), random(most));
-            (0..count).map(point).collect::<String>() + &face(count)
-        };
-        let (lattice, scattered) = (points(30), points(1 << 30));
-        let comb = (0..count - 2).map(|k| format!("v {k} {} 0\n", k % 2)).collect::<String>();
-        let comb = format!("{comb}v {} -1 0\nv 0 -1 0\n{}", count - 2, face(count));
-        let periodic = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {}3", "1 2 ".repeat((count - 1) / 2));
-        [periodic, comb, lattice, scattered]
-    }
-
-    #[test]
     fn a_face_has_up_to_a_thousand_corners() {
-        for text in faces(999) {
-            assert!(read_obj(text.as_bytes(), false, &Endless).is_ok(), "{text:.60}");
-        }
-        for text in faces(1001) {
-            let error = refuse(&text);
-            assert_eq!(error.message, "a face has 1001 corners: 1000 are the most");
-            assert_eq!(
-                error.position().map(|at| (at.line as usize, at.column)),
-                Some((text.lines().count(), 1))
-            );
-        }
+        let face = |count: usize| format!("{SQUARE}f{}\n", " 1 2".repeat(count / 2));
+        assert_eq!(read_obj(face(1000).as_bytes(), false, &Endless).unwrap().doubts.len(), 0);
+        let error = refuse(&face(1002));
+        assert_eq!(error.message, "a face has 1002 corners: 1000 are the most");
+        assert_eq!(error.position(), Some(Position { line: 5, column: 1 }));
     }
 
     #[test]
@@ -393,6 +421,10 @@ mod tests {
             assert!(error.message.ends_with("does not exist; the mesh has 5"), "{corner}");
             assert_eq!(error.position().map(|at| at.line), Some(line), "{corner}");
         }
+        // Vertices after a later fault are counted.
+        let error = refuse(&format!("{SQUARE}f 1 2 9\nv x\nv 0 0 0\n"));
+        assert_eq!(error.message, "a face names a vertex that does not exist; the mesh has 6");
+        assert_eq!(error.position(), Some(Position { line: 5, column: 7 }));
         // A negative index counts back from its face, even if more vertices follow.
         let text = format!("{SQUARE}f -1 -2 -4\nf -1 -2 -5\nv 0 2 0\n");
         assert_eq!(refuse(&text).position(), Some(Position { line: 6, column: 9 }));

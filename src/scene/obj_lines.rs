@@ -35,26 +35,24 @@ pub fn files_of(words: &[&[u8]]) -> Vec<NamedFile> {
     names.map(|name| (kind, String::from_utf8_lossy(&name).into_owned())).collect()
 }
 
-/// Returns the files that an OBJ text names.
-pub fn files_in(mut text: &[u8]) -> Vec<NamedFile> {
-    let (mut words, mut files) = (vec![], vec![]);
-    while next_statement(&mut text, &mut words) {
-        files.extend(files_of(&words));
+/// Returns the pictures that a statement of a material library names: the last word, or all behind the keyword.
+fn pictures_of(words: &[&[u8]]) -> Vec<NamedFile> {
+    const KEYWORDS: [&[u8]; 5] = [b"bump", b"disp", b"decal", b"refl", b"norm"];
+    if !words[0].starts_with(b"map_") && !KEYWORDS.contains(&words[0]) {
+        return vec![];
     }
-    files
+    let names = [words[words.len() - 1].to_vec(), words[1..].join(&b' ')];
+    names.map(|name| ("texture", String::from_utf8_lossy(&name).into_owned())).to_vec()
 }
 
-/// Returns the pictures that a material library names: the last word of a statement, or all behind the keyword.
-pub fn maps_in(mut library: &[u8]) -> Vec<NamedFile> {
-    const KEYWORDS: [&[u8]; 5] = [b"bump", b"disp", b"decal", b"refl", b"norm"];
-    let (mut words, mut maps) = (vec![], vec![]);
-    while next_statement(&mut library, &mut words) {
-        if words[0].starts_with(b"map_") || KEYWORDS.contains(&words[0]) {
-            let names = [words[words.len() - 1].to_vec(), words[1..].join(&b' ')];
-            maps.extend(names.map(|name| ("texture", String::from_utf8_lossy(&name).into_owned())));
-        }
+/// Returns the files that a material library, or else an OBJ text, names.
+pub fn files_in(kind: &str, mut text: &[u8]) -> Vec<NamedFile> {
+    let of_statement = if kind == LIBRARY { pictures_of } else { files_of };
+    let (mut words, mut files) = (vec![], vec![]);
+    while next_statement(&mut text, &mut words) {
+        files.extend(of_statement(&words));
     }
-    maps
+    files
 }
 
 /// Reads the first statement of `rest` into `words` and advances `rest` behind it. Returns false if there is none.
@@ -76,22 +74,19 @@ pub fn next_statement<'a>(rest: &mut &'a [u8], words: &mut Vec<&'a [u8]>) -> boo
             }
             Some(_) => {
                 let word = first_word(rest);
-                *rest = &rest[word.len()..];
-                match word.strip_suffix(b"\\") {
-                    Some(start)
-                        if matches!(after_blanks(rest).first(), None | Some(b'\n' | b'\r' | b'#')) =>
-                    {
-                        words.extend(Some(start).filter(|start| !start.is_empty()));
-                        *rest = after_blanks(rest);
-                        if !rest.starts_with(b"#") {
-                            *rest = after_line_end(rest);
-                        }
-                        let next = first_word(after_blanks(rest));
-                        if is_keyword(next.strip_suffix(b"\\").unwrap_or(next)) && !words.is_empty() {
-                            return true;
-                        }
-                    }
-                    _ => words.push(word),
+                *rest = after_blanks(&rest[word.len()..]);
+                let is_last = matches!(rest.first(), None | Some(b'\n' | b'\r' | b'#'));
+                let Some(start) = word.strip_suffix(b"\\").filter(|_| is_last) else {
+                    words.push(word);
+                    continue;
+                };
+                words.extend(Some(start).filter(|start| !start.is_empty()));
+                if !rest.starts_with(b"#") {
+                    *rest = after_line_end(rest);
+                }
+                let next = first_word(after_blanks(rest));
+                if is_keyword(next.strip_suffix(b"\\").unwrap_or(next)) && !words.is_empty() {
+                    return true;
                 }
             }
         }

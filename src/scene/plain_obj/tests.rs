@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::base::patience::Endless;
-use crate::scene::obj_reader;
+use crate::scene::obj::read_any;
 
 fn read(text: &str) -> Option<Mesh> {
     parse(text.as_bytes(), &Endless).map(|(mesh, _)| mesh)
 }
 
 fn parse_obj_fully(text: &[u8]) -> Result<Mesh, crate::diagnostic::Diagnostic> {
-    obj_reader::read(text, false, &Endless).map(|file| file.mesh)
+    read_any(text, false, &Endless).map(|file| file.mesh)
 }
 
 /// Asserts that two meshes have bitwise equal triangles and the same number of vertices.
@@ -80,16 +80,6 @@ fn rejects_what_only_the_full_parser_reads() {
 }
 
 #[test]
-fn chunks_change_nothing() {
-    let mut text: String = (0..3000).map(|i| format!("v {i} {}.5 -{i}\n", i * 7)).collect();
-    text.extend((1..2999).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)));
-    for size in [1, 10, 1000, 1 << 20] {
-        assert_eq!(chunks(text.as_bytes(), size).concat(), text.as_bytes());
-    }
-    assert_same(&read(&text).unwrap(), &parse_obj_fully(text.as_bytes()).unwrap(), "chunks");
-}
-
-#[test]
 fn chunks_end_with_lines_and_are_no_longer_than_needed() {
     let text = b"v 1\nv 22\nv 333\nv 4";
     let cut = |size| chunks(text, size).into_iter().map(<[u8]>::len).collect::<Vec<_>>();
@@ -117,19 +107,6 @@ fn a_text_of_many_chunks_is_read_whole() {
     assert!(text.len() > 4 << 18 && mesh.vertices.len() == 40_000);
     assert!(mesh.triangles.iter().enumerate().all(|(i, t)| *t == [0, 1, 2].map(|k| i as u32 + k)));
     assert!(mesh.vertices.iter().enumerate().all(|(i, v)| v.x == i as f64 && v.z == -v.x));
-}
-
-#[test]
-fn runs_of_digits_of_every_length() {
-    let all = b"12345678901234567890123";
-    for after in [&b""[..], b" ", b".", b" 2345678901"] {
-        for length in 0..=19 {
-            let text = [&all[..length], after].concat();
-            let value = all[..length].iter().fold(0, |sum: u64, digit| 10 * sum + u64::from(digit - b'0'));
-            assert_eq!(digits(&text, 0), (value, length, after));
-        }
-    }
-    assert_eq!(digits(b"345 7 9 1", 12).0, 12345);
 }
 
 #[test]

@@ -38,8 +38,8 @@ pub enum OutlineFault {
     EnclosesNothing,
 }
 
-/// The largest number of corners of a polygon in a file. The time of `earcut`, and of closing gaps along edges, may grow
-/// with the square of the number.
+/// The largest number of corners of a polygon in a file. The time of `earcut`, of closing gaps along edges, and of
+/// comparing orders of corners may grow with the square of the number.
 pub const MOST_CORNERS: usize = 1000;
 
 /// Triangulates a polygon of at least three finite corners.
@@ -133,45 +133,20 @@ fn distinct(corners: &[DVec3]) -> Vec<usize> {
 }
 
 /// Returns the corners in an order independent of the first corner and the direction, and true if the direction was
-/// reversed.
+/// reversed. The order is the lexicographically least of all.
 fn in_own_order(ring: &[usize], corners: &[DVec3]) -> (Vec<usize>, bool) {
-    let position = |corner: &usize| corners[*corner].to_array();
-    let least_rotation = |mut ring: Vec<usize>| {
-        let start = least_start(ring.len(), |i, j| {
-            let [one, other] = [i, j].map(|place| position(&ring[place]));
-            one.partial_cmp(&other).unwrap_or(Ordering::Equal)
-        });
-        ring.rotate_left(start);
-        ring
+    let reversed: Vec<usize> = ring.iter().rev().copied().collect();
+    // An order is a direction and a start.
+    let ordered = |&(is_reversed, start): &(bool, usize)| {
+        let ring = if is_reversed { &reversed } else { ring };
+        ring[start..].iter().chain(&ring[..start]).copied()
     };
-    let forwards = least_rotation(ring.to_vec());
-    let backwards = least_rotation(ring.iter().rev().copied().collect());
-    match in_order(forwards.iter().map(position), backwards.iter().map(position)) {
-        Ordering::Greater => (backwards, true),
-        _ => (forwards, false),
-    }
-}
-
-/// Returns the first start of the lexicographically least rotation of a list, in linear time. `compare` compares two
-/// places of the list. Of two starts whose rotations begin alike and then differ, neither the greater one nor the next
-/// ones up to the difference begin the least rotation (Shiloach, "Fast canonization of circular strings", Journal of
-/// Algorithms 2(2), 1981).
-fn least_start(count: usize, mut compare: impl FnMut(usize, usize) -> Ordering) -> usize {
-    let (mut one, mut other, mut alike) = (0, 1, 0);
-    while one.max(other) < count && alike < count {
-        match compare((one + alike) % count, (other + alike) % count) {
-            Ordering::Equal => alike += 1,
-            Ordering::Less => (other, alike) = (other + alike + 1, 0),
-            Ordering::Greater => (one, alike) = (one + alike + 1, 0),
-        }
-        other += usize::from(one == other);
-    }
-    one.min(other).min(count.saturating_sub(1))
-}
-
-/// Compares two lists of finite points lexicographically.
-fn in_order(one: impl Iterator<Item = [f64; 3]>, other: impl Iterator<Item = [f64; 3]>) -> Ordering {
-    one.partial_cmp(other).unwrap_or(Ordering::Equal)
+    let positions = |order: &(bool, usize)| ordered(order).map(|corner| corners[corner].to_array());
+    let compare =
+        |one: &_, other: &_| positions(one).partial_cmp(positions(other)).unwrap_or(Ordering::Equal);
+    let starts = |is_reversed: bool| (0..ring.len()).map(move |start| (is_reversed, start));
+    let least = starts(false).chain(starts(true)).min_by(compare).unwrap_or_default();
+    (ordered(&least).collect(), least.0)
 }
 
 /// Returns the triangles around the first corner as indices, except triangles without area. `None` if the polygon spans

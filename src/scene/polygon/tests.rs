@@ -177,14 +177,6 @@ fn positions(triangles: &[[DVec3; 3]]) -> Vec<Vec<[u64; 3]>> {
 }
 
 #[test]
-fn concave_polygons_have_their_area() {
-    check_area(&[[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.5, 2.0]], 5.0, "dart");
-    check_area(&[[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]], 5.0, "L");
-    let u = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
-    check_area(&u, 7.0, "U");
-}
-
-#[test]
 fn corners_on_a_line_and_repeated_corners_change_no_area() {
     let square =
         [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]];
@@ -256,19 +248,6 @@ fn an_outline_that_goes_back_the_way_it_came_has_no_triangles() {
     for order in outlines.into_iter().flat_map(|outline| all_orders(&flat(outline))) {
         let (triangles, fault) = triangles(&order);
         assert_eq!((triangles, fault), (vec![], Some(OutlineFault::EnclosesNothing)), "{order:?}");
-    }
-}
-
-#[test]
-fn triangles_turn_as_the_outline_does() {
-    let bolt = [[0.0, 0.0], [3.0, 3.0], [1.0, 3.0], [2.0, 6.0], [-2.0, 2.0], [0.5, 2.0]];
-    let dart = [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [1.5, 2.0]];
-    for corners in [&bolt[..], &dart] {
-        for order in all_orders(&flat(corners)) {
-            let turn = area_vector(&order).z.signum();
-            let (triangles, _) = triangles(&order);
-            assert!(triangles.iter().all(|triangle| area_vector(triangle).z * turn > 0.0), "{order:?}");
-        }
     }
 }
 
@@ -449,53 +428,6 @@ fn thousands_of_corners_are_covered_once() {
         let expected = area_vector(&corners).length();
         assert!((sum.abs() / expected - 1.0).abs() < 1e-10 && size - sum.abs() < 1e-10 * size, "{what}");
         assert_eq!(fault, None, "{what}");
-    }
-}
-
-#[test]
-fn the_own_order_depends_neither_on_the_start_nor_on_the_direction() {
-    let rng = &mut Rng(1);
-    for _ in 0..2000 {
-        let count = 1 + rng.below(9);
-        // Only two positions, so many rotations start alike.
-        let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::splat(rng.below(2) as f64)).collect();
-        points.dedup();
-        let own = |points: &[DVec3]| {
-            let (ring, _) = in_own_order(&distinct(points), points);
-            ring.into_iter().map(|corner| points[corner]).collect::<Vec<_>>()
-        };
-        let expected = own(&points);
-        for _ in 0..points.len() {
-            points.rotate_left(1);
-            assert_eq!(own(&points), expected);
-            points.reverse();
-            assert_eq!(own(&points), expected);
-        }
-    }
-}
-
-#[test]
-fn the_least_rotation_is_found_in_few_comparisons() {
-    let rng = &mut Rng(2);
-    for _ in 0..3000 {
-        let count = 1 + rng.below(12);
-        let list: Vec<usize> = (0..count).map(|_| rng.below(2)).collect();
-        let from = |start: usize| list[start..].iter().chain(&list[..start]);
-        let expected = (0..count).min_by(|&one, &other| from(one).cmp(from(other)));
-        assert_eq!(Some(least_start(count, |i, j| list[i].cmp(&list[j]))), expected, "{list:?}");
-    }
-    let periodic = |k: usize| if k == 0 { 3 } else { k % 2 };
-    let number: [fn(&mut Rng) -> usize; 2] = [|rng| rng.below(2), |rng| rng.below(1000)];
-    for count in [100, 1000, 100_000] {
-        let [bits, random] = number.map(|number| (0..count).map(|_| number(rng)).collect::<Vec<_>>());
-        for list in [(0..count).map(periodic).collect(), vec![7; count], bits, random] {
-            let mut compared = 0;
-            least_start(count, |i, j| {
-                compared += 1;
-                list[i].cmp(&list[j])
-            });
-            assert!(compared <= 3 * count, "{compared} for {count}");
-        }
     }
 }
 

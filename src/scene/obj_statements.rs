@@ -1,0 +1,407 @@
+//! Turns an OBJ text into plain statements for `tobj`.
+//!
+//! One pass validates every number and index, and writes vertices, texture coordinates and faces, one per line, with
+//! indices that count from 1. So `tobj` gets nothing that it would reject, drop or misread silently: continued lines,
+//! comments, colours, indices out of range, numbers that are not finite, white space beyond ASCII, unknown keywords.
+
+use super::foreign_format::foreign_without_faces;
+use super::lexer::nearest;
+use super::mesh::NamedFile;
+use super::obj_lines::{COMMON, files_of, is_keyword, next_statement, position};
+use super::plain_obj::digits;
+use super::polygon::MOST_CORNERS;
+use crate::base::escape::quoted;
+use crate::base::patience::{Patience, Steps};
+use crate::diagnostic::{Diagnostic, Severity};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The plain statements of an OBJ text.
+#[derive(Default)]
+pub struct Statements<'a> {
+    text: &'a [u8],
+    /// True if texture coordinates are read.
+    is_textured: bool,
+    /// The statements for `tobj`. A point that is not finite is written as zeros.
+    pub lines: Vec<u8>,
+    /// The numbers of vertices and of texture coordinates.
+    pub totals: [i64; 2],
+    /// Words that make a vertex or a texture coordinate infinite or NaN, by its number.
+    unfit: [BTreeMap<i64, &'a [u8]>; 2],
+    /// The keywords of texture coordinates outside the picture, by their numbers.
+    outside: BTreeMap<i64, &'a [u8]>,
+    /// The keyword and the number of corners of each face.
+    pub faces: Vec<(&'a [u8], usize)>,
+    /// The corners of all faces.
+    pub corners: Vec<Corner<'a>>,
+    pub files: Vec<NamedFile>,
+    /// True if there are points, lines or curves.
+    has_lines: bool,
+    /// The first word of each kind of doubt, and the number of all.
+    doubts: BTreeMap<Doubt, (&'a [u8], usize)>,
+}
+
+/// The kinds of points that faces name.
+pub const VERTEX: usize = 0;
+pub const COORDINATE: usize = 1;
+
+/// A corner of a face.
+pub struct Corner<'a> {
+    word: &'a [u8],
+    /// The numbers of its vertex, and of its texture coordinate if `is_textured`. They count from 1. A number that
+    /// counts back beyond the first point stays negative.
+    pub points: [Option<i64>; 2],
+}
+
+/// Something in a mesh that is valid, but probably a mistake. The first one explains best why a mesh has no faces.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Doubt {
+    CurvedSurface,
+    Command,
+    UnknownKeyword,
+    CrossingOutline,
+    EmptyOutline,
+    OutsidePicture,
+}
+
+impl<'a> Statements<'a> {
+    /// Reads a text without a byte order mark. Fails with the first error in it.
+    pub fn read(text: &'a [u8], is_textured: bool, patience: &dyn Patience) -> Result<Self, Diagnostic> {
+        let lines = Vec::with_capacity(text.len());
+        let mut all = Self { text, is_textured, lines, ..Self::default() };
+        let (mut rest, mut words, mut steps) = (text, vec![], Steps::new(patience));
+        let mut fault = None;
+        while next_statement(&mut rest, &mut words) {
+            steps.take(words.len())?;
+            all.totals[VERTEX] += i64::from(words[0] == b"v");
+            all.totals[COORDINATE] += i64::from(words[0] == b"vt");
+            // After a fault, points are only counted.
+            if fault.is_none() {
+                fault = all.add(&words).err();
+            }
+        }
+        // Faces may precede the points that they name, so missing points are known only now. They precede the fault.
+        let fault =
+            all.missing_point().or(fault).or_else(|| all.without_faces()).or_else(|| all.unfit_point());
+        if let Some(fault) = fault {
+            return Err(fault);
+        }
+        for keyword in all.used(COORDINATE, &all.outside) {
+            all.doubt(Doubt::OutsidePicture, keyword);
+        }
+        Ok(all)
+    }
+
+    /// Adds a statement.
+    fn add(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
+        self.files.extend(files_of(words));
+        match words[0] {
+            b"v" => return self.vertex(words),
+            b"vt" if self.is_textured => return self.coordinate(words),
+            b"f" | b"fo" => return self.face(words),
+            b"surf" | b"bsp" | b"bzp" | b"cdc" | b"cdp" => self.doubt(Doubt::CurvedSurface, words[0]),
+            b"call" | b"csh" => self.doubt(Doubt::Command, words[0]),
+            b"p" | b"l" | b"curv" | b"curv2" => self.has_lines = true,
+            word if is_keyword(word) => {}
+            word if self.is_hidden_keyword(word) => {
+                return Err(self.unlike(word, "a line begins with a keyword and a blank", ODD_BLANK));
+            }
+            word => self.doubt(Doubt::UnknownKeyword, word),
+        }
+        Ok(())
+    }
+
+    fn vertex(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
+        const RULE: &str = "a vertex needs three numbers";
+        let count = words.len() - 1;
+        // A fourth number alone is a weight. More numbers after the third are a colour, which is ignored.
+        let used = if count == 4 { 4 } else { count.min(3) };
+        let numbers = self.numbers(&words[1..=used], [0.0, 0.0, 0.0, 1.0], RULE)?;
+        if count < 3 {
+            return Err(self.fault(words[count], RULE, ""));
+        }
+        if count == 5 || count > 7 {
+            let rule = "it needs three, and may have a weight or a colour of three or four";
+            return Err(self.fault(words[count.min(8)], format!("a vertex has {count} numbers: {rule}"), ""));
+        }
+        let divided = numbers.map(|number| number / numbers[3]);
+        let unfit = numbers.iter().chain(&divided).position(|number| !number.is_finite());
+        let word = unfit.map(|place| match place {
+            4.. if numbers[3] == 0.0 => words[4],
+            _ => words[1 + place % 4],
+        });
+        self.point(VERTEX, &words[..=used], word);
+        Ok(())
+    }
+
+    /// Adds a texture coordinate. Missing numbers are 0.
+    fn coordinate(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
+        /// The largest distance of a texture coordinate from 0 to 1 that is taken for a rounding error of the program
+        /// that wrote it. It moves the picture by less than a texel of most pictures.
+        const VISIBLY_OUTSIDE: f64 = 1e-3;
+        let used = words.len().min(3);
+        let numbers = self.numbers(&words[1..used], [0.0; 2], "a texture coordinate needs numbers")?;
+        if numbers.iter().any(|number| (number - 0.5).abs() > 0.5 + VISIBLY_OUTSIDE) {
+            self.outside.insert(self.totals[COORDINATE], words[0]);
+        }
+        let unfit = numbers.iter().position(|number| !number.is_finite());
+        let mut line: [&[u8]; 3] = [words[0], b"0", b"0"];
+        line[..used].copy_from_slice(&words[..used]);
+        self.point(COORDINATE, &line, unfit.map(|place| words[1 + place]));
+        Ok(())
+    }
+
+    /// Parses words. Other programs' spellings of infinity and NaN give numbers that are not finite.
+    fn numbers<const N: usize>(
+        &self,
+        words: &[&[u8]],
+        mut numbers: [f64; N],
+        rule: &str,
+    ) -> Result<[f64; N], Diagnostic> {
+        for (number, word) in numbers.iter_mut().zip(words) {
+            let text = String::from_utf8_lossy(word);
+            let is_nan = |text: &str| text.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("nan("));
+            *number = match text.parse() {
+                Ok(number) => number,
+                Err(_) if text.contains("1.#") || is_nan(text.trim_start_matches(['-', '+'])) => f64::NAN,
+                Err(_) => return Err(self.unlike(word, rule, hint(&text, false))),
+            };
+        }
+        Ok(numbers)
+    }
+
+    /// Writes a vertex or a texture coordinate. `unfit` is the word that makes it infinite or NaN, if any.
+    fn point(&mut self, kind: usize, words: &[&[u8]], unfit: Option<&'a [u8]>) {
+        let zeros: [&[u8]; 4] = [words[0], b"0", b"0", b"0"];
+        for word in if unfit.is_none() { words } else { &zeros } {
+            self.lines.extend_from_slice(word);
+            self.lines.push(b' ');
+        }
+        self.lines.push(b'\n');
+        self.unfit[kind].extend(unfit.map(|word| (self.totals[kind], word)));
+    }
+
+    fn face(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
+        let mut decimal = itoa::Buffer::new();
+        self.lines.push(b'f');
+        for &word in &words[1..] {
+            let Some([Some(vertex), coordinate, _]) = corner(word) else {
+                let hint = hint(&String::from_utf8_lossy(word), true);
+                return Err(self.unlike(word, "a face needs vertex indices such as `1 2 3`", hint));
+            };
+            let mut points = [Some(vertex), coordinate.filter(|_| self.is_textured)];
+            for (kind, separator) in [(VERTEX, b' '), (COORDINATE, b'/')] {
+                let Some(index) = &mut points[kind] else { continue };
+                if *index < 0 && -*index <= self.totals[kind] {
+                    *index += 1 + self.totals[kind];
+                }
+                self.lines.push(separator);
+                self.lines.extend_from_slice(decimal.format(*index).as_bytes());
+            }
+            self.corners.push(Corner { word, points });
+        }
+        self.lines.push(b'\n');
+        let count = words.len() - 1;
+        if count < 3 {
+            let hint = "a line between two vertices is written `l 1 2`";
+            return Err(self.fault(words[count], "a face needs at least three vertices", hint));
+        }
+        if count > MOST_CORNERS {
+            let message = format!("a face has {count} corners: {MOST_CORNERS} are the most");
+            return Err(self.fault(words[0], message, "export the mesh as triangles"));
+        }
+        self.faces.push((words[0], count));
+        Ok(())
+    }
+
+    /// Returns the error for the first corner that names a missing vertex or texture coordinate.
+    fn missing_point(&self) -> Option<Diagnostic> {
+        let is_missing = |&(corner, kind): &(&Corner<'_>, usize)| {
+            corner.points[kind].is_some_and(|number| !(1..=self.totals[kind]).contains(&number))
+        };
+        let mut named = self.corners.iter().flat_map(|corner| [(corner, VERTEX), (corner, COORDINATE)]);
+        let (corner, kind) = named.find(is_missing)?;
+        let name = ["vertex", "texture coordinate"][kind];
+        let hint = match corner.points[kind]? {
+            0 => "indices start with 1",
+            ..0 => &format!("a negative index counts back from the face: -1 is the {name} before it"),
+            _ => "",
+        };
+        let message =
+            format!("a face names a {name} that does not exist; the mesh has {}", self.totals[kind]);
+        Some(self.fault(corner.word, message, hint))
+    }
+
+    /// Returns the error that there are no faces, with the most likely reason.
+    fn without_faces(&self) -> Option<Diagnostic> {
+        if !self.faces.is_empty() {
+            return None;
+        }
+        let doubt = self.doubts.iter().next().map(|(&doubt, &(word, _))| self.described(doubt, word));
+        let why = match &doubt {
+            Some(doubt) => format!(": {}", doubt.message),
+            None if self.text.is_empty() => ": the file is empty".to_owned(),
+            None if self.has_lines => ", only points, lines or curves".to_owned(),
+            None => String::new(),
+        };
+        let faceless = Diagnostic::error(format!("the mesh has no faces{why}"));
+        let doubt = doubt.map(|doubt| Diagnostic { message: faceless.message.clone(), ..doubt });
+        foreign_without_faces(self.text).or(doubt).or(Some(faceless))
+    }
+
+    /// Returns the error for the first vertex, or else texture coordinate, that a face uses and that is not finite.
+    fn unfit_point(&self) -> Option<Diagnostic> {
+        let first = |kind: usize| self.used(kind, &self.unfit[kind]).first().copied();
+        let Some(word) = first(VERTEX) else {
+            return first(COORDINATE).map(|word| self.fault(word, "a texture coordinate is not finite", ""));
+        };
+        let is_weightless = str::from_utf8(word).is_ok_and(|word| word.parse() == Ok(0.0));
+        let (message, hint) = match is_weightless {
+            true => ("a vertex has the weight 0: it is at infinity", "leave it out, or make it 1"),
+            false => ("a vertex has a coordinate that is not finite", ""),
+        };
+        Some(self.fault(word, message, hint))
+    }
+
+    /// Returns the words of those points that faces use, in the order of their numbers.
+    fn used(&self, kind: usize, points: &BTreeMap<i64, &'a [u8]>) -> Vec<&'a [u8]> {
+        let named = self.corners.iter().filter_map(|corner| points.get_key_value(&corner.points[kind]?));
+        named.collect::<BTreeSet<_>>().into_iter().map(|(_, &word)| word).collect()
+    }
+
+    /// Returns true for a keyword that is read, with an odd blank before or behind it.
+    fn is_hidden_keyword(&self, word: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(word);
+        let keyword = text.split(is_odd_blank).find(|part| !part.is_empty());
+        let is_read = matches!(keyword, Some("v" | "f" | "fo")) || self.is_textured && keyword == Some("vt");
+        is_read && text.contains(is_odd_blank)
+    }
+
+    /// Notes a doubtful statement by one of its words.
+    pub fn doubt(&mut self, doubt: Doubt, word: &'a [u8]) {
+        self.doubts.entry(doubt).or_insert((word, 0)).1 += 1;
+    }
+
+    /// Returns a warning about the first statement of each doubt, in the order of the text.
+    pub fn warnings(&self) -> Vec<Diagnostic> {
+        let warning = |(&doubt, &(word, count)): (&Doubt, &(&[u8], usize))| {
+            let Diagnostic { message, places, hint, .. } = self.described(doubt, word);
+            let others = if count > 1 { format!(" (and {} more)", count - 1) } else { String::new() };
+            Diagnostic { severity: Severity::Warning, message: message + &others, places, hint }
+        };
+        let mut warnings: Vec<_> = self.doubts.iter().map(warning).collect();
+        warnings.sort_by_key(|warning| warning.position().map(|at| (at.line, at.column)));
+        warnings
+    }
+
+    /// Returns the error that a doubt is at a word.
+    fn described(&self, doubt: Doubt, word: &[u8]) -> Diagnostic {
+        let (message, hint) = match doubt {
+            Doubt::CurvedSurface => ("a curved surface is ignored", "export the mesh as polygons"),
+            Doubt::Command if word == b"csh" => ("`csh` is ignored: no command of a file is run", ""),
+            Doubt::Command => {
+                ("`call` is ignored, and so is the file that it names", "insert the lines of that file here")
+            }
+            Doubt::UnknownKeyword => {
+                let name = String::from_utf8_lossy(word);
+                let hint = nearest(&name, &COMMON).map(|near| format!("did you mean `{near}`?"));
+                let message = format!("{} is not a keyword of OBJ; its line is ignored", quoted(&*name));
+                return self.fault(word, message, &hint.unwrap_or_default());
+            }
+            Doubt::CrossingOutline => (
+                "the outline of the polygon crosses itself",
+                "its triangles are a guess: export the mesh as triangles",
+            ),
+            Doubt::EmptyOutline => ("the outline of the polygon encloses nothing", ""),
+            Doubt::OutsidePicture => (
+                "a texture coordinate is outside 0 to 1: there the picture's edge continues",
+                "keep the coordinates from 0 to 1: a picture is not repeated",
+            ),
+        };
+        self.fault(word, message, hint)
+    }
+
+    /// Returns the error that a word is not what a rule says.
+    fn unlike(&self, word: &[u8], rule: &str, hint: &str) -> Diagnostic {
+        let found = quoted(&*String::from_utf8_lossy(word));
+        self.fault(word, format!("{rule}, found {found}"), hint)
+    }
+
+    /// Returns the error for a word, with a hint unless that is empty.
+    fn fault(&self, word: &[u8], message: impl Into<String>, hint: &str) -> Diagnostic {
+        let hint = Some(hint.to_owned()).filter(|hint| !hint.is_empty());
+        Diagnostic { hint, ..Diagnostic::error(message) }.at(position(self.text, word))
+    }
+}
+
+/// Parses the indices of a corner. The forms are `v`, `v/vt`, `v//vn` and `v/vt/vn`, where a slash may be followed by
+/// nothing. `None` for any other word.
+fn corner(word: &[u8]) -> Option<[Option<i64>; 3]> {
+    let mut indices = [None; 3];
+    let mut parts = word.split(|&byte| byte == b'/');
+    for (index, part) in indices.iter_mut().zip(&mut parts) {
+        let unsigned = part.strip_prefix(b"-").or(part.strip_prefix(b"+")).unwrap_or(part);
+        let (value, count, rest) = digits(unsigned, 0);
+        if !rest.is_empty() || count == 0 && !part.is_empty() {
+            return None;
+        }
+        // 18 digits fit into an i64.
+        let value = if count > 18 { i64::MAX } else { value as i64 };
+        let signed = if part.starts_with(b"-") { -value } else { value };
+        *index = Some(signed).filter(|_| !part.is_empty());
+    }
+    (parts.next().is_none() && !word.starts_with(b"/")).then_some(indices)
+}
+
+const ODD_BLANK: &str =
+    "it contains a blank that is not ASCII, such as a no-break space: write an ordinary one";
+
+/// Returns true for white space that does not separate the words of OBJ, for characters of no width, and for bytes that
+/// are no text, which a no-break space is in other encodings.
+fn is_odd_blank(character: char) -> bool {
+    let has_no_width = matches!(character, '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{feff}');
+    let is_blank = !character.is_ascii() && character.is_whitespace();
+    is_blank || has_no_width || character == char::REPLACEMENT_CHARACTER
+}
+
+/// Suggests a fix for a word that is not a number or not a corner. Returns an empty hint for any other word.
+fn hint(word: &str, is_corner: bool) -> &'static str {
+    let is_number = |word: &str| word.parse::<f64>().is_ok();
+    match word {
+        "\\" => "a backslash continues a statement only at the end of a line",
+        _ if word.contains('\0') => "the word has a zero byte: the file may be damaged",
+        _ if word.contains(is_odd_blank) && word.contains(|c: char| c.is_ascii_digit()) => ODD_BLANK,
+        _ if is_corner && word.contains([',', ';']) => "indices are separated by blanks",
+        _ if is_corner && word.matches('/').count() > 2 => {
+            "a corner has at most three indices: of its position, texture coordinate and normal"
+        }
+        _ if is_corner && word.starts_with('/') => "the index of the position comes first",
+        _ if is_corner && is_number(word) => "indices are whole numbers",
+        _ if word.matches(',').count() == 1 && !word.ends_with(',') && is_number(&word.replace(',', ".")) => {
+            "a decimal point is needed, not a comma"
+        }
+        _ if word.split([',', ';']).all(|part| part.is_empty() || is_number(part)) => {
+            "numbers are separated by blanks"
+        }
+        _ if is_number(&word.replace(['d', 'D'], "e")) => "an exponent is written with `e`, as in 1e-5",
+        _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::patience::Endless;
+
+    #[test]
+    fn statements_become_plain() {
+        let text = "v 1 2 \\\n3 # first\nvt .5\nv 4 5 6 2\nv 7 8 9 .1 .2 .3\n\
+                    v nan 0 0\no x\nfo -4/1/7 2// +3/-1\nf 1 2 3\n";
+        let plain = |is_textured| {
+            let statements = Statements::read(text.as_bytes(), is_textured, &Endless).ok().unwrap();
+            String::from_utf8(statements.lines).unwrap().replace(" \n", "\n")
+        };
+        let vertices = ["v 1 2 3\n", "v 4 5 6 2\nv 7 8 9\nv 0 0 0\n"];
+        assert_eq!(plain(true), vertices.join("vt .5 0\n") + "f 1/1 2 3/1\nf 1 2 3\n");
+        assert_eq!(plain(false), vertices.concat() + "f 1 2 3\nf 1 2 3\n");
+    }
+}
