@@ -122,7 +122,7 @@ impl<'w> Caster<'w> {
         dispatch!(self.level, simd => self.any_at(simd, ray, origin))
     }
 
-    /// Returns true if the ray hits this triangle.
+    /// Returns true if the ray hits this triangle and does not start on it.
     #[inline(never)]
     pub fn hits_triangle(&self, ray: &Ray, triangle: u32, origin: RayOrigin) -> bool {
         origin.primitive != triangle && self.world.crossing(ray, triangle).is_some()

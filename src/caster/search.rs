@@ -51,8 +51,8 @@ pub trait Goal {
     /// Takes a hit at `t`. Returns true if that changes the rest of the search.
     fn take(&mut self, ray: &Ray, t: f64, primitive: u32) -> bool;
 
-    /// Takes a certain hit by a lower and an upper bound on its t, if these are enough. Returns true if they are. Then
-    /// that changes the rest of the search.
+    /// Takes a hit that is certain by a lower and an upper bound on its t. Returns true if it was taken, which changes the
+    /// rest of the search, and false if only the exact t can decide.
     #[inline(always)]
     fn take_between(&mut self, _bounds: impl FnOnce() -> [f64; 2], _primitive: u32) -> bool {
         false
@@ -78,9 +78,10 @@ impl<'a> Nearest<'a> {
         Self { world, best, t_lower_bound: ray.t_max, is_undecided: false }
     }
 
-    /// Returns true if a hit that may lie in the same place as the best primitive precedes it.
+    /// Compares a hit with the best one if both may lie in the same place, and notes that this is undecided. Computes the
+    /// exact t of the best primitive if its bounds do not decide. Returns true if the new hit comes first.
     #[cold]
-    fn precedes_best(&mut self, ray: &Ray, t: f64, primitive: u32) -> bool {
+    fn compare_with_best(&mut self, ray: &Ray, t: f64, primitive: u32) -> bool {
         self.is_undecided |= self.best.primitive != NONE;
         if t >= self.t_lower_bound && t <= self.best.t_bound && self.t_lower_bound < self.best.t_bound {
             // The bounds do not decide.
@@ -110,7 +111,7 @@ impl Goal for Nearest<'_> {
             return false;
         }
         let is_nearer = t + self.world.coincidence_reach(t) < self.t_lower_bound;
-        let is_best = is_nearer || self.precedes_best(ray, t, primitive);
+        let is_best = is_nearer || self.compare_with_best(ray, t, primitive);
         if is_best {
             self.best = Visible { primitive, t_bound: t };
             self.t_lower_bound = t;

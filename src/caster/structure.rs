@@ -130,6 +130,7 @@ impl AccelerationStructure {
                 return;
             }
             Entry::Passes(interval) if interval.entry <= search.goal.end() => *interval,
+            // The ray misses the box, or enters it behind the best hit.
             _ => return,
         };
         let mut filter_state = FilterState::new(&interval, &self.region.frame, search.goal.end());
@@ -172,7 +173,7 @@ impl AccelerationStructure {
         }
     }
 
-    /// Searches a branch of a tree in the frame of the filter's ray. Returns true if a hit ends the search.
+    /// Searches a branch of a tree in the frame of the filter's ray. If any hit will do, returns true if one was found.
     #[inline(always)]
     fn descend<S: Simd, G: Goal>(
         &self,
@@ -185,11 +186,10 @@ impl AccelerationStructure {
         let box_ray = BoxRay::new(&filter_state.ray);
         let (mut stack, mut child) = (Stack::new(), branch);
         loop {
-            let mut next = None;
-            if child < SMALL {
+            let next = if child < SMALL {
                 let node = &tree.nodes[child as usize];
                 let meeting = meet(simd, node, &box_ray, filter_state.ray.max_depth);
-                next = first_child::<G>(&node.children, &meeting, &mut stack);
+                first_child::<G>(&node.children, &meeting, &mut stack)
             } else {
                 let has_changed = if child >= LEAF {
                     let (block, others) = self.contents.leaf((child - LEAF) as usize);
@@ -200,17 +200,22 @@ impl AccelerationStructure {
                 if G::IS_ANY && has_changed {
                     return true;
                 }
-            }
-            while next.is_none() {
-                let Some((entry, waiting)) = stack.pop() else { return false };
-                next = (G::IS_ANY || entry <= filter_state.ray.max_depth).then_some(waiting);
-            }
-            child = next.unwrap_or(child);
+                None
+            };
+            child = match next {
+                Some(next) => next,
+                None => loop {
+                    let Some((entry, waiting)) = stack.pop() else { return false };
+                    if G::IS_ANY || entry <= filter_state.ray.max_depth {
+                        break waiting;
+                    }
+                },
+            };
         }
     }
 
-    /// Searches a branch with a frame of its own, and shortens the ray in the outer frame. Returns true if a hit ends the
-    /// search.
+    /// Searches a branch with a frame of its own, and shortens the ray in the outer frame. If any hit will do, returns true
+    /// if one was found.
     #[simd]
     #[inline(never)]
     fn test_small<S: Simd, G: Goal>(
@@ -222,7 +227,7 @@ impl AccelerationStructure {
         search: &mut Search<G>,
     ) -> bool {
         let last = search.goal.end();
-        let is_over = match region.entry(simd, search.ray, last) {
+        let has_changed = match region.entry(simd, search.ray, last) {
             Entry::Misses => return false,
             Entry::Passes(interval) => {
                 let mut filter_state = FilterState::new(&interval, &region.frame, last);
@@ -232,7 +237,7 @@ impl AccelerationStructure {
             Entry::TooFar => search.test_each(self.contents.primitives_of(leaves.clone())),
         };
         outer.shorten(search.goal.end());
-        is_over
+        has_changed
     }
 }
 

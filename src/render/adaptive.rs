@@ -4,7 +4,7 @@
 //! pixels as the whole. With t the square of the error that was asked for, where white is 1:
 //!
 //! ```text
-//! floor = sqrt(2 / (t P)), at least 2               details that no sample hits leave less than t then
+//! floor = c sqrt(2 / (t P)), from 2 to the most     details of contrast c that no sample hits leave less than t then
 //! take the first floor points of each pixel's Sobol' sequence; its pilot samples are the first of them, at most 8
 //! ring(p) = range of the colours of the neighbours' pilot samples within half a pixel of p
 //! u(p)    = mean square distance of p's own pilot samples from ring(p)
@@ -25,7 +25,8 @@
 //! The picture is unbiased if a pixel's own samples do not decide their number: a pixel that happens to look dark would
 //! stay dark, and one that happens to look bright would be corrected (Kirk and Arvo, "Unbiased sampling techniques for
 //! image synthesis", SIGGRAPH 1991). D(p) is found from the neighbours. The means and sums, which decide for a group,
-//! leave out its pixels and their neighbours. The groups are 4 by 4 squares in turn, as the fields of a chessboard.
+//! leave out its pixels and their neighbours. Squares of 8 by 8 pixels belong to 16 groups in turn, which repeat every 4
+//! squares along each axis. The square of a colour is the mean square of its channels.
 
 use super::Stopped;
 use super::layer::Layer;
@@ -280,6 +281,7 @@ impl Pixel {
             self.half = self.sum;
         }
         self.doublings = Some(indices.end.ilog2() as u8);
+        // The indices come first, so that no colour of the next pixel is taken.
         for (index, color) in indices.zip(colors) {
             self.sum += color;
             if index + 1 == half {
@@ -325,7 +327,7 @@ struct Tile<'t, 'a> {
 /// The decisions for a group of pixels.
 #[derive(Clone, Copy)]
 struct Group {
-    /// The mean of u without and with a small thing, for each part of a pixel that it covers.
+    /// The mean u of pixels without a small thing, and the sum of u over the sum of covered parts of pixels with one.
     unseen: [f32; 2],
     /// The logarithm of k to base 2, in steps of the classes.
     scale: i32,

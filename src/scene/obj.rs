@@ -6,7 +6,7 @@
 use super::foreign_format::foreign;
 use super::mesh::{Mesh, NamedFile, ObjFile};
 pub use super::obj_lines::LIBRARY;
-use super::obj_lines::files_in;
+use super::obj_lines::{each_once, files_in};
 use super::obj_statements::{COORDINATE, Doubt, Statements, VERTEX};
 pub use super::plain_obj::memory_for;
 use super::plain_obj::{self, keep_used};
@@ -89,7 +89,7 @@ pub(super) fn read_any(
         vertices: statements.totals[VERTEX] as usize,
         texture_coordinates: triangles.iter().filter(|_| has_coordinates).map(of_triangle).collect(),
         doubts: statements.warnings(),
-        files: statements.files,
+        files: each_once(statements.files),
     })
 }
 

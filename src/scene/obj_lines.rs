@@ -1,11 +1,12 @@
 //! Splits an OBJ text into statements and their words.
 //!
 //! Lines end with a line feed, a carriage return, or both. A comment begins with `#`. A backslash at the end of a line,
-//! also before trailing blanks, continues the statement on the next line. The exception is a next line that starts with
-//! a keyword: the backslash in `usemtl wood\` belongs to the name.
+//! also before trailing blanks, continues the statement on the next line. If the next line starts with a keyword, as
+//! after `usemtl wood\`, or a comment follows, the backslash is dropped and the statement ends.
 
 use super::mesh::NamedFile;
 use crate::diagnostic::Position;
+use std::collections::BTreeSet;
 
 /// The keywords of OBJ ("Advanced Visualizer Manual", appendix B, Wavefront 1995). `fo` is an old name of `f`.
 const KEYWORDS: &str = "v vt vn f fo g s o usemtl mtllib p l surf bsp bzp cdc cdp curv curv2 vp cstype deg bmat step \
@@ -41,8 +42,10 @@ fn pictures_of(words: &[&[u8]]) -> Vec<NamedFile> {
     if !words[0].starts_with(b"map_") && !KEYWORDS.contains(&words[0]) {
         return vec![];
     }
-    let names = [words[words.len() - 1].to_vec(), words[1..].join(&b' ')];
-    names.map(|name| ("texture", String::from_utf8_lossy(&name).into_owned())).to_vec()
+    let names = &words[1..];
+    let whole = (names.len() > 1).then(|| names.join(&b' '));
+    let names = names.last().map(|name| name.to_vec()).into_iter().chain(whole);
+    names.map(|name| ("texture", String::from_utf8_lossy(&name).into_owned())).collect()
 }
 
 /// Returns the files that a material library, or else an OBJ text, names.
@@ -52,6 +55,13 @@ pub fn files_in(kind: &str, mut text: &[u8]) -> Vec<NamedFile> {
     while next_statement(&mut text, &mut words) {
         files.extend(of_statement(&words));
     }
+    each_once(files)
+}
+
+/// Returns files without those that were named before.
+pub fn each_once(mut files: Vec<NamedFile>) -> Vec<NamedFile> {
+    let mut named = BTreeSet::new();
+    files.retain(|file| named.insert(file.clone()));
     files
 }
 
@@ -169,5 +179,12 @@ mod tests {
         };
         assert_eq!([b'a', b'b', b'c', b'd'].map(at), [(1, 1), (2, 1), (3, 3), (5, 1)]);
         assert_eq!(position(text, &text[text.len()..]), Position { line: 5, column: 2 });
+    }
+
+    #[test]
+    fn a_file_that_is_named_again_is_listed_once() {
+        let names = |kind, text: &str| files_in(kind, text.as_bytes()).len();
+        assert_eq!(names("mesh", "mtllib a.mtl\nmtllib b.mtl\nmtllib a.mtl\n"), 2);
+        assert_eq!(names(LIBRARY, "map_Kd a.png\nbump a.png\nmap_Kd\n"), 1);
     }
 }

@@ -10,6 +10,7 @@ use crate::scene::mesh::{NamedFile, ObjFile};
 use crate::scene::obj::{self, LIBRARY, memory_for, read_obj};
 use crate::scene::texels::{ImageFile, Texels};
 use crate::scene::{MeshFile, Position};
+use std::collections::BTreeSet;
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -90,10 +91,13 @@ pub fn files_of_mesh(
         existing_files(named, &[file.parent().unwrap_or(Path::new("")), first, second])
     };
     let mut found = find(named, mesh);
+    // A library may be named in several ways.
+    let mut read = BTreeSet::new();
     for (kind, library) in found.clone() {
         let is_short = |found: Metadata| found.is_file() && found.len() <= LONGEST;
         if kind == LIBRARY
             && fs::metadata(&library).is_ok_and(is_short)
+            && fs::canonicalize(&library).is_ok_and(|path| read.insert(path))
             && let Ok(bytes) = fs::read(&library)
         {
             found.extend(find(&obj::named_files(kind, &bytes), &library));

@@ -44,7 +44,7 @@ pub const MOST_CORNERS: usize = 1000;
 
 /// Triangulates a polygon of at least three finite corners.
 ///
-/// A polygon with all corners on one line becomes a fan of triangles without area.
+/// A polygon with all corners on one line, or one for which `earcut` finds nothing, becomes a fan.
 pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let whole_fan = || (1..corners.len().max(2) - 1).map(|k| [0, k, k + 1]).collect();
     let points = |ring: &[usize]| ring.iter().map(|&corner| corners[corner]).collect::<Vec<_>>();
@@ -66,10 +66,11 @@ pub fn triangulate(corners: &[DVec3]) -> Triangulation {
         own.reverse();
     }
     let (mut outline, mut places) = cut(&points(&own), projection);
-    if !has_area_of(&outline, &places) {
-        // Rounding may move a corner off the edge that it lies on, to the wrong side.
-        let through: Vec<usize> =
-            seams::through_corners(&outline).into_iter().map(|place| own[place]).collect();
+    // Rounding may move a corner off the edge that it lies on, to the wrong side.
+    if !has_area_of(&outline, &places)
+        && let Some(through) = seams::through_corners(&outline)
+    {
+        let through: Vec<usize> = through.into_iter().map(|place| own[place]).collect();
         let (touching, others) = cut(&points(&through), projection);
         if has_area_of(&touching, &others) {
             (own, outline, places) = (through, touching, others);

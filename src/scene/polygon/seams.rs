@@ -38,8 +38,10 @@ pub fn closed(triangles: Vec<[usize; 3]>, outline: &[[f64; 2]]) -> Vec<[usize; 3
     closed
 }
 
-/// Returns the indices of the outline, with each edge passing through the corners that lie on it.
-pub fn through_corners(outline: &[[f64; 2]]) -> Vec<usize> {
+/// Returns the indices of the outline, with each edge passing through the corners that lie on it. `None` if that makes it
+/// more than twice as long: an outline that touches itself at some corners grows little, while one that goes to and fro
+/// on one line could grow with the square of its length.
+pub fn through_corners(outline: &[[f64; 2]]) -> Option<Vec<usize>> {
     let count = outline.len();
     let mut all = vec![];
     for from in 0..count {
@@ -50,8 +52,11 @@ pub fn through_corners(outline: &[[f64; 2]]) -> Vec<usize> {
         on_edge.sort_by(|&one, &other| distance(one).total_cmp(&distance(other)));
         all.push(from);
         all.extend(on_edge);
+        if all.len() > 2 * count {
+            return None;
+        }
     }
-    all
+    Some(all)
 }
 
 /// Returns true if a corner lies strictly between the ends of an edge, on its line up to rounding.

@@ -438,3 +438,12 @@ fn repeated_corners_are_one() {
     assert_eq!(distinct(&[a, b, a, c]), [0, 1, 2, 3]);
     assert_eq!((distinct(&[a, a, a]), distinct(&[a, b, b, a])), (vec![0], vec![0, 1]));
 }
+
+/// Every edge passes through nearly all corners. An outline of as many places as that would take minutes to cut.
+#[test]
+fn an_outline_that_goes_to_and_fro_on_a_line_is_cut_as_it_is() {
+    let to_and_fro = (0..MOST_CORNERS - 4).map(|k| if k % 2 == 0 { k as f64 } else { -(k as f64) });
+    let mut corners: Vec<DVec3> = to_and_fro.map(|x| 0.001 * DVec3::new(x, 0.3 * x, 0.0)).collect();
+    corners.extend([[2.0, 1.0], [3.0, 2.0], [3.0, 1.0], [2.0, 2.0]].map(|[x, y]| DVec3::new(x, y, 0.0)));
+    assert_eq!(triangulate(&corners).fault, Some(OutlineFault::Crosses));
+}
