@@ -110,11 +110,11 @@ impl<'a, H: Hints> Tracer<'a, H> {
     }
 
     /// Returns the colour along a camera ray.
-    pub fn color<O: Observer>(&self, ray: &Ray, memory: &mut RayStack, observer: &mut O) -> Color {
+    pub fn color<O: Observer>(&self, ray: &Ray, stack: &mut RayStack, observer: &mut O) -> Color {
         let visible = self.nearest(ray, RayOrigin::FREE, observer);
         let surface = visible.map(|visible| self.surface(ray, visible));
         let (surface, mut color) = (surface.as_ref(), Color::ZERO);
-        dispatch!(self.caster.level, simd => self.set_color(simd, &mut color, ray, surface, memory, observer));
+        dispatch!(self.caster.level, simd => self.set_color(simd, &mut color, ray, surface, stack, observer));
         color
     }
 
@@ -127,12 +127,12 @@ impl<'a, H: Hints> Tracer<'a, H> {
         color: &mut Color,
         ray: &Ray,
         surface: Option<&SurfacePoint>,
-        memory: &mut RayStack,
+        stack: &mut RayStack,
         observer: &mut O,
     ) {
-        *color = self.local_color(ray, &Path::CAMERA, surface, memory, observer);
-        if !memory.pending.is_empty() {
-            self.add_secondary(simd, color, memory, observer);
+        *color = self.local_color(ray, &Path::CAMERA, surface, stack, observer);
+        if !stack.pending.is_empty() {
+            self.add_secondary(simd, color, stack, observer);
         }
     }
 
@@ -143,20 +143,20 @@ impl<'a, H: Hints> Tracer<'a, H> {
         &self,
         _: S,
         sum: &mut Color,
-        memory: &mut RayStack,
+        stack: &mut RayStack,
         observer: &mut O,
     ) {
         let mut color = *sum;
-        while let Some(SecondaryRay { ray, origin, path }) = memory.pending.pop() {
-            if memory.spend(1) {
-                memory.pending.clear();
+        while let Some(SecondaryRay { ray, origin, path }) = stack.pending.pop() {
+            if stack.spend(1) {
+                stack.pending.clear();
                 break;
             }
             observer.observe(|| Event::Popped);
             observer.non_shadow_ray();
             let visible = self.nearest(&ray, origin, observer);
             let surface = visible.map(|visible| self.surface(&ray, visible));
-            color += path.filter * self.local_color(&ray, &path, surface.as_ref(), memory, observer);
+            color += path.filter * self.local_color(&ray, &path, surface.as_ref(), stack, observer);
         }
         *sum = color;
     }
@@ -204,12 +204,12 @@ impl<'a, H: Hints> Tracer<'a, H> {
         ray: &Ray,
         path: &Path,
         surface: Option<&SurfacePoint>,
-        memory: &mut RayStack,
+        stack: &mut RayStack,
         observer: &mut O,
     ) -> Color {
         let color = match surface {
             Some(surface) => {
-                let RayStack { pending, mixture, .. } = memory;
+                let RayStack { pending, mixture, .. } = stack;
                 let material = material_of_surface(self.world(), surface, self.caster.level, mixture);
                 observer.observe(|| Event::Surface { point: surface, material: material.phong });
                 let arrival = Arrival { ray, path, surface, material };

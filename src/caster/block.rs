@@ -80,17 +80,17 @@ pub struct FilterErrorBounds {
     pub depth: f32,
 }
 
-/// Error bound of w, the least accurate of u, v and w: the part in roundings of an edge. Half of it is
-/// enough for u and v, but one bound for the least of the three saves a comparison.
+/// The coefficient of r b in the error bound of w, the least accurate of u, v and w. Half of it is enough for u and v, but
+/// one bound for the least of the three saves a comparison.
 const EDGE_ROUNDINGS: f32 = 37.0;
 
-/// Error bound of w: the part in roundings of an edge squared.
+/// The coefficient of r b^2 in the error bound of w.
 const AREA_ROUNDINGS: f32 = 67.0;
 
-/// Error bound of n.s - t det: the part in roundings of an edge squared.
+/// The coefficient of r b^2 in the error bound of n.s - t det.
 const DEPTH_ROUNDINGS: f32 = 82.0;
 
-/// Error bound of n.s - t det: the part in roundings of an edge cubed, for the error of n.
+/// The coefficient of r b^3 in the error bound of n.s - t det, for the error of n.
 const NORMAL_ROUNDINGS: f32 = 4.5;
 
 /// Upper bound on the error due to underflow, which is less than 2^-144.

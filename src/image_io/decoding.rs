@@ -1,4 +1,4 @@
-//! Shared by the readers of all formats: opening a file, the errors of its size and its end, and samples that become
+//! Helpers of all readers: opening a file, the errors of its size and its end, and samples that become
 //! levels.
 
 use crate::base::escape::quoted;
@@ -13,11 +13,11 @@ use std::{io, iter};
 /// Facts that a user should know about a picture that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Remarks {
-    /// The number of pixels that a byte does not show, because they are below 0, above 1 or not numbers.
+    /// The number of pixels with a channel below 0, above 1 or NaN, which a byte cannot store.
     pub clamped: u64,
     /// The number of pixels whose alpha, which is ignored, is not opaque.
     pub transparent: u64,
-    /// A line end follows the last pixel.
+    /// True if a line end follows the last pixel.
     pub has_line_end: bool,
 }
 
@@ -48,7 +48,8 @@ pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Pict
     Ok(Picture::new(width, height)?)
 }
 
-/// Returns a picture of zeros, to be filled from the numbers of the file. `limit` is the largest number of its bytes.
+/// Returns a picture of zeros, to be filled from the numbers of the file. `limit` bounds the bytes that it has as 8-bit
+/// RGB, also if its numbers are kept.
 pub(super) fn zeros(
     size @ [width, height]: [u32; 2],
     limit: u64,
@@ -64,12 +65,13 @@ pub(super) fn zeros(
     Ok(Pixels::Numbers(picture))
 }
 
-/// Counts the colours that a byte does not show.
+/// Counts the colours with a channel below 0, above 1 or NaN.
 pub(super) fn beyond_bytes(colors: &[Color]) -> u64 {
     let is_shown = |channel: f64| (0.0..=1.0).contains(&channel);
     colors.iter().filter(|color| !color.to_array().into_iter().all(is_shown)).count() as u64
 }
 
+/// Returns an error if the pixels take more than `limit` bytes.
 pub(super) fn check_bytes([width, height]: [u32; 2], bytes: u64, limit: u64) -> Result<(), Diagnostic> {
     if bytes <= limit {
         return Ok(());

@@ -188,7 +188,7 @@ fn transparent(color_type: ColorType, samples: &[u8]) -> u64 {
     pixels.filter(|pixel| pixel[alpha..].iter().any(|&byte| byte != u8::MAX)).count() as u64
 }
 
-/// Returns the error of a file that a decoder refuses.
+/// Returns the error of a file that a decoder refuses. `too_early` is the error of one that ends too early.
 fn undecoded(error: image::ImageError, too_early: Diagnostic) -> Diagnostic {
     match error {
         image::ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => too_early,

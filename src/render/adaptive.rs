@@ -80,45 +80,55 @@ const LEVELS: f64 = 255.0;
 /// The largest side of a tile, in pixels.
 const SIDE: usize = 256;
 
-/// The least number of samples, as its logarithm to base 2, and the largest number of pilot samples.
+/// The logarithm to base 2 of the least number of samples.
 const LEAST: u8 = 1;
+/// The largest number of pilot samples.
 const MOST_PILOTS: u32 = 8;
 
-/// Pilot samples in pictures of bytes are clamped to this brightness, and in pictures of floats to the other one.
+/// Pilot samples in pictures of bytes are clamped to this brightness.
 const BRIGHTEST: f64 = 2.0;
+/// Pilot samples in pictures of floats are clamped to this brightness.
 const BRIGHTEST_FLOAT: f64 = 1e6;
 
 /// The largest contrast that is assumed for details that no sample hits.
 const MOST_CONTRAST: f64 = 8.0;
 
-/// The weight of u in D, the factor of the difference of halves, and the weight of doubt.
+/// The weight of u in D.
 const UNSEEN: f32 = 8.0;
+/// The factor of the difference of halves in e.
 const HALVES: f64 = 0.7;
+/// The weight of doubt in the estimate.
 const DOUBT: f64 = 2.0;
 
-/// The part of t that is aimed at, and the part that is enough after the first pass.
+/// The part of t that is aimed at.
 const AIM: f64 = 0.64;
+/// The part of t that is enough after the first pass.
 const ENOUGH: f64 = 0.9;
 
-/// The passes after the first samples, and the limits of the growth of all samples in one of them.
+/// The largest number of passes after the first samples.
 const PASSES: usize = 10;
+/// The limits of the growth of all samples in a pass.
 const GROWTH: Range<f64> = 1.3..2.5;
 
-/// The side of a square of pixels of one group, and the number of squares in turn along each axis.
+/// The side of a square of pixels of one group.
 const SQUARE: usize = 8;
+/// The number of squares after which the groups repeat along each axis.
 const TURNS: usize = 4;
 const GROUPS: usize = TURNS * TURNS;
 
-/// Classes of pixels by w. Successive classes differ by the eighth part of a doubling. The first class has this D.
+/// The number of classes for a doubling of w.
 const STEPS: i32 = 8;
+/// The D of the first class.
 const LEAST_D: f32 = 1e-7;
+/// The number of classes of pixels by w.
 const CLASSES: usize = 224;
 
 /// With this scale no pixel gets more samples.
 const LEAST_SCALE: i32 = -(CLASSES as i32);
 
-/// The approximate memory of a pixel, in bytes: in a band, and while its tile is sampled.
+/// The approximate memory of a pixel in a band, in bytes.
 const BYTES: usize = size_of::<u8>() + size_of::<Color>() + size_of::<u64>();
+/// The approximate memory of a pixel while its tile is sampled, in bytes.
 const BYTES_OF_TILE: usize = 2 * size_of::<Pixel>() + 8 * size_of::<Pilot>() + 64;
 
 /// The adaptive samples of a row of pixels.
@@ -343,7 +353,7 @@ struct Alike {
 }
 
 /// The pixels that decide for a group, by their numbers of samples as logarithms to base 2, and their classes.
-struct Others {
+struct DecidingPixels {
     most: u8,
     cells: Vec<(u8, usize, Alike)>,
 }
@@ -373,7 +383,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             let enough = if pass == 0 { AIM } else { ENOUGH };
             let errors = tile.errors();
             let scale = |group: usize| {
-                let (others, scale) = (tile.others(group, &errors), tile.groups[group].scale);
+                let (others, scale) = (tile.deciding_pixels(group, &errors), tile.groups[group].scale);
                 let [estimate, _] = others.expected(scale);
                 if estimate > enough * square { others.next_scale(scale, AIM * square) } else { scale }
             };
@@ -452,7 +462,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         let Some(old) = pixel.doublings else { return 0..1 << self.floor };
         let group = group(self.place(k));
         let most = self.planner.settings.most.ilog2() as u8;
-        1 << old..1 << grown(old, self.groups[group].scale, self.class(group, pixel), most)
+        (1 << old)..(1 << grown(old, self.groups[group].scale, self.class(group, pixel), most))
     }
 
     /// Returns the Sobol' sequence of a pixel, by its column and row in the picture.
@@ -461,7 +471,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         sampler.sequence((column * height + j) as u64)
     }
 
-    /// Returns the pilot samples of row `j`, whose pixels have these colours, the same number each.
+    /// Returns the pilot samples of row `j`. `colors` has the first samples of its pixels, an equal number each.
     fn pilots_of_row(&self, j: usize, colors: &[Color]) -> Vec<Pilot> {
         let has_floats = self.planner.request.has_floats;
         let brightest = Color::splat(if has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST });
@@ -540,8 +550,8 @@ impl<'t, 'a> Tile<'t, 'a> {
         (0..self.pixels.len()).map(|k| self.error(k, brightest)).collect()
     }
 
-    /// Sorts the pixels that decide for a group. `errors` are those of all pixels.
-    fn others(&self, group: usize, errors: &[f64]) -> Others {
+    /// Sorts the pixels that decide for a group. `errors` has the estimated squared error of each pixel of the tile.
+    fn deciding_pixels(&self, group: usize, errors: &[f64]) -> DecidingPixels {
         let most = self.planner.settings.most.ilog2() as u8;
         let mut cells = vec![[Alike::default(); CLASSES]; usize::from(most) + 1];
         for (k, pixel) in self.deciding(group) {
@@ -555,7 +565,7 @@ impl<'t, 'a> Tile<'t, 'a> {
             let cells = classes.into_iter().enumerate().filter(|(_, alike)| alike.pixels > 0.0);
             cells.map(move |(class, alike)| (doublings as u8, class, alike))
         };
-        Others { most, cells: cells.into_iter().enumerate().flat_map(in_row).collect() }
+        DecidingPixels { most, cells: cells.into_iter().enumerate().flat_map(in_row).collect() }
     }
 
     /// Returns the estimated squared error of a pixel whose colour is clamped at this brightness. In pictures of bytes,
@@ -590,7 +600,7 @@ impl<'t, 'a> Tile<'t, 'a> {
     }
 }
 
-impl Others {
+impl DecidingPixels {
     /// Returns the estimated squared error, with doubt, if all these pixels had at least the numbers of samples that
     /// follow from this scale, and the number of their samples then.
     fn expected(&self, scale: i32) -> [f64; 2] {
@@ -716,7 +726,7 @@ mod tests {
     fn the_next_scale_leaves_the_error_that_is_aimed_at() {
         let alike = |pixels: f64, error: f64| Alike { pixels, error, squares: error * error / pixels };
         let cells = vec![(1, 0, alike(900.0, 1.0)), (1, 40, alike(100.0, 50.0)), (3, 80, alike(50.0, 20.0))];
-        let others = Others { most: 10, cells };
+        let others = DecidingPixels { most: 10, cells };
         let [before, samples] = others.expected(LEAST_SCALE);
         for part in [0.9, 0.5, 0.1] {
             let scale = others.next_scale(LEAST_SCALE, part * before);

@@ -21,17 +21,20 @@ use tobj::{LoadError, LoadOptions, load_obj_buf};
 
 /// Reads a mesh from the bytes of an OBJ file, with its texture coordinates if `is_textured`.
 ///
-/// Polygons become triangles. Everything except positions and faces is ignored, such as points, lines and curves. Fails
-/// with the first error found, or when the patience is over.
+/// Polygons become triangles. Points, lines, curves, normals and materials are ignored. Fails with one error, or when the
+/// patience is over.
 pub fn read_obj(bytes: &[u8], is_textured: bool, patience: &dyn Patience) -> Result<ObjFile, Diagnostic> {
-    let text = without_mark(bytes);
+    let text = trimmed(bytes);
     if Shortcut::PlainMeshes.is_taken()
         && let Some((mesh, vertices)) = plain_obj::parse(text, patience)
     {
         return Ok(ObjFile { mesh, vertices, ..ObjFile::default() });
     }
     patience.check()?;
-    foreign(bytes).map_or_else(|| read_any(text, is_textured, patience), Err)
+    if let Some(error) = foreign(bytes) {
+        return Err(error);
+    }
+    read_any(text, is_textured, patience)
 }
 
 /// Reads a mesh without texture coordinates.
@@ -41,16 +44,16 @@ pub fn parse_obj(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
 
 /// Returns the files that a mesh or a material library names.
 pub fn named_files(kind: &str, bytes: &[u8]) -> Vec<NamedFile> {
-    files_in(kind, without_mark(bytes))
+    files_in(kind, trimmed(bytes))
 }
 
 /// Returns the text of a mesh file. Positions of errors refer to it.
 pub fn text(bytes: &[u8]) -> Cow<'_, str> {
-    String::from_utf8_lossy(without_mark(bytes))
+    String::from_utf8_lossy(trimmed(bytes))
 }
 
 /// Removes a byte order mark, and the zero bytes and end-of-file characters that some systems append.
-fn without_mark(bytes: &[u8]) -> &[u8] {
+fn trimmed(bytes: &[u8]) -> &[u8] {
     const END_OF_FILE: u8 = 0x1a;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let end = text.iter().rposition(|&byte| byte != 0 && byte != END_OF_FILE);
@@ -84,10 +87,12 @@ pub(super) fn read_any(
     };
     let of_triangle = |&[a, b, c]: &[usize; 3]| Some([coordinate(a)?, coordinate(b)?, coordinate(c)?]);
     let has_coordinates = is_textured && statements.totals[COORDINATE] > 0;
+    let texture_coordinates =
+        if has_coordinates { triangles.iter().map(of_triangle).collect() } else { vec![] };
     Ok(ObjFile {
         mesh: Mesh { vertices, triangles: faces },
         vertices: statements.totals[VERTEX] as usize,
-        texture_coordinates: triangles.iter().filter(|_| has_coordinates).map(of_triangle).collect(),
+        texture_coordinates,
         doubts: statements.warnings(),
         files: each_once(statements.files),
     })

@@ -26,7 +26,7 @@ pub struct Statements<'a> {
     /// The numbers of vertices and of texture coordinates.
     pub totals: [i64; 2],
     /// Words that make a vertex or a texture coordinate infinite or NaN, by its number.
-    unfit: [BTreeMap<i64, &'a [u8]>; 2],
+    infinite: [BTreeMap<i64, &'a [u8]>; 2],
     /// The keywords of texture coordinates outside the picture, by their numbers.
     outside: BTreeMap<i64, &'a [u8]>,
     /// The keyword and the number of corners of each face.
@@ -52,7 +52,7 @@ pub struct Corner<'a> {
     pub points: [Option<i64>; 2],
 }
 
-/// Something in a mesh that is valid, but probably a mistake. The first one explains best why a mesh has no faces.
+/// Something in a mesh that is valid, but probably a mistake, ordered by how well it explains that a mesh has no faces.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Doubt {
     CurvedSurface,
@@ -64,7 +64,8 @@ pub enum Doubt {
 }
 
 impl<'a> Statements<'a> {
-    /// Reads a text without a byte order mark. Fails with the first error in it.
+    /// Reads a text without a byte order mark. Fails with one error: a point that is missing, else the first statement that
+    /// is not valid, else that there are no faces, else a point that is not finite.
     pub fn read(text: &'a [u8], is_textured: bool, patience: &dyn Patience) -> Result<Self, Diagnostic> {
         let lines = Vec::with_capacity(text.len());
         let mut all = Self { text, is_textured, lines, ..Self::default() };
@@ -81,11 +82,11 @@ impl<'a> Statements<'a> {
         }
         // Faces may precede the points that they name, so missing points are known only now. They precede the fault.
         let fault =
-            all.missing_point().or(fault).or_else(|| all.without_faces()).or_else(|| all.unfit_point());
+            all.missing_point().or(fault).or_else(|| all.without_faces()).or_else(|| all.infinite_point());
         if let Some(fault) = fault {
             return Err(fault);
         }
-        for keyword in all.used(COORDINATE, &all.outside) {
+        for keyword in all.used_words(COORDINATE, &all.outside) {
             all.doubt(Doubt::OutsidePicture, keyword);
         }
         Ok(all)
@@ -177,7 +178,7 @@ impl<'a> Statements<'a> {
             self.lines.push(b' ');
         }
         self.lines.push(b'\n');
-        self.unfit[kind].extend(unfit.map(|word| (self.totals[kind], word)));
+        self.infinite[kind].extend(unfit.map(|word| (self.totals[kind], word)));
     }
 
     fn face(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
@@ -249,8 +250,8 @@ impl<'a> Statements<'a> {
     }
 
     /// Returns the error for the first vertex, or else texture coordinate, that a face uses and that is not finite.
-    fn unfit_point(&self) -> Option<Diagnostic> {
-        let first = |kind: usize| self.used(kind, &self.unfit[kind]).first().copied();
+    fn infinite_point(&self) -> Option<Diagnostic> {
+        let first = |kind: usize| self.used_words(kind, &self.infinite[kind]).first().copied();
         let Some(word) = first(VERTEX) else {
             return first(COORDINATE).map(|word| self.fault(word, "a texture coordinate is not finite", ""));
         };
@@ -263,7 +264,7 @@ impl<'a> Statements<'a> {
     }
 
     /// Returns the words of those points that faces use, in the order of their numbers.
-    fn used(&self, kind: usize, points: &BTreeMap<i64, &'a [u8]>) -> Vec<&'a [u8]> {
+    fn used_words(&self, kind: usize, points: &BTreeMap<i64, &'a [u8]>) -> Vec<&'a [u8]> {
         let named = self.corners.iter().filter_map(|corner| points.get_key_value(&corner.points[kind]?));
         named.collect::<BTreeSet<_>>().into_iter().map(|(_, &word)| word).collect()
     }
@@ -293,7 +294,7 @@ impl<'a> Statements<'a> {
         warnings
     }
 
-    /// Returns the error that a doubt is at a word.
+    /// Returns the description of a doubt about a word, as an error. Warnings have another severity.
     fn described(&self, doubt: Doubt, word: &[u8]) -> Diagnostic {
         let (message, hint) = match doubt {
             Doubt::CurvedSurface => ("a curved surface is ignored", "export the mesh as polygons"),
@@ -320,7 +321,7 @@ impl<'a> Statements<'a> {
         self.fault(word, message, hint)
     }
 
-    /// Returns the error that a word is not what a rule says.
+    /// Returns the error that a rule is broken by a word, which it names.
     fn unlike(&self, word: &[u8], rule: &str, hint: &str) -> Diagnostic {
         let found = quoted(&*String::from_utf8_lossy(word));
         self.fault(word, format!("{rule}, found {found}"), hint)

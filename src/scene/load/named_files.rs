@@ -291,4 +291,15 @@ mod tests {
         assert_eq!((near("folder_1.txt"), near("folder_2.txt")), (None, None));
         assert_eq!(nearest_file(&folder.path().join("none").join("other.txt")), None);
     }
+
+    #[test]
+    fn a_library_that_is_named_in_two_ways_is_read_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("x.mtl"), "map_Kd t.png").unwrap();
+        fs::write(path("t.png"), "").unwrap();
+        let named = ["x.mtl", "./x.mtl"].map(|name| (LIBRARY, name.to_owned()));
+        let found = files_of_mesh(&path("m.obj"), &named, folder.path(), Edition::Y2004);
+        assert_eq!(found.iter().filter(|(kind, _)| *kind == "texture").count(), 1);
+    }
 }

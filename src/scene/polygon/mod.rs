@@ -48,6 +48,7 @@ pub const MOST_CORNERS: usize = 1000;
 pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let whole_fan = || (1..corners.len().max(2) - 1).map(|k| [0, k, k + 1]).collect();
     let points = |ring: &[usize]| ring.iter().map(|&corner| corners[corner]).collect::<Vec<_>>();
+    // Choose an order of the corners that does not depend on the file, and the axis to drop.
     let ring = distinct(corners);
     let (mut own, is_backwards) = in_own_order(&ring, corners);
     let Some(projection) = DroppedAxis::facing(&points(&own)) else {
@@ -56,24 +57,27 @@ pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let of_polygon = |places: Vec<[usize; 3]>, ring: Vec<usize>| {
         places.into_iter().map(|triangle| triangle.map(|place| ring[place])).collect()
     };
+    // Return a fan if the polygon is convex.
     let in_file_order = points(&ring);
     if let Some(fan) = fan(&in_file_order, projection) {
         let places = seams::closed(fan, &projection.flattened(&in_file_order));
         return Triangulation { triangles: of_polygon(places, ring), fault: None };
     }
+    // Cut the outline, turned to the left.
     let turn = projection.turn(&points(&own));
     if turn < 0 {
         own.reverse();
     }
     let (mut outline, mut places) = cut(&points(&own), projection);
-    // Rounding may move a corner off the edge that it lies on, to the wrong side.
+    // If the area differs, cut it again with edges through the corners on them: rounding may have moved a corner off its
+    // edge, to the wrong side.
     if !has_area_of(&outline, &places)
         && let Some(through) = seams::through_corners(&outline)
     {
         let through: Vec<usize> = through.into_iter().map(|place| own[place]).collect();
-        let (touching, others) = cut(&points(&through), projection);
-        if has_area_of(&touching, &others) {
-            (own, outline, places) = (through, touching, others);
+        let (longer_outline, other_places) = cut(&points(&through), projection);
+        if has_area_of(&longer_outline, &other_places) {
+            (own, outline, places) = (through, longer_outline, other_places);
         }
     }
     let fault = match places.is_empty() {
@@ -81,6 +85,7 @@ pub fn triangulate(corners: &[DVec3]) -> Triangulation {
         true => return Triangulation { triangles: whole_fan(), fault: None },
         false => (!has_area_of(&outline, &places)).then_some(OutlineFault::Crosses),
     };
+    // Restore the direction of the file.
     if (turn < 0) != is_backwards {
         places.iter_mut().for_each(|triangle| triangle.reverse());
     }
