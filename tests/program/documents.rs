@@ -4,7 +4,7 @@
 //! tests:` is left out, and `NOT_RUN_BLOCKS` counts these. A block whose fence names a file becomes that file.
 
 use crate::markdown::{Block, Command, anchor, blocks, links};
-use crate::support::{Folder, finish};
+use crate::support::{Folder, finish, skip};
 use raytracer::image_io::read_picture;
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -29,6 +29,9 @@ const PLOT: &str = "front.svg";
 
 /// Pictures that `tests/browser/live.py` takes of the page.
 const TAKEN_IN_BROWSER: &[&str] = &["turned.png", "rays.png", "error.png", "comparison.png", "pixels.png"];
+
+/// Programs that not every machine has. Without one, the rest of its block is skipped.
+const OPTIONAL: &[&str] = &["python3"];
 
 /// Commands that were run before this test, or are running it.
 const DONE: &[&str] = &["cargo build --release", "cargo test"];
@@ -105,6 +108,11 @@ fn follow(folder: &Folder, document: &str, text: &str, block: &Block) -> usize {
     let commands = block.commands();
     for Command { line, shown } in commands.iter().filter(|command| !DONE.contains(&command.line.as_str())) {
         let said = run(folder, line);
+        let program = line.split(' ').next().expect("a word");
+        if said.status == Some(127) && OPTIONAL.contains(&program) {
+            skip(&format!("{program} is not installed"));
+            break;
+        }
         assert_eq!(said.status, Some(0), "{document}: {line}\n{}", said.stderr);
         assert_eq!(unexplained(&said.stderr, text), [""; 0], "{document}: {line}");
         if let Some(shown) = shown {
