@@ -334,11 +334,7 @@ impl<'a, G: Goal> Search<'a, G> {
         }
         let crossing = match self.world.primitive(id) {
             Primitive::Triangle(i) => {
-                // Copied, because a reference to a new shear would force it through memory.
-                let shear = match self.shear {
-                    Some(shear) => shear,
-                    None => *self.shear.insert(Shear::new(self.ray)),
-                };
+                let shear = self.shear.get_or_insert_with(|| Shear::new(self.ray));
                 shear.intersect(self.world.corners_in_place(i)).filter(|&t| self.ray.covers(t))
             }
             _ => self.world.crossing(self.ray, id),

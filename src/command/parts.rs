@@ -25,7 +25,7 @@ pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer
 }
 
 /// Raised if the same command line draws other bytes than before, within one version of the program.
-const PICTURES: &[u8] = b"3";
+const PICTURES: &[u8] = b"4";
 
 /// Returns a hash of everything that the bytes of a layer's whole picture depend on: the version of the program, the
 /// text and the model of the scene, its meshes and pictures, and the flags that change the layer.

@@ -41,7 +41,7 @@ use crate::scene::Light;
 use crate::scene::material::Material;
 use crate::stats::Counts;
 use crate::world::World;
-use glam::{Vec3, Vec3A};
+use glam::{DVec2, Vec3, Vec3A};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
@@ -83,7 +83,7 @@ const SIDE: usize = 256;
 /// The logarithm to base 2 of the least number of samples.
 const LEAST: u8 = 1;
 /// The largest number of pilot samples.
-const MOST_PILOTS: u32 = 8;
+const MOST_PILOTS: usize = 8;
 
 /// Pilot samples in pictures of bytes are clamped to this brightness.
 const BRIGHTEST: f64 = 2.0;
@@ -115,6 +115,9 @@ const SQUARE: usize = 8;
 /// The number of squares after which the groups repeat along each axis.
 const TURNS: usize = 4;
 const GROUPS: usize = TURNS * TURNS;
+/// The number of sides that a pixel can be on along an axis: in a square, or between two.
+const SIDES: usize = 2 * TURNS;
+const SURROUNDINGS: usize = SIDES * SIDES;
 
 /// The number of classes for a doubling of w.
 const STEPS: i32 = 8;
@@ -273,14 +276,19 @@ struct Pixel {
     sum: Color,
     /// The number of samples, as its logarithm to base 2, once there are any.
     doublings: Option<u8>,
+    /// The index of its kind.
+    kind: u16,
+    /// The index of its surroundings, which decides the groups that leave it out.
+    surroundings: u8,
+}
+
+/// Pixels of about the same D, as far as the neighbours tell.
+#[derive(Clone, Copy)]
+struct Kind {
     /// The square of the range of the neighbours' pilot samples.
     ring: f32,
-    /// The mean square distance of its own pilot samples from that range.
-    unseen: f32,
     /// The part that a small thing covers, if there is one.
     speck: Option<f32>,
-    /// The groups that leave it out, as bits.
-    around: u32,
 }
 
 impl Pixel {
@@ -329,6 +337,7 @@ struct Tile<'t, 'a> {
     pixels: Vec<Pixel>,
     /// The pilot samples of each pixel.
     pilots: Vec<Pilot>,
+    kinds: Vec<Kind>,
     /// The first number of samples, as its logarithm to base 2.
     floor: u8,
     groups: [Group; GROUPS],
@@ -343,19 +352,27 @@ struct Group {
     scale: i32,
 }
 
-/// Pixels of a class with the same number of samples.
+/// Sums of pixels.
 #[derive(Clone, Copy, Default)]
-struct Alike {
+struct Sums {
     /// The number of pixels, the sum of their estimated squared errors and the sum of the errors' squares.
     pixels: f64,
     error: f64,
     squares: f64,
 }
 
+/// The pixels of a kind with the same number of samples.
+struct Alike {
+    kind: u16,
+    /// The number of samples, as its logarithm to base 2.
+    doublings: u8,
+    by_surroundings: [Sums; SURROUNDINGS],
+}
+
 /// The pixels that decide for a group, by their numbers of samples as logarithms to base 2, and their classes.
 struct DecidingPixels {
     most: u8,
-    cells: Vec<(u8, usize, Alike)>,
+    cells: Vec<(u8, usize, Sums)>,
 }
 
 impl<'t, 'a> Tile<'t, 'a> {
@@ -376,16 +393,17 @@ impl<'t, 'a> Tile<'t, 'a> {
         let floor = (floor.next_power_of_two().ilog2() as u8).clamp(LEAST, most);
         let pixels = vec![Pixel::default(); count];
         let groups = [Group { unseen: [0.0; 2], scale: LEAST_SCALE }; GROUPS];
-        let mut tile = Self { planner, tracer, columns, rows, pixels, pilots: vec![], floor, groups };
+        let (pilots, kinds) = (vec![], vec![]);
+        let mut tile = Self { planner, tracer, columns, rows, pixels, pilots, kinds, floor, groups };
         tile.trace(band)?;
         tile.look_around()?;
         for pass in 0..PASSES {
             let enough = if pass == 0 { AIM } else { ENOUGH };
-            let errors = tile.errors();
+            let alike = tile.alike();
             let scale = |group: usize| {
-                let (others, scale) = (tile.deciding_pixels(group, &errors), tile.groups[group].scale);
-                let [estimate, _] = others.expected(scale);
-                if estimate > enough * square { others.next_scale(scale, AIM * square) } else { scale }
+                let (pixels, scale) = (tile.deciding_pixels(group, &alike), tile.groups[group].scale);
+                let [estimate, _] = pixels.expected(scale);
+                if estimate > enough * square { pixels.next_scale(scale, AIM * square) } else { scale }
             };
             let scales: Vec<i32> = (0..GROUPS).into_par_iter().map(scale).collect();
             if tile.groups.iter().map(|group| group.scale).eq(scales.iter().copied()) {
@@ -403,22 +421,18 @@ impl<'t, 'a> Tile<'t, 'a> {
         [pixel % self.columns.len(), pixel / self.columns.len()]
     }
 
-    /// Returns the pixels that decide for a group.
-    fn deciding(&self, group: usize) -> impl Iterator<Item = (usize, &Pixel)> {
-        self.pixels.iter().enumerate().filter(move |(_, pixel)| pixel.around >> group & 1 == 0)
-    }
-
-    /// Returns the class that a pixel has or would have in a group.
-    fn class(&self, group: usize, pixel: &Pixel) -> usize {
+    /// Returns the class that pixels of a kind have or would have in a group.
+    fn class(&self, group: usize, kind: u16) -> usize {
         let [plain, with_speck] = self.groups[group].unseen;
-        class(pixel.ring + UNSEEN * pixel.speck.map_or(plain, |part| part * with_speck))
+        let Kind { ring, speck } = self.kinds[usize::from(kind)];
+        class(ring + UNSEEN * speck.map_or(plain, |part| part * with_speck))
     }
 
     /// Traces the samples that pixels lack. The first samples are also pilot samples.
     fn trace(&mut self, band: &mut Band) -> Option<()> {
         let is_first = self.pilots.is_empty();
         let rows = self.tracer.tally.in_parallel(self.rows.clone(), |j| self.trace_row(j, is_first));
-        let mut all_pixels = vec![];
+        let mut all_pixels = Vec::with_capacity(self.pixels.len());
         for (row, traced) in rows.into_iter().enumerate() {
             let TracedRow { pixels, pilots, costs, counts } = traced?;
             all_pixels.extend(pixels);
@@ -442,9 +456,15 @@ impl<'t, 'a> Tile<'t, 'a> {
         let mut pixels = self.pixels[first..][..width].to_vec();
         let ranges: Vec<Range<u32>> = (first..).zip(&pixels).map(|(k, pixel)| self.lacks(k, pixel)).collect();
         let places = self.columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty());
+        let mut offsets = vec![];
         let places = places.flat_map(|(column, range)| {
             let sequence = self.sequence(column, j);
             range.clone().map(move |index| (column, sequence.offset(index)))
+        });
+        let places = places.inspect(|&(_, offset)| {
+            if is_first {
+                offsets.push(offset)
+            }
         });
         let traced = self.tracer.trace_rays(j, places)?;
         let (mut colors, mut costs) = (traced.colors.iter().copied(), traced.costs.iter());
@@ -453,7 +473,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         for (pixel, range) in pixels.iter_mut().zip(ranges).filter(|(_, range)| !range.is_empty()) {
             pixel.add(range, &mut colors);
         }
-        let pilots = if is_first { self.pilots_of_row(j, &traced.colors) } else { vec![] };
+        let pilots = self.pilots_of_row(&offsets, &traced.colors);
         Some(TracedRow { pixels, pilots, costs, counts: traced.counts })
     }
 
@@ -462,7 +482,7 @@ impl<'t, 'a> Tile<'t, 'a> {
         let Some(old) = pixel.doublings else { return 0..1 << self.floor };
         let group = group(self.place(k));
         let most = self.planner.settings.most.ilog2() as u8;
-        (1 << old)..(1 << grown(old, self.groups[group].scale, self.class(group, pixel), most))
+        (1 << old)..(1 << grown(old, self.groups[group].scale, self.class(group, pixel.kind), most))
     }
 
     /// Returns the Sobol' sequence of a pixel, by its column and row in the picture.
@@ -471,20 +491,20 @@ impl<'t, 'a> Tile<'t, 'a> {
         sampler.sequence((column * height + j) as u64)
     }
 
-    /// Returns the pilot samples of row `j`. `colors` has the first samples of its pixels, an equal number each.
-    fn pilots_of_row(&self, j: usize, colors: &[Color]) -> Vec<Pilot> {
+    /// Returns the pilot samples among the first samples of a row, of which each pixel has an equal number.
+    fn pilots_of_row(&self, offsets: &[DVec2], colors: &[Color]) -> Vec<Pilot> {
         let has_floats = self.planner.request.has_floats;
         let brightest = Color::splat(if has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST });
-        let of_pixel = |(column, colors): (usize, &[Color])| {
-            let sequence = self.sequence(column, j);
-            let pilot = |(index, &color): (u32, &Color)| {
-                let offset = sequence.offset(index);
-                let color = color.clamp(Color::ZERO, brightest).as_vec3();
-                Pilot { color, is_right: offset.x >= 0.0, is_upper: offset.y >= 0.0 }
-            };
-            (0..MOST_PILOTS).zip(colors).map(pilot).collect::<Vec<_>>()
-        };
-        self.columns.clone().zip(colors.chunks(1 << self.floor)).flat_map(of_pixel).collect()
+        let (first, pilots) = (1 << self.floor, MOST_PILOTS.min(1 << self.floor));
+        let mut found = Vec::with_capacity(offsets.len() / first * pilots);
+        for (offsets, colors) in offsets.chunks(first).zip(colors.chunks(first)) {
+            found.extend(offsets[..pilots].iter().zip(colors).map(|(offset, color)| Pilot {
+                color: color.clamp(Color::ZERO, brightest).as_vec3(),
+                is_right: offset.x >= 0.0,
+                is_upper: offset.y >= 0.0,
+            }));
+        }
+        found
     }
 
     /// Finds the rings of the pixels, u, and the means of u.
@@ -496,76 +516,105 @@ impl<'t, 'a> Tile<'t, 'a> {
         let empty = [Vec3A::INFINITY, Vec3A::NEG_INFINITY];
         let is_empty = |ring: &[Vec3A; 2]| ring[0].x > ring[1].x;
         let mut rings_by_kind = [(); 2].map(|()| vec![empty; self.pixels.len()]);
-        for (k, pilot) in self.pilots.iter().enumerate() {
-            let [x, y] = [k / pilots % width, k / pilots / width];
-            let beside = |k: usize, is_after: bool| if is_after { Some(k + 1) } else { k.checked_sub(1) };
-            let column = beside(x, pilot.is_right).filter(|&x| x < width);
-            let row = beside(y, pilot.is_upper).filter(|&y| y < height);
-            let rings = &mut rings_by_kind[usize::from(specks[k / pilots].is_alone())];
-            for (x, y) in [(column, Some(y)), (Some(x), row), (column, row)] {
-                if let (Some(x), Some(y)) = (x, y) {
-                    let [low, high] = &mut rings[y * width + x];
-                    (*low, *high) = (low.min(pilot.color.into()), high.max(pilot.color.into()));
+        let beside = |k: usize, is_after: bool| if is_after { Some(k + 1) } else { k.checked_sub(1) };
+        for (k, own) in self.pilots.chunks(pilots).enumerate() {
+            let [x, y] = self.place(k);
+            let rings = &mut rings_by_kind[usize::from(specks[k].is_alone())];
+            for pilot in own {
+                let column = beside(x, pilot.is_right).filter(|&x| x < width);
+                let row = beside(y, pilot.is_upper).filter(|&y| y < height);
+                let color = Vec3A::from(pilot.color);
+                for (x, y) in [(column, Some(y)), (Some(x), row), (column, row)] {
+                    if let (Some(x), Some(y)) = (x, y) {
+                        let [low, high] = &mut rings[y * width + x];
+                        (*low, *high) = (low.min(color), high.max(color));
+                    }
                 }
             }
         }
         let [plain, with_specks] = rings_by_kind;
         let ring = |(plain, other): (&[Vec3A; 2], &[Vec3A; 2])| if is_empty(plain) { *other } else { *plain };
         let rings: Vec<[Vec3A; 2]> = plain.iter().zip(&with_specks).map(ring).collect();
-        let unseen = |(own, &[low, high]): (&[Pilot], &[Vec3A; 2])| {
+        let unseen = |own: &[Pilot], [low, high]: [Vec3A; 2]| {
             let beyond = |pilot: &Pilot| {
                 let color = Vec3A::from(pilot.color);
                 mean_square((color - high).max(low - color).max(Vec3A::ZERO))
             };
+            own.iter().map(beyond).sum::<f32>() / pilots as f32
+        };
+        let mut numbers = vec![None; CLASSES * (CLASSES + 1)];
+        // The sums of u, and of covered parts or numbers of pixels, without and with small things.
+        let mut sums = [[[0.0f64; 2]; 2]; SURROUNDINGS];
+        for (k, own) in self.pilots.chunks(pilots).enumerate() {
+            let (ring, speck, place) = (rings[k], specks[k], self.place(k));
             // A tile of one pixel has no rings.
-            if low.x > high.x { 0.0 } else { own.iter().map(beyond).sum::<f32>() / pilots as f32 }
-        };
-        let unseen: Vec<f32> = self.pilots.chunks(pilots).zip(&rings).map(unseen).collect();
-        for k in 0..self.pixels.len() {
-            let (ring, around) = (rings[k], groups_around(self.place(k)));
-            let pixel = &mut self.pixels[k];
-            pixel.ring = if is_empty(&ring) { 0.0 } else { mean_square(ring[1] - ring[0]) };
-            pixel.unseen = unseen[k];
-            pixel.speck = specks[k].is_alone().then_some(specks[k].part);
-            pixel.around = around;
+            let [range, unseen] =
+                if is_empty(&ring) { [0.0; 2] } else { [mean_square(ring[1] - ring[0]), unseen(own, ring)] };
+            // Parts are sorted in steps four times as large.
+            let part = speck.is_alone().then(|| class(speck.part) / 4 * 4 + 2);
+            let number = &mut numbers[class(range) * (CLASSES + 1) + part.unwrap_or(CLASSES)];
+            let kind = *number.get_or_insert_with(|| {
+                self.kinds.push(Kind { ring: middle(class(range)), speck: part.map(middle) });
+                self.kinds.len() as u16 - 1
+            });
+            let surroundings = surroundings(place);
+            (self.pixels[k].kind, self.pixels[k].surroundings) = (kind, surroundings);
+            let [sum, weights] = &mut sums[usize::from(surroundings)][usize::from(speck.is_alone())];
+            *sum += f64::from(unseen);
+            *weights += if speck.is_alone() { f64::from(speck.part) } else { 1.0 };
         }
-        let means = |group: usize| {
-            let mut sums = [[0.0f64; 2]; 2];
-            for (_, pixel) in self.deciding(group) {
-                let [sum, weights] = &mut sums[usize::from(pixel.speck.is_some())];
-                *sum += f64::from(pixel.unseen);
-                *weights += f64::from(pixel.speck.unwrap_or(1.0));
+        for (group, decisions) in self.groups.iter_mut().enumerate() {
+            for (kind, mean) in decisions.unseen.iter_mut().enumerate() {
+                let [mut sum, mut weights] = [0.0; 2];
+                for index in (0..SURROUNDINGS).filter(|&index| !has(index, group)) {
+                    sum += sums[index][kind][0];
+                    weights += sums[index][kind][1];
+                }
+                *mean = if weights > 0.0 { (sum / weights) as f32 } else { 0.0 };
             }
-            sums.map(|[sum, weights]| if weights > 0.0 { (sum / weights) as f32 } else { 0.0 })
-        };
-        let means: Vec<[f32; 2]> = (0..GROUPS).into_par_iter().map(means).collect();
-        self.groups.iter_mut().zip(means).for_each(|(group, unseen)| group.unseen = unseen);
+        }
         Some(())
     }
 
-    /// Returns the estimated squared errors of the pixels.
-    fn errors(&self) -> Vec<f64> {
+    /// Returns the pixels by kinds and numbers of samples.
+    fn alike(&self) -> Vec<Alike> {
         // A half that is brighter than white may well get darker, so its brightness counts up to a limit.
         let brightest = if self.planner.request.has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST };
-        (0..self.pixels.len()).map(|k| self.error(k, brightest)).collect()
+        let numbers = usize::from(self.planner.settings.most.ilog2() as u8) + 1;
+        let mut alike: Vec<Alike> = vec![];
+        let mut indices = vec![None; self.kinds.len() * numbers];
+        for (k, pixel) in self.pixels.iter().enumerate() {
+            let (kind, doublings) = (pixel.kind, pixel.doublings.unwrap_or(LEAST));
+            let index =
+                *indices[usize::from(kind) * numbers + usize::from(doublings)].get_or_insert_with(|| {
+                    alike.push(Alike { kind, doublings, by_surroundings: [Sums::default(); SURROUNDINGS] });
+                    alike.len() - 1
+                });
+            let error = self.error(k, brightest);
+            let sums = &mut alike[index].by_surroundings[usize::from(pixel.surroundings)];
+            sums.pixels += 1.0;
+            sums.error += error;
+            sums.squares += error * error;
+        }
+        alike
     }
 
-    /// Sorts the pixels that decide for a group. `errors` has the estimated squared error of each pixel of the tile.
-    fn deciding_pixels(&self, group: usize, errors: &[f64]) -> DecidingPixels {
-        let most = self.planner.settings.most.ilog2() as u8;
-        let mut cells = vec![[Alike::default(); CLASSES]; usize::from(most) + 1];
-        for (k, pixel) in self.deciding(group) {
-            let error = errors[k];
-            let alike = &mut cells[usize::from(pixel.doublings.unwrap_or(LEAST))][self.class(group, pixel)];
-            alike.pixels += 1.0;
-            alike.error += error;
-            alike.squares += error * error;
-        }
-        let in_row = |(doublings, classes): (usize, [Alike; CLASSES])| {
-            let cells = classes.into_iter().enumerate().filter(|(_, alike)| alike.pixels > 0.0);
-            cells.map(move |(class, alike)| (doublings as u8, class, alike))
+    /// Returns the pixels that decide for a group.
+    fn deciding_pixels(&self, group: usize, alike: &[Alike]) -> DecidingPixels {
+        let cell = |alike: &Alike| {
+            let mut all = Sums::default();
+            let decides = |&(index, _): &(usize, &Sums)| !has(index, group);
+            for (_, sums) in alike.by_surroundings.iter().enumerate().filter(decides) {
+                all.pixels += sums.pixels;
+                all.error += sums.error;
+                all.squares += sums.squares;
+            }
+            (alike.doublings, self.class(group, alike.kind), all)
         };
-        DecidingPixels { most, cells: cells.into_iter().enumerate().flat_map(in_row).collect() }
+        DecidingPixels {
+            most: self.planner.settings.most.ilog2() as u8,
+            cells: alike.iter().map(cell).collect(),
+        }
     }
 
     /// Returns the estimated squared error of a pixel whose colour is clamped at this brightness. In pictures of bytes,
@@ -663,11 +712,19 @@ fn group([x, y]: [usize; 2]) -> usize {
     y / SQUARE % TURNS * TURNS + x / SQUARE % TURNS
 }
 
-/// Returns the groups of a pixel and its neighbours, as bits. They leave the pixel out.
-fn groups_around([x, y]: [usize; 2]) -> u32 {
-    let around = |k: usize| [k.saturating_sub(1), k + 1];
-    let bits = |y: usize| around(x).map(|x| 1 << group([x, y]));
-    around(y).into_iter().flat_map(bits).fold(0, |all, bit: u32| all | bit)
+/// Returns the index of the surroundings of the pixel at this place in its tile: its sides along both axes. Side 2t is
+/// the border of square t and the one before it, and side 2t + 1 is the middle of square t.
+fn surroundings(place: [usize; 2]) -> u8 {
+    let [x, y] = place.map(|k| (k + 1) / SQUARE % TURNS * 2 + usize::from((k + 1) % SQUARE >= 2));
+    (SIDES * y + x) as u8
+}
+
+/// Returns true if a pixel or its neighbours are of this group. The group leaves the pixel out.
+fn has(surroundings: usize, group: usize) -> bool {
+    let is_on = |side: usize, turn: usize| {
+        turn == side / 2 || (side.is_multiple_of(2) && (turn + 1) % TURNS == side / 2)
+    };
+    is_on(surroundings % SIDES, group % TURNS) && is_on(surroundings / SIDES, group / TURNS)
 }
 
 fn mean_square(v: Vec3A) -> f32 {
@@ -680,6 +737,12 @@ fn class(d: f32) -> usize {
     let doublings = d.max(LEAST_D).to_bits() - LEAST_D.to_bits();
     let steps = (u64::from(doublings) * (2 * STEPS as u64) / 5) >> 23;
     (steps as usize).min(CLASSES - 1)
+}
+
+/// Returns a D in the middle of a class.
+fn middle(class: usize) -> f32 {
+    let steps = ((2 * class as u64 + 1) << 22) * 5 / (2 * STEPS as u64);
+    if class == 0 { 0.0 } else { f32::from_bits(LEAST_D.to_bits() + steps as u32) }
 }
 
 /// Returns the larger number of samples of these, and k w rounded to a power of two, as logarithms to base 2. `scale` is
@@ -698,7 +761,11 @@ mod tests {
         for [x, y] in (0..80usize).flat_map(|y| (0..80usize).map(move |x| [x, y])) {
             let rows = y.saturating_sub(1)..y + 2;
             let near = rows.flat_map(|y| (x.saturating_sub(1)..x + 2).map(move |x| 1u32 << group([x, y])));
-            assert_eq!(groups_around([x, y]), near.fold(0, |all, bit| all | bit), "{x} {y}");
+            let found = (0..GROUPS).filter(|&group| has(usize::from(surroundings([x, y])), group));
+            let found = found.fold(0, |all, group| all | 1 << group);
+            let near = near.fold(0, |all, bit| all | bit);
+            // At the first column and row of a tile, more are left out.
+            assert!(found == near || ((x == 0 || y == 0) && found & near == near), "{x} {y}");
         }
     }
 
@@ -711,6 +778,7 @@ mod tests {
             assert!(class(d).abs_diff(doublings * STEPS as usize) <= 1, "{doublings}");
         }
         assert_eq!(class(f32::MAX), CLASSES - 1);
+        assert!((1..CLASSES).all(|k| class(middle(k)) == k) && middle(0) == 0.0);
     }
 
     #[test]
@@ -724,8 +792,8 @@ mod tests {
 
     #[test]
     fn the_next_scale_leaves_the_error_that_is_aimed_at() {
-        let alike = |pixels: f64, error: f64| Alike { pixels, error, squares: error * error / pixels };
-        let cells = vec![(1, 0, alike(900.0, 1.0)), (1, 40, alike(100.0, 50.0)), (3, 80, alike(50.0, 20.0))];
+        let sums = |pixels: f64, error: f64| Sums { pixels, error, squares: error * error / pixels };
+        let cells = vec![(1, 0, sums(900.0, 1.0)), (1, 40, sums(100.0, 50.0)), (3, 80, sums(50.0, 20.0))];
         let others = DecidingPixels { most: 10, cells };
         let [before, samples] = others.expected(LEAST_SCALE);
         for part in [0.9, 0.5, 0.1] {

@@ -162,7 +162,6 @@ impl PictureTracer<'_> {
         let is_over = |waiting| self.tally.asks(waiting);
         let mut stack = RayStack::until(&is_over, self.caster.world);
         let mut traced = RaySamples { colors: vec![], counts: Counts::default(), costs: vec![] };
-        // In a tuple, the packet would be copied.
         let mut packet = SamplePacket::default();
         let cost = self.request.cost();
         let at_once = if cost.is_some() { 1 } else { SamplePacket::SIZE };

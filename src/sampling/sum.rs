@@ -40,16 +40,8 @@ impl Sum {
         // A product with a weight of zero is zero and changes no sum, since no sum is -0.
         let product =
             |(weight, color): (&f64, &[f64; 4])| f64x4::splat(simd, *weight) * f64x4::simd_from(simd, *color);
-        // The groups are of a constant size so that the compiler unrolls their loop.
-        let (weights, last_weights) = weights.as_chunks::<4>();
-        let (colors, last_colors) = colors.as_chunks::<4>();
         let mut sum = f64x4::simd_from(simd, self.0);
-        for group in weights.iter().zip(colors) {
-            for sample in group.0.iter().zip(group.1) {
-                sum += product(sample);
-            }
-        }
-        for sample in last_weights.iter().zip(last_colors) {
+        for sample in weights.iter().zip(colors) {
             sum += product(sample);
         }
         self.0 = sum.to_array();
