@@ -11,7 +11,7 @@ use crate::math::instructions::Level;
 use crate::math::ray::Hit;
 use crate::render::renderer::Prepared;
 use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
-use crate::scene::{MaterialId, Object, Position, Scene};
+use crate::scene::{MaterialId, Object, ObjectId, Position, Scene};
 use crate::shading::texture::{each_part, first_weight, is_in_boundary};
 use crate::world::{Objects, SurfacePoint, World};
 
@@ -32,6 +32,11 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let objects = Objects::new(&renderer.scene, renderer.meshes(), world);
         let objects = objects.ok_or_else(|| Diagnostic::error("the meshes were not kept"))?;
         Ok(Self { prepared, caster, world, scene: &renderer.scene, objects })
+    }
+
+    /// Returns the index of a primitive's object in the scene.
+    pub fn object_id(&self, primitive: u32) -> ObjectId {
+        self.objects.of(primitive).id
     }
 
     /// Returns the object that a primitive belongs to.
