@@ -10,7 +10,7 @@ use crate::diagnostic::Diagnostic;
 use crate::math::instructions::Level;
 use crate::math::ray::Hit;
 use crate::render::renderer::Prepared;
-use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
+use crate::scene::material::{Material, Paint, Phong, Texture};
 use crate::scene::{MaterialId, Object, ObjectId, Position, Scene};
 use crate::shading::texture::{each_part, first_weight, is_in_boundary};
 use crate::world::{Objects, SurfacePoint, World};
@@ -67,7 +67,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let (mut textures, mut parts, mut is_on_boundary) = (vec![], vec![], false);
         self.world.with_rounded_point(point, |rounded| {
             let first = |id, texture: &Texture| {
-                let (name, children) = (pattern_name(texture.pattern), texture.children);
+                let (name, children) = (texture.pattern.name(), texture.children);
                 let (first, at) =
                     (first_weight(texture, rounded, Level::baseline()), self.material_position(id));
                 textures.push(TextureWeight { name, material: id, at, children, first });
@@ -126,15 +126,6 @@ impl<'p, 'r> Explainer<'p, 'r> {
             let blocker = |Hit { primitive, t }| LightBlocker { object: self.object(primitive), t };
             shadow.blocker = sees.or(at_light).map(blocker);
         }
-    }
-}
-
-fn pattern_name(pattern: Pattern) -> &'static str {
-    match pattern {
-        Pattern::Checkerboard => "Checkerboard",
-        Pattern::Noise { .. } => "Noise",
-        Pattern::Marble { .. } => "Marble",
-        Pattern::Wood { .. } => "Wood",
     }
 }
 
