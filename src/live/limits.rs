@@ -11,9 +11,8 @@ pub const MAX_PICTURE_FILE: usize = 1 << 25;
 
 /// Connections at the same time.
 pub const MAX_CONNECTIONS: usize = 32;
-/// The time that a connection waits for a thread.
-pub const START_TIME: Duration = Duration::from_secs(5);
-/// The time for the head of a request to arrive, for its body, and for an answer to be received.
+/// The time for a connection to get a thread and for the head of a request to arrive, for its body, and for an answer to
+/// be received.
 pub const HEAD_TIME: Duration = Duration::from_secs(5);
 pub const BODY_TIME: Duration = Duration::from_secs(20);
 pub const SEND_TIME: Duration = Duration::from_secs(60);
@@ -27,17 +26,14 @@ pub const MAX_BYTES: u64 = 400_000_000;
 pub const FEW_BYTES: u64 = 8_000_000;
 /// The stack of a thread, of a connection or of a request.
 pub const STACK: u64 = 1 << 21;
-/// The bytes that a request takes besides, where the address space is limited.
-pub const BYTES_PER_REQUEST: u64 = 1 << 22;
-/// The memory in bytes of a picture for each pixel, of a copy of a scene for each primitive, of a grid while it is
-/// built for each primitive in a cell, of reading a picture, and of reading a scene's text for each byte and its meshes,
-/// with something to spare.
-pub const BYTES_PER_PIXEL: u64 = 32;
+/// The memory in bytes, with something to spare: of a view for each pixel, of a copy of a scene for each primitive, of a
+/// grid while it is built for each primitive in a cell, of reading a picture or meshes, and of reading a scene's text for
+/// each byte.
+pub const BYTES_PER_PIXEL: u64 = 64;
 pub const BYTES_PER_PRIMITIVE: u64 = 256;
 pub const BYTES_PER_REFERENCE: u64 = 64;
-pub const BYTES_OF_READING: u64 = 100_000_000;
+pub const BYTES_OF_FILES: u64 = 200_000_000;
 pub const BYTES_PER_CHARACTER: u64 = 40;
-pub const BYTES_OF_MESHES: u64 = 200_000_000;
 
 /// The longer side of a picture in pixels.
 pub const MAX_SIDE: usize = 2048;

@@ -30,15 +30,12 @@ pub fn object_map(
     };
     let primitives: Vec<Option<u32>> = (0..width * height).into_par_iter().map(seen).collect();
     let (mut objects, mut places) = (vec![], Vec::with_capacity(2 * primitives.len()));
-    let (mut of_primitives, mut of_positions) = (HashMap::new(), HashMap::new());
+    let mut found = HashMap::new();
     for primitive in primitives {
-        let place = primitive.map_or(0, |id| {
-            *of_primitives.entry(id).or_insert_with(|| {
-                let part = known.object(id);
-                *of_positions.entry((part.at.line, part.at.column)).or_insert_with(|| {
-                    objects.push(part);
-                    u16::try_from(objects.len()).unwrap_or(0)
-                })
+        let place = primitive.map_or(0, |primitive| {
+            *found.entry(known.object_id(primitive)).or_insert_with(|| {
+                objects.push(known.object(primitive));
+                u16::try_from(objects.len()).unwrap_or(0)
             })
         });
         places.extend(place.to_le_bytes());

@@ -81,11 +81,7 @@ fn lines_of(node: &RayNode, far: f64) -> Vec<(Option<usize>, Segment)> {
         let start = if t < 0.0 { t - far } else { 0.0 };
         Segment { kind, from: ray.at(start), to: ray.at(t) }
     };
-    let kind = match node.kind {
-        None => "camera",
-        Some(Secondary::Reflected) => "reflected",
-        Some(Secondary::Refracted) => "refracted",
-    };
+    let kind = node.kind.map_or("camera", Secondary::name);
     let mut lines = vec![(None, line(kind, &node.ray, node.surface.as_ref().map(|surface| surface.t)))];
     let Some(surface) = &node.surface else { return lines };
     let from = surface.point.position;

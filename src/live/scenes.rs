@@ -11,6 +11,7 @@ use crate::diagnostic::Diagnostic;
 use crate::image_io::ReadFile;
 use crate::render::Stop;
 use crate::render::renderer::{Meshes, Renderer};
+use crate::scene::MeshFile;
 use crate::scene::edition::{Choice, Edition};
 use crate::scene::load::{
     self, Found, Hints, LoadedScene, Readers, Source, image_unreadable, in_mesh, mesh_unreadable,
@@ -18,7 +19,6 @@ use crate::scene::load::{
 use crate::scene::mesh::ObjFile;
 use crate::scene::obj::{memory_for, read_obj};
 use crate::scene::texels::ImageFile;
-use crate::scene::{MeshFile, Object, TRIANGLES_OF_BOX};
 use std::cell::Cell;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -53,6 +53,11 @@ impl OpenScene {
 
     pub fn primitives(&self) -> usize {
         self.renderer.world().ids().len()
+    }
+
+    /// Returns the memory in bytes of a copy of the scene.
+    pub fn bytes(&self) -> u64 {
+        self.primitives() as u64 * BYTES_PER_PRIMITIVE
     }
 }
 
@@ -113,7 +118,9 @@ impl Scenes {
         let hints = Hints { edition: named, ..self.hints.clone() };
         let readers = Readers { mesh: &read, image: &read_image };
         let loaded = load::load_text_within(Source { path: self.path.clone(), text }, &hints, readers, stop)?;
-        let primitives = primitives(&loaded);
+        // Counted before the meshes are copied to where they stand.
+        let counts = loaded.scene.objects.iter().filter_map(|object| object.primitives(&loaded.meshes));
+        let primitives = counts.fold(0, usize::saturating_add);
         if primitives > MAX_PRIMITIVES {
             let most = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
             return Err(Diagnostic::error(most));
@@ -180,15 +187,4 @@ impl Scenes {
 pub fn is_too_large<'s>(scenes: impl Iterator<Item = &'s Arc<OpenScene>>) -> bool {
     let sizes: Vec<usize> = scenes.map(|scene| scene.primitives()).collect();
     sizes.len() > 1 && sizes.iter().sum::<usize>() > MAX_PRIMITIVES
-}
-
-/// Counts triangles, shapes and planes, before the meshes are copied to where they stand.
-fn primitives(LoadedScene { scene, meshes, .. }: &LoadedScene) -> usize {
-    let count = |object: &Object| match object {
-        Object::Mesh { mesh, .. } => meshes.get(*mesh).map_or(0, |mesh| mesh.triangles.len()),
-        Object::Box { .. } => TRIANGLES_OF_BOX,
-        Object::Grid { surface, .. } => surface.triangles.len(),
-        _ => 1,
-    };
-    scene.objects.iter().map(count).fold(0, usize::saturating_add)
 }

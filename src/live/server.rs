@@ -80,7 +80,7 @@ impl Server {
         if !self.add(own.clone()) {
             return Ok(());
         }
-        let deadline = Instant::now() + START_TIME;
+        let deadline = Instant::now() + HEAD_TIME;
         loop {
             let (server, served, end) = (self.clone(), own.clone(), end.clone());
             let serve = move || {

@@ -8,7 +8,7 @@ use super::objects::object_map;
 use super::rays::Rays;
 use super::scenes::{OpenScene, Scenes};
 use super::view::{Painted, View};
-use super::workers::Workers;
+use super::workers::{Budget, Workers};
 use crate::base::escape::quoted;
 use crate::base::memory;
 use crate::base::shell::Shell;
@@ -16,12 +16,13 @@ use crate::cli::{Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{check_distinct, put_in_place, read_picture, read_picture_from};
 use crate::picture::{CHANNELS, Picture};
-use crate::render::{Cost, Layer, Progress, Stop, grid_view};
+use crate::render::{Cost, Layer, Progress, Stop, Tracing, grid_view};
 use crate::scene::parser::parse_camera;
 use crate::tools::causes::Original;
 use crate::tools::compare::{Comparison, DifferencePicture};
 use crate::tools::explain::Explainer;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -46,17 +47,22 @@ struct Reference {
     picture: Picture,
 }
 
-/// A question of a page. Each kind has some of these members.
-#[derive(Default, Deserialize)]
-#[serde(default)]
+/// A question about a view.
+#[derive(Deserialize)]
 struct Question {
-    view: Option<Shown>,
+    view: Shown,
     /// Width and height in pixels of a sketch with one ray through each centre, in place of the whole picture.
     sketch: Option<[usize; 2]>,
     /// The pixel whose rays are traced, by column and row from the top left.
     pixel: Option<[usize; 2]>,
-    /// A scene's text, in place of the one on the page, and the flags, which may name its edition.
-    text: Option<String>,
+}
+
+/// A scene that is typed in.
+#[derive(Deserialize)]
+struct Typed {
+    text: String,
+    /// The flags, which may name its edition.
+    #[serde(default)]
     words: Vec<String>,
 }
 
@@ -106,43 +112,34 @@ impl Session {
 
     /// Answers a question. `has_left` is called often, and returns true if the client no longer waits.
     pub fn answer(&self, path: &str, query: &str, body: &[u8], has_left: &mut dyn FnMut() -> bool) -> Found {
-        // The seconds that it may take, including the time for which it waits for others, and the pictures and the
-        // copies of the scene that it needs memory for.
-        let (seconds, pictures, copies) = match path {
-            "/start" | "/reference" | "/scene" | "/trace" => (20, 0, 0),
-            "/objects" => (20, 1, 0),
-            "/picture" => (60, 1, 0),
-            "/compare" => (60, 2, 0),
-            "/cause" => (60, 2, 2),
+        let mut within = |seconds, bytes, work: &(dyn Fn(&Stop) -> Found + Sync)| {
+            self.workers.run(Budget { time: Duration::from_secs(seconds), bytes }, has_left, work)
+        };
+        if path == "/start" {
+            return Ok(self.start());
+        }
+        if path == "/reference" {
+            return within(20, BYTES_OF_FILES, &|_| self.take_reference(query, body));
+        }
+        if path == "/scene" {
+            let typed: Typed = question(body)?;
+            return within(20, bytes_of_scene(&typed.text), &|stop| self.type_in(&typed, stop));
+        }
+        let Question { view, sketch, pixel } = question(body)?;
+        let view = self.view(view, sketch.filter(|_| path == "/picture"))?;
+        match path {
+            "/picture" => within(60, view.bytes(), &|stop| self.picture(&view, stop)),
+            "/compare" => within(60, view.bytes(), &|stop| self.compare(&view, stop)),
+            "/cause" => within(60, view.bytes() + 2 * view.scene.bytes(), &|stop| self.cause(&view, stop)),
+            "/objects" => within(20, view.bytes(), &|stop| self.objects(&view, stop)),
+            "/trace" => {
+                let pixel = pixel.ok_or_else(|| Answer::text(400, "not a question: it names no pixel"))?;
+                within(20, 0, &|stop| self.trace(&view, pixel, stop))
+            }
             // The command line may name pictures that no page would show.
-            "/save" => (600, 1, 0),
-            _ => return Err(Answer::text(404, "there is nothing here")),
-        };
-        let stop = &Stop::at(Instant::now() + Duration::from_secs(seconds));
-        let refused = |error: serde_json::Error| Answer::text(400, &format!("not a question: {error}"));
-        let is_file = path == "/reference";
-        let question: Question =
-            if is_file { Question::default() } else { serde_json::from_slice(body).map_err(refused)? };
-        let sketch = question.sketch.filter(|_| path == "/picture");
-        let view = question.view.map(|shown| self.view(shown, sketch)).transpose()?;
-        let of_view = view.as_ref().map_or(0, |view| view.bytes(pictures, copies));
-        let bytes = match &question.text {
-            _ if is_file => BYTES_OF_READING,
-            Some(text) => bytes_of_scene(text),
-            None => of_view,
-        };
-        self.workers.run(bytes, stop, has_left, || match (path, view, question.pixel, question.text) {
-            ("/start", ..) => Ok(self.start()),
-            ("/reference", ..) => self.take_reference(query, body),
-            ("/scene", .., Some(text)) => self.type_in(text, &question.words, stop),
-            ("/picture", Some(view), ..) => self.picture(&view, stop),
-            ("/compare", Some(view), ..) => self.compare(view, stop),
-            ("/cause", Some(view), ..) => self.cause(view, stop),
-            ("/objects", Some(view), ..) => self.objects(&view, stop),
-            ("/trace", Some(view), Some(pixel), _) => self.trace(&view, pixel, stop),
-            ("/save", Some(view), ..) => self.save(&view, stop),
-            _ => Err(Answer::text(400, "not a question: it is incomplete")),
-        })?
+            "/save" => within(600, view.bytes(), &|stop| self.save(&view, stop)),
+            _ => Err(Answer::text(404, "there is nothing here")),
+        }
     }
 
     fn view(
@@ -160,7 +157,7 @@ impl Session {
         let in_block = |error: Diagnostic| Answer::text(422, &error.in_file(Path::new("camera")).headline());
         let camera = camera.map(|block| parse_camera(&block).map_err(in_block)).transpose()?;
         let view = View { scene, words, options, camera, cost, sketch: sketch.map(clipped) };
-        memory::ask(view.bytes(2, 0))?;
+        memory::ask(view.bytes())?;
         Ok(view)
     }
 
@@ -180,9 +177,9 @@ impl Session {
         Answer::described(&meta, &[])
     }
 
-    fn type_in(&self, text: String, words: &[String], stop: &Stop) -> Found {
+    fn type_in(&self, Typed { text, words }: &Typed, stop: &Stop) -> Found {
         let named = options(words, &self.most)?.edition;
-        let meta = match self.scenes.type_in(text, named, stop) {
+        let meta = match self.scenes.type_in(text.clone(), named, stop) {
             Ok(scene) => json!({ "scene": description(&scene) }),
             Err(error) => {
                 let at = error.position().map(|at| [at.line, at.column]);
@@ -245,7 +242,7 @@ impl Session {
 
     fn objects(&self, view: &View, stop: &Stop) -> Found {
         let size = clipped(view.options.picture_size());
-        let ready = self.scenes.ready(view, false, false, stop)?;
+        let ready = self.scenes.ready(view, Tracing::Fast, false, stop)?;
         let (objects, places) = object_map(ready.borrow_dependent(), view.camera, size, stop)?;
         Ok(Answer::described(&json!({ "size": size, "objects": objects }), &[&places]))
     }
@@ -254,7 +251,7 @@ impl Session {
         if view.options.reduced {
             return Err(Answer::text(422, "the pixels of a picture that is reduced are not traced"));
         }
-        let ready = self.scenes.ready(view, true, false, stop)?;
+        let ready = self.scenes.ready(view, Tracing::Counted, false, stop)?;
         let prepared = ready.borrow_dependent();
         let tree = Explainer::new(prepared)?.pixel(&view.request(Layer::Color), pixel, stop)?;
         let rays = Rays::of(&tree, view.scene.renderer.bounds(), prepared.cells());
@@ -279,7 +276,7 @@ impl Session {
         Ok(said)
     }
 
-    fn compare(&self, view: View, stop: &Stop) -> Found {
+    fn compare(&self, view: &View, stop: &Stop) -> Found {
         let (reference, own) = self.pair(view, stop)?;
         let picture = &reference.picture;
         let compared = Comparison::new_unless(picture, &own.picture, &|| stop.is_over())?;
@@ -296,25 +293,25 @@ impl Session {
     }
 
     /// Finds the cause of the difference, in the words of the command line; null if no cause can be tried.
-    fn cause(&self, view: View, stop: &Stop) -> Found {
-        let (scene, request) = (view.scene.clone(), view.request(Layer::Color));
+    fn cause(&self, view: &View, stop: &Stop) -> Found {
+        let request = view.request(Layer::Color);
         let (reference, own) = self.pair(view, stop)?;
         let (picture, own) = (&reference.picture, &own.picture);
         let differs = picture_size(picture) == picture_size(own) && picture.pixels() != own.pixels();
         let can_try = differs && request.camera_rays() <= MAX_CAUSE_RAYS;
         let watch = |progress: Progress| stop.watch(progress);
-        let original = || Original::watched(&scene.renderer, &request, &watch);
+        let original = || Original::watched(&view.scene.renderer, &request, &watch);
         let original = can_try.then(original).flatten();
         let cause = original.map(|original| original.explain(picture).to_string());
         Ok(Answer::described(&json!({ "cause": cause }), &[]))
     }
 
     /// Returns the picture from elsewhere, and the view's.
-    fn pair(&self, view: View, stop: &Stop) -> Result<(Arc<Reference>, Painted), Answer> {
+    fn pair(&self, view: &View, stop: &Stop) -> Result<(Arc<Reference>, Painted), Answer> {
         let reference = self.reference();
         let reference = reference.ok_or_else(|| Answer::text(422, "there is no picture to compare with"))?;
         // Costs are no colours, and their map has a scale beside it.
-        Ok((reference, self.scenes.paint(&View { cost: None, ..view }, stop)?))
+        Ok((reference, self.scenes.paint(&View { cost: None, ..view.clone() }, stop)?))
     }
 
     fn reference(&self) -> Option<Arc<Reference>> {
@@ -341,9 +338,14 @@ fn summary(reference: &Reference) -> Value {
     json!({ "name": reference.name, "size": picture_size(&reference.picture) })
 }
 
+/// Reads a question.
+fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Answer> {
+    serde_json::from_slice(body).map_err(|error| Answer::text(400, &format!("not a question: {error}")))
+}
+
 /// Returns the memory in bytes of reading the text of a scene, with the meshes that it names.
 fn bytes_of_scene(text: &str) -> u64 {
-    let of_meshes = if text.contains("TriangleMesh") { BYTES_OF_MESHES } else { 0 };
+    let of_meshes = if text.contains("TriangleMesh") { BYTES_OF_FILES } else { 0 };
     of_meshes + text.len() as u64 * BYTES_PER_CHARACTER
 }
 

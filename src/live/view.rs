@@ -46,11 +46,10 @@ impl View {
         Request { camera: self.camera, layers: vec![layer], tracing, ..drawn }
     }
 
-    /// Returns the memory in bytes of this number of pictures and copies of the scene.
-    pub fn bytes(&self, pictures: u64, copies: u64) -> u64 {
+    /// Returns the memory in bytes of the picture, or of comparing it with another.
+    pub fn bytes(&self) -> u64 {
         let [width, height] = self.request(Layer::Color).size.map(|side| side as u64);
-        let primitives = self.scene.primitives() as u64;
-        pictures * width * height * BYTES_PER_PIXEL + copies * primitives * BYTES_PER_PRIMITIVE
+        width * height * BYTES_PER_PIXEL
     }
 }
 
@@ -72,9 +71,17 @@ self_cell! {
     }
 }
 
-/// The values that a preparation depends on: the scene's revision, its structure, whether work is counted and whether
-/// cells are drawn, and the camera's rays where their number matters.
-pub type Preparation = (u64, Structure, bool, bool, Option<usize>);
+/// The values that a preparation depends on.
+#[derive(PartialEq)]
+pub struct Preparation {
+    /// The scene's revision.
+    scene: u64,
+    structure: Structure,
+    tracing: Tracing,
+    draws_cells: bool,
+    /// The number of camera rays, which an automatic grid depends on.
+    rays: Option<usize>,
+}
 
 impl Scenes {
     /// Paints a view, unless it is stopped.
@@ -127,9 +134,10 @@ impl Scenes {
         stop: &Stop,
         take_row: TakeRow,
     ) -> Result<(Arc<Ready>, Vec<u64>), Answer> {
-        let ready = self.ready(view, matches!(layer, Layer::Cost(_)), view.options.visualize_grid, stop)?;
+        let request = view.request(layer);
+        let ready = self.ready(view, request.tracing, view.options.visualize_grid, stop)?;
         let watch = |progress: Progress| stop.watch(progress);
-        let rendered = ready.borrow_dependent().render_rows(&view.request(layer), &watch, take_row)?;
+        let rendered = ready.borrow_dependent().render_rows(&request, &watch, take_row)?;
         Ok((ready, rendered.costs))
     }
 
@@ -137,16 +145,14 @@ impl Scenes {
     pub fn ready(
         &self,
         view: &View,
-        counts: bool,
-        shows_cells: bool,
+        tracing: Tracing,
+        draws_cells: bool,
         stop: &Stop,
     ) -> Result<Arc<Ready>, Answer> {
         let (scene, structure) = (&view.scene, view.options.structure);
-        let tracing = if counts { Tracing::Counted } else { Tracing::Fast };
-        let (layers, draws_cells) = (vec![Layer::Color], shows_cells);
-        let whole = Request { layers, tracing, draws_cells, ..view.options.request() };
+        let whole = Request { layers: vec![Layer::Color], tracing, draws_cells, ..view.options.request() };
         let rays = (structure == Structure::Grid(Resolution::Auto)).then(|| whole.camera_rays());
-        let preparation = (scene.revision, structure, counts, shows_cells, rays);
+        let preparation = Preparation { scene: scene.revision, structure, tracing, draws_cells, rays };
         if let Some((_, ready)) = lock(&self.ready).iter().find(|(known, _)| *known == preparation) {
             return Ok(ready.clone());
         }

@@ -5,7 +5,7 @@
 //! bounded here.
 
 use super::http::Answer;
-use super::limits::{BYTES_PER_REQUEST, FEW_BYTES, MAX_BYTES, MAX_CONNECTIONS, STACK};
+use super::limits::{FEW_BYTES, MAX_BYTES, MAX_CONNECTIONS, STACK};
 use super::lock;
 use crate::base::memory;
 use crate::render::Stop;
@@ -13,10 +13,18 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The interval at which a request looks whether its client still waits, and whether there is memory.
 const LOOK: Duration = Duration::from_millis(20);
+
+/// The time and the memory that a request may take.
+#[derive(Clone, Copy)]
+pub struct Budget {
+    /// Includes the time for which it waits for others.
+    pub time: Duration,
+    pub bytes: u64,
+}
 
 pub struct Workers {
     /// The number of threads for each request.
@@ -41,26 +49,26 @@ impl Workers {
         Self { threads, budget, state: Mutex::default() }
     }
 
-    /// Waits for memory of this number of bytes, runs `work`, and returns its result. `has_left` is called often, and
-    /// stops the work if it returns true.
+    /// Waits for memory, runs `work`, and returns its result. `has_left` is called often, and stops the work if it
+    /// returns true.
     pub fn run<T: Send>(
         &self,
-        bytes: u64,
-        stop: &Stop,
+        Budget { time, mut bytes }: Budget,
         has_left: &mut dyn FnMut() -> bool,
-        work: impl FnOnce() -> T + Send,
+        work: impl FnOnce(&Stop) -> Result<T, Answer> + Send,
     ) -> Result<T, Answer> {
-        // In a limited address space the threads of a request count too.
-        let is_limited = self.budget < MAX_BYTES;
-        let own = if is_limited { self.threads as u64 * STACK + BYTES_PER_REQUEST } else { 0 };
-        let bytes = bytes.saturating_add(own);
+        let stop = &Stop::at(Instant::now() + time);
+        if self.budget < MAX_BYTES {
+            // In a limited address space the threads of a request count too, with something to spare.
+            bytes = bytes.saturating_add((self.threads as u64 + 2) * STACK);
+        }
         let threads = self.start(bytes, stop, has_left)?;
         let (mut found, mut has_memory) = (None, true);
         threads.in_place_scope(|scope| {
             let (done, is_done) = channel::<()>();
             let found = &mut found;
             scope.spawn(move |_| {
-                *found = Some(work());
+                *found = Some(work(stop));
                 drop(done);
             });
             while is_done.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
@@ -79,7 +87,7 @@ impl Workers {
             state.idle.clear();
         }
         // The result of stopped work is incomplete. Complete work is kept, though its time may be over by now.
-        found.filter(|_| !stop.has_stopped()).ok_or_else(if has_memory { too_long } else { no_memory })
+        found.filter(|_| !stop.has_stopped()).ok_or_else(if has_memory { too_long } else { no_memory })?
     }
 
     /// Waits until there is enough memory, and returns threads.
@@ -122,13 +130,14 @@ fn no_memory() -> Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Instant;
 
-    fn busy(stop: &Stop) -> bool {
+    const MINUTE: Duration = Duration::from_secs(60);
+
+    fn busy(stop: &Stop) -> Result<(), Answer> {
         while !stop.is_over() {
             thread::sleep(Duration::from_millis(1));
         }
-        false
+        Ok(())
     }
 
     /// Leaves after a moment.
@@ -140,45 +149,35 @@ mod tests {
         }
     }
 
-    fn in_a_minute() -> Stop {
-        Stop::at(Instant::now() + Duration::from_secs(60))
-    }
-
     #[test]
     fn work_ends_when_its_client_leaves_and_frees_its_memory() {
-        let (workers, stop) = (Workers::new(1), in_a_minute());
-        assert_eq!(workers.run(1, &stop, &mut leaves(), || busy(&stop)).unwrap_err(), too_long());
+        let (workers, budget) = (Workers::new(1), Budget { time: MINUTE, bytes: 1 });
+        assert_eq!(workers.run(budget, &mut leaves(), busy), Err(too_long()));
         let state = lock(&workers.state);
         assert_eq!((state.taken, state.idle.len()), (0, 1));
     }
 
     #[test]
     fn complete_work_is_kept_after_its_deadline_and_stopped_work_is_not() {
-        let (workers, now) = (Workers::new(1), || Stop::at(Instant::now()));
-        assert_eq!(workers.run(1, &now(), &mut || false, || 7), Ok(7));
-        let stop = now();
-        assert_eq!(workers.run(1, &stop, &mut || false, || stop.is_over()), Err(too_long()));
+        let (workers, budget) = (Workers::new(1), Budget { time: Duration::ZERO, bytes: 1 });
+        assert_eq!(workers.run(budget, &mut || false, |_| Ok(7)), Ok(7));
+        assert_eq!(workers.run(budget, &mut || false, busy), Err(too_long()));
     }
 
     #[test]
     fn short_work_waits_for_no_long_one() {
-        let (workers, end) = (Workers::new(1), in_a_minute());
+        let (workers, end) = (Workers::new(1), Stop::at(Instant::now() + MINUTE));
+        let run_long = || workers.run(Budget { time: MINUTE, bytes: 1 }, &mut || end.is_over(), busy);
         thread::scope(|scope| {
-            let long: Vec<_> = (0..9)
-                .map(|_| {
-                    scope.spawn(|| {
-                        let stop = in_a_minute();
-                        workers.run(1, &stop, &mut || end.is_over(), || busy(&stop)).unwrap_err()
-                    })
-                })
-                .collect();
+            let long: Vec<_> = (0..9).map(|_| scope.spawn(run_long)).collect();
             while lock(&workers.state).taken < 9 {
                 thread::sleep(Duration::from_millis(1));
             }
-            assert!((0..3).all(|_| workers.run(0, &end, &mut || false, || true).unwrap()));
+            let short = Budget { time: MINUTE, bytes: 0 };
+            assert!((0..3).all(|_| workers.run(short, &mut || false, |_| Ok(())).is_ok()));
             assert_eq!(lock(&workers.state).taken, 9);
             end.cancel();
-            assert!(long.into_iter().all(|long| long.join().unwrap() == too_long()));
+            assert!(long.into_iter().all(|long| long.join().unwrap() == Err(too_long())));
         });
     }
 
@@ -187,7 +186,8 @@ mod tests {
         let workers = Workers::new(1);
         let start = |taken: u64, bytes| {
             lock(&workers.state).taken = taken;
-            workers.start(bytes, &in_a_minute(), &mut leaves()).is_ok()
+            let stop = Stop::at(Instant::now() + MINUTE);
+            workers.start(bytes, &stop, &mut leaves()).is_ok()
         };
         let huge = 2 * MAX_BYTES;
         assert!(start(0, huge) && !start(1, huge));

@@ -87,6 +87,16 @@ pub enum Pattern {
 }
 
 impl Pattern {
+    /// Returns the keyword of the texture in a scene's text.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Checkerboard => "Checkerboard",
+            Self::Noise { .. } => "Noise",
+            Self::Marble { .. } => "Marble",
+            Self::Wood { .. } => "Wood",
+        }
+    }
+
     /// Returns the number of octaves of noise.
     pub fn octaves(self) -> u32 {
         match self {

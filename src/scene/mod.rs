@@ -122,9 +122,6 @@ pub enum Object {
     },
 }
 
-/// The number of triangles that a box has in world space.
-pub const TRIANGLES_OF_BOX: usize = 12;
-
 impl Object {
     /// Returns the keyword that begins the object in the text.
     pub fn name(&self) -> &'static str {
@@ -137,6 +134,17 @@ impl Object {
             Self::Box { .. } => "Box",
             Self::Grid { .. } => "Grid",
             Self::Mesh { .. } => "TriangleMesh",
+        }
+    }
+
+    /// Returns the number of primitives that the object has in world space. `None` if its mesh is not in `meshes`.
+    pub fn primitives(&self, meshes: &[Mesh]) -> Option<usize> {
+        match self {
+            Self::Group(_) | Self::Transform { .. } => Some(0),
+            Self::Sphere { .. } | Self::Plane { .. } | Self::Triangle { .. } => Some(1),
+            Self::Box { .. } => Some(12),
+            Self::Grid { surface, .. } => Some(surface.triangles.len()),
+            Self::Mesh { mesh, .. } => meshes.get(*mesh).map(|mesh| mesh.triangles.len()),
         }
     }
 

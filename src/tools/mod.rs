@@ -4,6 +4,7 @@
 //! A module uses only those before it in this list.
 
 mod embedded;
+mod table;
 #[doc(hidden)]
 pub mod warnings;
 pub mod compare;

@@ -84,6 +84,16 @@ pub enum Secondary {
     Refracted,
 }
 
+impl Secondary {
+    /// Returns the word for the ray in texts.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reflected => "reflected",
+            Self::Refracted => "refracted",
+        }
+    }
+}
+
 /// The reason why a secondary ray is not traced.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "reason", rename_all = "snake_case")]

@@ -2,7 +2,7 @@
 
 use super::{World, placements};
 use crate::scene::mesh::Mesh;
-use crate::scene::{Object, ObjectId, Scene, TRIANGLES_OF_BOX};
+use crate::scene::{Object, ObjectId, Scene};
 use glam::DAffine3;
 use std::ops::Range;
 
@@ -28,16 +28,13 @@ impl Objects {
         let mut next = [0, world.triangles.len(), world.finite_count()].map(|id| id as u32);
         let mut objects = [const { vec![] }; 3];
         for placement in placements(scene) {
-            let (kind, count) = match placement.object {
+            let kind = match placement.object {
                 Object::Group(_) | Object::Transform { .. } => continue,
-                Object::Triangle { .. } => (0, 1),
-                Object::Box { .. } => (0, TRIANGLES_OF_BOX),
-                Object::Grid { surface, .. } => (0, surface.triangles.len()),
-                Object::Mesh { mesh, .. } => (0, meshes.get(*mesh)?.triangles.len()),
-                Object::Sphere { .. } => (1, 1),
-                Object::Plane { .. } => (2, 1),
+                Object::Triangle { .. } | Object::Box { .. } | Object::Grid { .. } | Object::Mesh { .. } => 0,
+                Object::Sphere { .. } => 1,
+                Object::Plane { .. } => 2,
             };
-            let primitives = next[kind]..next[kind] + count as u32;
+            let primitives = next[kind]..next[kind] + placement.object.primitives(meshes)? as u32;
             next[kind] = primitives.end;
             objects[kind].push(PlacedObject { id: placement.id, primitives, matrix: placement.matrix });
         }

@@ -13,7 +13,7 @@ function selectTab(panel) {
   if (panel === 'editor') drawMarks();
 }
 
-function startTabs() {
+function startTabs(first) {
   for (const [place, tab] of tabs.entries()) {
     tab.addEventListener('click', () => selectTab(tab.getAttribute('aria-controls')));
     tab.addEventListener('keydown', (event) => {
@@ -24,7 +24,7 @@ function startTabs() {
       next.focus();
     });
   }
-  selectTab('controls');
+  selectTab(first);
 }
 
 async function quit() {
@@ -92,7 +92,8 @@ async function start() {
   if (meta.reference) setSize(meta.reference.size);
   view.openedWith = view.readWith = editionWords();
   showCellColors(meta.cell_colors);
-  startTabs();
+  // The cause of a difference is told beside the comparison.
+  startTabs(meta.reference ? 'compare' : 'controls');
   startButtons(meta.outputs);
   startControls();
   startHand();

@@ -495,6 +495,16 @@ def check_download(program, browser, folder):
     assert all("/alive" in entry["message"] for entry in entries), entries
 
 
+def check_opened_comparison(program, browser, folder):
+    """A page that is opened with -compare shows the cause of the difference."""
+    page = Page(program, browser, "scene6_14_glass_sphere.txt", f"{GLASS} -compare mine.png", folder)
+    try:
+        page.wait("return /^cause/.test(find('cause').textContent)", "no cause is told")
+        assert page.run("return !find('compare').hidden && find('cause').checkVisibility()"), "the cause is not in sight"
+    finally:
+        page.close()
+
+
 def check_glass(program, browser, folder, shot):
     page = Page(program, browser, "scene6_14_glass_sphere.txt", GLASS, folder)
     try:
@@ -632,6 +642,7 @@ def main():
                 return
             check_rabbit(program, browser, folder, shot)
             check_glass(program, browser, folder, shot)
+            check_opened_comparison(program, browser, folder)
             check_editions(program, browser, folder, shot)
             complaints = [entry["message"] for entry in browser.ask("POST", "/se/log", {"type": "browser"})]
             assert not complaints, complaints

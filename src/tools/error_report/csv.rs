@@ -1,50 +1,44 @@
-//! Writes the measurements as comma-separated values (RFC 4180), one line each.
+//! Writes the measurements as comma-separated values, one line each.
 
-use super::{ErrorReport, MeasuredFilter, Measurement};
+use super::{ErrorReport, Line};
 use crate::base::escape::csv_field;
+use crate::tools::table::{self, Column, count, optional};
 
-const HEAD: &str = "filter,shows,setting,flags,CPU seconds least,CPU seconds median,repeats,rays,Mrays/s,\
-                    RMSE in levels,PSNR in dB,mean FLIP,share of pixels off by more than a level,on the front,\
-                    slope of the sampling,CPU seconds of the sampling to one level,pixels changed by the grid,\
-                    numerical error above a tenth,above a tenth in single precision\r\n";
-
-/// Returns the table's lines, filter by filter. Missing numbers are left empty.
+/// Returns the table's lines, filter by filter.
 pub fn csv(report: &ErrorReport) -> String {
-    let lines = report.groups.iter().flat_map(|group| {
-        let front = group.front();
-        group.measurements.iter().map(move |one| line(report, group, one, one.is_among(&front)))
-    });
-    std::iter::once(HEAD.to_owned()).chain(lines).collect()
+    table::csv(&columns(), report.groups.iter().flat_map(|group| report.lines(group)))
 }
 
-fn line(report: &ErrorReport, group: &MeasuredFilter, one: &Measurement, is_on_front: bool) -> String {
-    let setting = &one.setting;
-    let words = [group.filter.flag(), setting.axis.name().into(), setting.label()];
-    let flags = csv_field(&setting.flags().join(" "));
-    let words = words.map(|word| csv_field(word.trim_start_matches('-'))).join(",");
-    let numbers = [
-        format!("{:.6}", one.least()),
-        format!("{:.6}", one.median()),
-        one.times.len().to_string(),
-        one.rays.to_string(),
-        format!("{:.3}", one.megarays()),
-        format!("{:.6}", one.error),
-        format!("{:.3}", one.psnr()),
-        format!("{:.6}", one.flip),
-        format!("{:.6}", one.off),
-        yes(is_on_front).into(),
-        optional(group.slope(setting.kind()), 3),
-        optional(group.seconds_to_a_level(setting.kind()), 6),
-        one.changed.map_or(String::new(), |pixels| pixels.to_string()),
-    ];
-    let numerical = report.is_numerical(one).map(yes).join(",");
-    format!("{words},{flags},{},{numerical}\r\n", numbers.join(","))
+fn columns<'r>() -> [Column<Line<'r>>; 19] {
+    [
+        ("filter", |line| word(&line.group.filter.flag())),
+        ("shows", |line| word(line.one.setting.axis.name())),
+        ("setting", |line| word(&line.one.setting.label())),
+        ("flags", |line| csv_field(&line.one.setting.flags().join(" "))),
+        ("CPU seconds least", |line| format!("{:.6}", line.one.least())),
+        ("CPU seconds median", |line| format!("{:.6}", line.one.median())),
+        ("repeats", |line| line.one.times.len().to_string()),
+        ("rays", |line| line.one.rays.to_string()),
+        ("Mrays/s", |line| format!("{:.3}", line.one.megarays())),
+        ("RMSE in levels", |line| format!("{:.6}", line.one.error)),
+        ("PSNR in dB", |line| format!("{:.3}", line.one.psnr())),
+        ("mean FLIP", |line| format!("{:.6}", line.one.flip)),
+        ("share of pixels off by more than a level", |line| format!("{:.6}", line.one.off)),
+        ("on the front", |line| yes(line.is_on_front)),
+        ("slope of the sampling", |line| optional(line.group.slope(line.one.setting.kind()), 3)),
+        ("CPU seconds of the sampling to one level", |line| {
+            optional(line.group.seconds_to_a_level(line.one.setting.kind()), 6)
+        }),
+        ("pixels changed by the grid", |line| count(line.one.changed)),
+        ("numerical error above a tenth", |line| yes(line.is_numerical)),
+        ("above a tenth in single precision", |line| yes(line.is_numerical_in_single)),
+    ]
 }
 
-fn yes(is: bool) -> &'static str {
-    if is { "yes" } else { "no" }
+fn word(text: &str) -> String {
+    csv_field(text.trim_start_matches('-'))
 }
 
-fn optional(number: Option<f64>, digits: usize) -> String {
-    number.map_or(String::new(), |number| format!("{number:.digits$}"))
+fn yes(is: bool) -> String {
+    if is { "yes".into() } else { "no".into() }
 }

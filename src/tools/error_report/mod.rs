@@ -27,7 +27,6 @@ pub use text::text;
 use crate::picture::Picture;
 use crate::sampling::filter::Filter;
 use curve::{Point, Power};
-use std::cmp::Ordering;
 use std::time::Duration;
 
 /// An invisible error: one level, the step from one byte to the next.
@@ -104,7 +103,7 @@ impl Measurement {
     }
 
     /// Returns true if it is one of these, not only equal to one.
-    pub fn is_among(&self, others: &[&Self]) -> bool {
+    fn is_among(&self, others: &[&Self]) -> bool {
         others.iter().any(|other| std::ptr::eq(*other, self))
     }
 
@@ -150,12 +149,32 @@ impl MeasuredFilter {
     }
 }
 
+/// A measurement, as the tables show it.
+pub struct Line<'r> {
+    pub group: &'r MeasuredFilter,
+    pub one: &'r Measurement,
+    pub is_on_front: bool,
+    /// True if rounding causes more than a tenth of the error.
+    pub is_numerical: bool,
+    /// True if rounding would, in a tracer with single precision.
+    pub is_numerical_in_single: bool,
+}
+
 impl ErrorReport {
-    /// Returns whether rounding causes more than a tenth of a setting's error, in this program and in a tracer with
-    /// single precision.
-    pub fn is_numerical(&self, one: &Measurement) -> [bool; 2] {
-        let is_more = |departure: Departure| departure.error > one.error / 10.0;
-        self.numerical.map_or([false; 2], |found| [found.program, found.single].map(is_more))
+    /// Returns the lines of a filter's table.
+    pub fn lines<'r>(&self, group: &'r MeasuredFilter) -> Vec<Line<'r>> {
+        let front = group.front();
+        let line = |one: &'r Measurement| {
+            let is_more = |departure: Departure| departure.error > one.error / 10.0;
+            Line {
+                group,
+                one,
+                is_on_front: one.is_among(&front),
+                is_numerical: self.numerical.is_some_and(|found| is_more(found.program)),
+                is_numerical_in_single: self.numerical.is_some_and(|found| is_more(found.single)),
+            }
+        };
+        group.measurements.iter().map(line).collect()
     }
 
     pub fn measured(&self) -> usize {
@@ -195,17 +214,14 @@ pub struct Answer<'a> {
 impl<'a> Answer<'a> {
     /// Chooses among all settings that flags can express, with any samples and filter. `None` if nothing was measured.
     pub fn new(report: &'a ErrorReport, target: f64, command: impl Fn(&Setting) -> String) -> Option<Self> {
-        // Those that reach the target are in the order of their times, and the others of their errors. The first is
-        // on the front, so of those as fast it has the least error.
-        let rank = |one: &Measurement| {
-            let [time, error] = one.point();
-            if error <= target { [0.0, time, error] } else { [error, time, error] }
+        let order = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a.total_cmp(&c).then(b.total_cmp(&d));
+        // On the front: of those as fast, or with the same error, the best.
+        let fastest = |one: &&Measurement, other: &&Measurement| order(one.point(), other.point());
+        let nearest = |one: &&Measurement, other: &&Measurement| {
+            order([one.error, one.least()], [other.error, other.least()])
         };
-        let order = |a: [f64; 3], b: [f64; 3]| {
-            let unequal = a.iter().zip(&b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
-            unequal.unwrap_or(Ordering::Equal)
-        };
-        let chosen = report.candidates().min_by(|one, other| order(rank(one), rank(other)))?;
+        let reaching = report.candidates().filter(|one| one.error <= target).min_by(fastest);
+        let chosen = reaching.or_else(|| report.candidates().min_by(nearest))?;
         Some(Self { target, chosen, command: command(&chosen.setting) })
     }
 

@@ -1,11 +1,12 @@
 //! The page of a report: a single self-contained file. Its text is in `templates/error_report.html`.
 
 use super::plot::{against_samples, against_time, marker};
-use super::{Answer, ErrorReport, SamplingKind};
+use super::{Answer, ErrorReport, Line, SamplingKind};
 use crate::picture::Picture;
 use crate::tools::compare::{colors, largest_channel_difference};
 use crate::tools::embedded::file;
 use crate::tools::explain::cubehelix;
+use crate::tools::table::Column;
 use askama::Template;
 
 /// The difference, in levels, shown as white in the maps.
@@ -22,6 +23,32 @@ struct Page<'p> {
     report: &'p ErrorReport,
     command: &'p str,
     answers: &'p [Answer<'p>],
+}
+
+/// The columns of a filter's table after the setting.
+fn columns<'r>() -> [Column<Line<'r>>; 10] {
+    [
+        ("CPU s", |line| format!("{:.5}", line.one.least())),
+        ("median", |line| format!("{:.5}", line.one.median())),
+        ("repeats", |line| line.one.times.len().to_string()),
+        ("Mrays/s", |line| format!("{:.2}", line.one.megarays())),
+        ("RMSE", |line| format!("{:.3}", line.one.error)),
+        ("PSNR", |line| format!("{:.2}", line.one.psnr())),
+        ("FLIP", |line| format!("{:.4}", line.one.flip)),
+        ("off by more than 1", |line| format!("{:.2}%", 100.0 * line.one.off)),
+        ("changed by the grid", |line| {
+            line.one.changed.map_or(String::new(), |pixels| format!("{pixels} pixels"))
+        }),
+        ("roundings", |line| match (line.is_numerical, line.is_numerical_in_single) {
+            (true, _) => "numerical".into(),
+            (false, true) => "f32".into(),
+            (false, false) => String::new(),
+        }),
+    ]
+}
+
+fn cells(line: &Line) -> Vec<String> {
+    columns().iter().map(|(_, cell)| cell(line)).collect()
 }
 
 fn data(picture: &Picture) -> String {

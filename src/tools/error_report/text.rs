@@ -28,8 +28,8 @@ pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
     // The front, thinned evenly if it has too many rows. The answers are on it and stay.
     let front = report.front();
     let step = front.len().div_ceil(MOST_ROWS).max(1);
-    let is_answer = |one: &Measurement| answers.iter().any(|answer| std::ptr::eq(answer.chosen, one));
-    let is_shown = |k: usize| k.is_multiple_of(step) || k + 1 == front.len() || is_answer(front[k]);
+    let chosen: Vec<&Measurement> = answers.iter().map(|answer| answer.chosen).collect();
+    let is_shown = |k: usize| k.is_multiple_of(step) || k + 1 == front.len() || front[k].is_among(&chosen);
     let rows = (0..front.len()).filter(|&k| is_shown(k));
     let rows: Vec<String> = rows.map(|k| row(&" ".repeat(16), front[k])).collect();
     let title = match front.len() {

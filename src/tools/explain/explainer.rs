@@ -10,8 +10,8 @@ use crate::diagnostic::Diagnostic;
 use crate::math::instructions::Level;
 use crate::math::ray::Hit;
 use crate::render::renderer::Prepared;
-use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
-use crate::scene::{MaterialId, Object, Position, Scene};
+use crate::scene::material::{Material, Paint, Phong, Texture};
+use crate::scene::{MaterialId, Object, ObjectId, Position, Scene};
 use crate::shading::texture::{each_part, first_weight, is_in_boundary};
 use crate::world::{Objects, SurfacePoint, World};
 
@@ -32,6 +32,11 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let objects = Objects::new(&renderer.scene, renderer.meshes(), world);
         let objects = objects.ok_or_else(|| Diagnostic::error("the meshes were not kept"))?;
         Ok(Self { prepared, caster, world, scene: &renderer.scene, objects })
+    }
+
+    /// Returns the index of a primitive's object in the scene.
+    pub fn object_id(&self, primitive: u32) -> ObjectId {
+        self.objects.of(primitive).id
     }
 
     /// Returns the object that a primitive belongs to.
@@ -62,7 +67,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         let (mut textures, mut parts, mut is_on_boundary) = (vec![], vec![], false);
         self.world.with_rounded_point(point, |rounded| {
             let first = |id, texture: &Texture| {
-                let (name, children) = (pattern_name(texture.pattern), texture.children);
+                let (name, children) = (texture.pattern.name(), texture.children);
                 let (first, at) =
                     (first_weight(texture, rounded, Level::baseline()), self.material_position(id));
                 textures.push(TextureWeight { name, material: id, at, children, first });
@@ -121,15 +126,6 @@ impl<'p, 'r> Explainer<'p, 'r> {
             let blocker = |Hit { primitive, t }| LightBlocker { object: self.object(primitive), t };
             shadow.blocker = sees.or(at_light).map(blocker);
         }
-    }
-}
-
-fn pattern_name(pattern: Pattern) -> &'static str {
-    match pattern {
-        Pattern::Checkerboard => "Checkerboard",
-        Pattern::Noise { .. } => "Noise",
-        Pattern::Marble { .. } => "Marble",
-        Pattern::Wood { .. } => "Wood",
     }
 }
 

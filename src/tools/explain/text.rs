@@ -122,7 +122,7 @@ impl Text<'_> {
             None => "camera ray".into(),
             Some(kind) => format!(
                 "{} ray, bounce {bounces}, weight {}, times {}",
-                name(*kind),
+                kind.name(),
                 short(*weight),
                 triple(*filter)
             ),
@@ -155,7 +155,7 @@ impl Text<'_> {
         }
         self.add(format!("own colour {}", triple(node.color)));
         for &NotFollowed { kind, end } in &node.ends {
-            self.add(format!("no {} ray: {}", name(kind), self.why(kind, end)));
+            self.add(format!("no {} ray: {}", kind.name(), self.why(kind, end)));
         }
     }
 
@@ -286,13 +286,6 @@ fn head(SampleTree { pixel: [x, y], number, offset, weight, .. }: &SampleTree) -
 /// Names a material with its line in the scene's text.
 fn named_material(material: MaterialId, at: Position) -> String {
     format!("material {material} in line {}", at.line)
-}
-
-fn name(kind: Secondary) -> &'static str {
-    match kind {
-        Secondary::Reflected => "reflected",
-        Secondary::Refracted => "refracted",
-    }
 }
 
 /// Formats a number with its digits in groups of three.
