@@ -117,53 +117,6 @@ mod tests {
     }
 
     #[test]
-    fn the_lines_tell_what_is_there_and_how_the_rest_is_made() {
-        assert_eq!(
-            lines_of(
-                "raytracer -input s.txt -size 4000 4000 -output long.tga -shadows",
-                1480,
-                &[Some("long.partial.tga")]
-            ),
-            [
-                "stopped at row 1480 of 4000; wrote long.partial.tga; the rest: raytracer -input s.txt -size 4000 4000 \
-                 -output long.rest.tga -shadows -region 0 1480 4000 2520",
-                "then: raytracer -merge long.partial.tga long.rest.tga -output long.tga",
-            ]
-        );
-        assert_eq!(
-            lines_of("rt -input s.txt -output o.tga", 0, &[None]),
-            ["stopped at row 0 of 100; wrote nothing"]
-        );
-        assert_eq!(lines_of("rt -input s.txt -stats", 7, &[]), ["stopped at row 7 of 100; wrote nothing"]);
-    }
-
-    #[test]
-    fn the_rest_of_a_region_is_a_region() {
-        let line = "rt -input s.txt -region 10 20 30 40 -output o.tga -normals n.png";
-        assert_eq!(
-            lines_of(line, 5, &[Some("o.partial.tga"), Some("n.partial.png")]),
-            [
-                "stopped at row 5 of 40; wrote o.partial.tga, n.partial.png; the rest: rt -input s.txt \
-                 -output o.rest.tga -normals n.rest.png -region 10 25 30 35",
-                "then: rt -merge o.partial.tga o.rest.tga -output o.tga -region 10 20 30 40",
-                "then: rt -merge n.partial.png n.rest.png -output n.png -region 10 20 30 40",
-            ]
-        );
-    }
-
-    #[test]
-    fn the_region_of_an_enlarged_picture_is_enlarged() {
-        let line = "rt -input s.txt -region 10 20 30 40 -output o.tga -render_samples s.png 3";
-        assert_eq!(
-            lines_of(line, 5, &[Some("o.partial.tga"), Some("s.partial.png")])[1..],
-            [
-                "then: rt -merge o.partial.tga o.rest.tga -output o.tga -region 10 20 30 40",
-                "then: rt -merge s.partial.png s.rest.png -output s.png -region 30 60 90 120",
-            ]
-        );
-    }
-
-    #[test]
     fn what_has_no_parts_is_told() {
         let line = "rt -input s.txt -output o.tga -render_filter f.tga 2 -cost_map rays c.tga";
         assert_eq!(

@@ -76,27 +76,6 @@ mod tests {
     }
 
     #[test]
-    fn flags_that_shape_a_picture_are_understood() {
-        let most = most(&line(""), [0; 2]);
-        for flags in [
-            "",
-            "-size 7 9 -shadows -shade_back -bounces 3 -weight .1 -grid auto -visualize_grid",
-            "-transparent_shadows -jittered_samples 9 -seed 3 -gaussian_filter .5 -grid 3 4 5",
-            "-adaptive_samples 64 1 -mitchell_filter 2",
-        ] {
-            assert_eq!(
-                options(&words(flags), &most).map(|options| Options {
-                    input: None,
-                    page: None,
-                    preview: false,
-                    ..options
-                }),
-                Ok(Options { input: None, ..line(flags) })
-            );
-        }
-    }
-
-    #[test]
     fn no_flag_reaches_a_file_or_starts_anything_else() {
         let most = most(&line(""), [0; 2]);
         for flags in [

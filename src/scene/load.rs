@@ -327,31 +327,6 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_scene() {
-        let message = load(Path::new("no/such.txt")).unwrap_err().to_string();
-        assert!(message.starts_with("no/such.txt: error: cannot read the scene: "), "{message}");
-    }
-
-    #[test]
-    fn a_missing_mesh_is_shown_in_the_scene() {
-        let text = mesh_scene(&["no-such.obj"]);
-        let message = refuse(&[("a.txt", text.as_bytes())]);
-        for part in
-            ["a.txt:3:25: error: cannot read the mesh `no-such.obj`: tried `no-such.obj` (", ", then `", "^"]
-        {
-            assert!(message.contains(part), "{message}");
-        }
-    }
-
-    #[test]
-    fn a_broken_mesh_names_both_files() {
-        let text = mesh_scene(&["bad.obj"]);
-        let message = refuse(&[("a.txt", text.as_bytes()), ("bad.obj", b"v 0 0 0\nf 1 1 2")]);
-        assert!(message.contains("a.txt:3:25: error: in the mesh `"), "{message}");
-        assert!(message.contains("bad.obj`: line 2: a face names a vertex"), "{message}");
-    }
-
-    #[test]
     fn a_byte_order_mark_is_skipped() {
         let text = format!("\u{feff}{CAMERA}Grup");
         let message = refuse(&[("a.txt", text.as_bytes())]);

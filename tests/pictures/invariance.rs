@@ -38,11 +38,11 @@ fn picture(scene: &str, flags: &str, folder: &Path) -> Vec<u8> {
     fs::read(path).unwrap()
 }
 
-/// Renders every scene with `flags` and each variant.
-fn same_pictures_with(flags: &str, variants: &[&str]) {
+/// Renders every scene of this number with `flags` and each variant.
+fn same_pictures_with(flags: &str, variants: &[&str], step: usize) {
     let folder = tempdir().unwrap();
     let mut failures = Vec::new();
-    for scene in scenes() {
+    for scene in scenes().into_iter().step_by(step) {
         let picture = |variant: &str| picture(&scene, &format!("{flags} {variant}"), folder.path());
         let first = picture(variants[0]);
         let differ = variants[1..].iter().filter(|variant| picture(variant) != first);
@@ -53,22 +53,57 @@ fn same_pictures_with(flags: &str, variants: &[&str]) {
 
 #[test]
 fn plain_pictures_stay_the_same() {
-    same_pictures_with("-bounces 0", &GRIDS);
+    same_pictures_with("-bounces 0", &GRIDS, 1);
+}
+
+fn with_secondary_rays(step: usize) {
+    same_pictures_with("-shadows -bounces 3 -shade_back", &GRIDS, step);
 }
 
 #[test]
+fn some_pictures_with_shadows_and_secondary_rays_stay_the_same() {
+    with_secondary_rays(3);
+}
+
+#[test]
+#[ignore = "slow: half a minute"]
 fn pictures_with_shadows_and_secondary_rays_stay_the_same() {
-    same_pictures_with("-shadows -bounces 3 -shade_back", &GRIDS);
+    with_secondary_rays(1);
+}
+
+fn with_random_samples(step: usize) {
+    let flags = "-jittered_samples 2 -gaussian_filter 0.5 -transparent_shadows -bounces 0";
+    same_pictures_with(flags, &VARIANTS, step);
 }
 
 #[test]
+fn some_pictures_with_random_samples_stay_the_same() {
+    with_random_samples(3);
+}
+
+#[test]
+#[ignore = "slow: a quarter of a minute"]
 fn pictures_with_random_samples_stay_the_same() {
-    same_pictures_with("-jittered_samples 2 -gaussian_filter 0.5 -transparent_shadows -bounces 0", &VARIANTS);
+    with_random_samples(1);
+}
+
+#[test]
+fn some_pictures_with_adaptive_samples_stay_the_same() {
+    with_adaptive_samples(5);
+}
+
+#[test]
+#[ignore = "slow: half a minute"]
+fn pictures_with_adaptive_samples_stay_the_same() {
+    with_adaptive_samples(1);
 }
 
 /// No variant counts without a grid: every ray would test every primitive, a second for some scenes with these samples.
-#[test]
-fn pictures_with_adaptive_samples_stay_the_same() {
+fn with_adaptive_samples(step: usize) {
     let variants = [VARIANTS[0], "-threads 7 -grid 40 40 33 -stats", "-threads 2 -grid 7 5 3"];
-    same_pictures_with("-adaptive_samples 12 4 -tent_filter 0.8 -shadows -bounces 1 -shade_back", &variants);
+    same_pictures_with(
+        "-adaptive_samples 12 4 -tent_filter 0.8 -shadows -bounces 1 -shade_back",
+        &variants,
+        step,
+    );
 }

@@ -32,7 +32,18 @@ fn error(prepared: &Prepared, request: &Request, references: &[Vec<Color>; 2], s
 }
 
 #[test]
+fn it_is_that_against_a_converged_picture() {
+    converge(4);
+}
+
+#[test]
+#[ignore = "slow: a minute"]
 fn it_is_that_against_converged_pictures() {
+    converge(1);
+}
+
+/// Every kind of samples of this number, with every filter and scene.
+fn converge(step: usize) {
     let sampled = |pattern, count| (Sampler::new(pattern, count, Drand48::UNSEEDED), None);
     let adaptive = |most, error| (Sampler::of_adaptive(Drand48::UNSEEDED), Some(Adaptive { most, error }));
     for (scene, bounces) in [("scene6_10_nested_transformations.txt", 0), ("scene6_14_glass_sphere.txt", 4)] {
@@ -57,7 +68,11 @@ fn it_is_that_against_converged_pictures() {
                 (Sampler::DISPLACED, None),
                 adaptive(64, 8.0),
                 adaptive(256, 2.0),
-            ] {
+            ]
+            .into_iter()
+            .skip(step / 2)
+            .step_by(step)
+            {
                 let request = Request { sampler, adaptive, ..base.clone() };
                 let estimated = standard_error(&prepared, &request);
                 let estimated = estimated.expect("memory").expect("an error");

@@ -7,7 +7,7 @@ use raytracer::image_io::OutputFile;
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::load;
-use raytracer::tools::causes::{Mistake, Original};
+use raytracer::tools::causes::Original;
 
 /// A little of everything: both kinds of lights, textures, mirrors, glass, transforms, and something behind a light.
 pub const SCENE: &str = "
@@ -70,6 +70,17 @@ fn check_all(failures: &[String]) {
 
 #[test]
 fn what_another_command_line_renders_is_named() {
+    compare_command_lines(4);
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
+fn what_another_command_line_renders_is_named_in_every_case() {
+    compare_command_lines(1);
+}
+
+/// Every case of this number.
+fn compare_command_lines(step: usize) {
     let rows = [
         (FLAGS, "-size 48 36 -bounces 2", "without -shadows"),
         ("-size 48 36", "-size 48 36 -shadows", "with -shadows"),
@@ -93,7 +104,7 @@ fn what_another_command_line_renders_is_named() {
     ];
     let folder = folder();
     let mut failures = Vec::new();
-    for (flags, wrong, words) in rows {
+    for (flags, wrong, words) in rows.into_iter().step_by(step) {
         folder.run(&format!("-input s.txt {wrong} -output a.png")).ok();
         let found = cause(&folder, flags);
         if !is_named(&found, words) {
@@ -120,6 +131,17 @@ fn depths_and_normals_have_causes() {
 
 #[test]
 fn what_another_scene_shows_is_named() {
+    compare_scenes(4);
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
+fn what_another_scene_shows_is_named_in_every_case() {
+    compare_scenes(1);
+}
+
+/// Every case of this number.
+fn compare_scenes(step: usize) {
     let rows: [(&[[&str; 2]], &str); 11] = [
         (&[["up 0 1 0", "up 0 -1 0"]], "by a camera of the other handedness (turned by 180 degrees)"),
         (&[["ambientLight .2 .15 .2", ""]], "without ambient light"),
@@ -157,7 +179,7 @@ fn what_another_scene_shows_is_named() {
     ];
     let folder = folder();
     let mut failures = Vec::new();
-    for (edits, words) in rows {
+    for (edits, words) in rows.into_iter().step_by(step) {
         let edited = edits.iter().fold(SCENE.to_owned(), |text, [from, to]| {
             assert_eq!(text.matches(from).count(), 1, "{from}");
             text.replace(from, to)
@@ -250,48 +272,4 @@ pub fn with_original<T>(folder: &Folder, flags: &str, work: impl FnOnce(&Origina
         panic!("{line}")
     };
     work(&Original::new(&renderer, &options.request()).unwrap())
-}
-
-#[test]
-fn broken_rules_are_named() {
-    const SAMPLES: &str = "-size 48 36 -bounces 2 -jittered_samples 4 -gaussian_filter .6";
-    let rows = [
-        (FLAGS, "with colours rounded to bytes instead of cut"),
-        (FLAGS, "with colours times 256 instead of 255"),
-        (FLAGS, "with a gamma of 2.2"),
-        (FLAGS, "with an inverse gamma of 2.2"),
-        (FLAGS, "with shadows from behind the light"),
-        (FLAGS, "with reflections from the flipped normal"),
-        (FLAGS, "with reflected rays reversed"),
-        (FLAGS, "with reflected rays that start below the surface"),
-        (SAMPLES, "with the colours of samples clamped before they are summed"),
-        (FLAGS, "with the colours of rays clamped before they are summed"),
-        (FLAGS, "with the light of each source clamped before it is summed"),
-        (FLAGS, "with black where reflected or refracted rays hit nothing"),
-        (FLAGS, "with normals transformed by the matrix instead of its inverse transpose"),
-        (FLAGS, "with normals that are not transformed"),
-        (FLAGS, "with checkerboards whose coordinates are cut instead of floored"),
-        (FLAGS, "with an epsilon of 0.3 for secondary rays"),
-        (FLAGS, "with rays through the lower left corners of the pixels instead of their centres"),
-        (SAMPLES, "with rays through the upper left corners of the pixels instead of their centres"),
-        (FLAGS, "with rays half a pixel further to the right"),
-        (FLAGS, "with rays one pixel further down and to the right"),
-    ];
-    let folder = folder();
-    let mut failures = Vec::new();
-    for (flags, words) in rows {
-        let wrong = Mistake::all().find(|mistake| mistake.to_string().trim_start() == words);
-        let wrong = wrong.unwrap_or_else(|| panic!("{words} is unknown"));
-        let picture = with_original(&folder, flags, |original| original.picture(&[wrong]));
-        let Some(picture) = picture else {
-            failures.push(format!("{words}: does not apply"));
-            continue;
-        };
-        write(&folder, &picture);
-        let found = cause(&folder, flags);
-        if !is_named(&found, words) {
-            failures.push(format!("{words}: {found}"));
-        }
-    }
-    check_all(&failures);
 }

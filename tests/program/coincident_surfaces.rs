@@ -67,16 +67,3 @@ fn a_checkerboard_on_any_surface_is_that_on_the_plane_in_the_same_place() {
         }
     }
 }
-
-#[test]
-fn a_mesh_in_a_boundary_of_its_checkerboard_is_pointed_out() {
-    let mesh = "Transform { ZRotate 20 TriangleMesh { obj_file flat.obj } }";
-    let said = |texture: &str| {
-        let folder = Folder::with_scene(&board(texture, mesh));
-        folder.write("flat.obj", square(500));
-        folder.run("-input s.txt -size 99 99 -pixel 40 60").ok().stdout
-    };
-    let close = "close call: the point lies in a boundary of the checkerboard within roundings\n";
-    assert!(said("ZRotate -20").contains(close));
-    assert!(!said("Translate 0 0.1 0 ZRotate -20").contains(close));
-}

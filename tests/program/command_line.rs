@@ -1,6 +1,5 @@
 //! Tables of valid command lines, each with its options.
 
-use crate::support::course;
 use raytracer::caster::choose::{Resolution, Structure};
 use raytracer::cli::{Command, Comparison, Given, LivePage, Options, Output, ShowProgress, parse};
 use raytracer::diagnostic::Diagnostic;
@@ -263,64 +262,6 @@ fn the_preview_flags_are_recorded() {
     accepts("-input s.txt -gui -tessellation 100 50 -gouraud", shown(page("")));
     accepts("-input s.txt -gui -port 8080", shown(LivePage { port: Some(8080), ..page("") }));
     accepts("-no_browser -input s.txt -gui", shown(LivePage { browser: false, ..page("") }));
-}
-
-#[test]
-fn lines_in_the_style_of_the_course() {
-    let sized = || Options { size: [200, 200], outputs: vec![colors("o.tga")], ..plain() };
-    accepts(
-        "-input s.txt -size 200 200 -output o.tga -depth 14.5 19.5 d.tga",
-        Options { outputs: vec![colors("o.tga"), depth(14.5, 19.5)], ..sized() },
-    );
-    accepts(
-        "-input s.txt -size 200 200 -output o.tga -depth 9 11 d.tga -normals n.tga -shade_back",
-        Options {
-            outputs: vec![colors("o.tga"), depth(9.0, 11.0), output("n.tga", Layer::Normals)],
-            effects: Effects { shade_back: true, ..none() },
-            ..sized()
-        },
-    );
-    accepts(
-        "-input s.txt -size 200 200 -output o.tga -gui -tessellation 20 10 -gouraud",
-        Options { preview: true, page: Some(page("-size 200 200")), ..sized() },
-    );
-    accepts(
-        "-input s.txt -size 200 200 -output o.tga -shadows -bounces 5 -weight 0.01 -shade_back -gui -tessellation 30 15",
-        Options {
-            effects: Effects { shadows: Shadows::Opaque, bounces: 5, min_weight: 0.01, shade_back: true },
-            given: Given { bounces: Some(5), weight: Some(0.01), uniform_samples: false },
-            preview: true,
-            page: Some(page("-size 200 200 -shade_back -shadows -bounces 5 -weight 0.01")),
-            ..sized()
-        },
-    );
-    accepts(
-        "-input s.txt -size 200 200 -gui -grid 15 15 15 -visualize_grid -tessellation 10 5",
-        Options {
-            size: [200, 200],
-            structure: Structure::Grid(Resolution::Cells([15, 15, 15])),
-            visualize_grid: true,
-            preview: true,
-            page: Some(page("-size 200 200 -grid 15 15 15 -visualize_grid")),
-            ..plain()
-        },
-    );
-    accepts(
-        "-size 200 200 -input s.txt -output o.tga -grid 20 20 20 -stats",
-        Options { structure: Structure::Grid(Resolution::Cells([20, 20, 20])), stats: true, ..sized() },
-    );
-}
-
-/// The course's lines in `$COURSE_DIR/commands.txt`.
-#[test]
-fn the_course_s_lines_are_accepted() {
-    let Some(course) = course() else { return };
-    let text = std::fs::read_to_string(course.join("commands.txt")).unwrap();
-    let lines: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("raytracer ")).collect();
-    assert_eq!(lines.len(), 197);
-    for line in lines {
-        assert!(matches!(parse_line(line), Ok(Command::Render(_))), "{line}: {:?}", parse_line(line));
-    }
 }
 
 #[test]

@@ -188,6 +188,22 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -tessellation 10", "-tessellation"),
     ("-input s.txt -progress -quiet", "-progress ... -quiet"),
     ("-input s.txt -tessellation 10 x", "-tessellation ... x"),
+    ("-grade class", "-reference ... -commands"),
+    ("-grade class -reference ref -report page.txt", "-report ... page.txt"),
+    ("-grade class -reference ref -commands c.txt", "-reference ... -commands"),
+    ("-grade class -reference ref -input s.txt", "-grade ... -input"),
+    ("-grade class -reference ref -stats", "-grade ... -stats"),
+    ("-grade class -reference ref -compare o.tga", "-grade ... -compare"),
+    ("-error_report r", "-input"),
+    ("-input s.txt -error_report r -target -1", "-target ... -1"),
+    ("-input s.txt -error_report r -output o.png", "-error_report ... -output"),
+    ("-input s.txt -error_report r -stats", "-error_report ... -stats"),
+    ("-input s.txt -size 24 17 -pixel 24 0", "-pixel ... columns are 0 to 23 and rows 0 to 16"),
+    ("-input s.txt -size 24 17 -pixel 0 17", "-pixel ... columns are 0 to 23 and rows 0 to 16"),
+    ("-input s.txt -pixel -1 0", "-pixel ... -1"),
+    ("-input s.txt -pixel 1", "-pixel ... 2 values"),
+    ("-input s.txt -pixel 1 1 -grid 2 2 2 -visualize_grid", "-pixel ... -visualize_grid"),
+    ("-compare a.tga -reference b.tga -pixel 1 1", "-input"),
 ];
 
 #[test]

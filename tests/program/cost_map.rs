@@ -1,6 +1,6 @@
 //! `-cost_map`: what each pixel costs.
 
-use crate::support::{Folder, Run, only_line};
+use crate::support::{Folder, Run};
 use raytracer::tools::explain::cubehelix;
 
 const SCENE: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }
@@ -87,12 +87,4 @@ fn the_most_expensive_pixel_is_white_and_the_background_black() {
         "{}",
         run.stdout
     );
-}
-
-#[test]
-fn a_kind_that_is_none_is_an_error() {
-    let message = Folder::with_scene(SCENE).run("-input s.txt -cost_map time m.tga").message(2);
-    for part in ["'time'", "-cost_map", "rays, tests or cells"] {
-        assert!(only_line(&message).contains(part), "{message}");
-    }
 }

@@ -63,27 +63,6 @@ fn two_names_of_one_file_are_refused() {
 }
 
 #[test]
-fn a_file_that_is_read_is_not_replaced() {
-    let folder = folder();
-    let path = |name: &str| folder.path().join(name);
-    symlink("s.txt", path("scene.tga")).unwrap();
-    hard_link(path("s.txt"), path("scene.png")).unwrap();
-    symlink("m.obj", path("mesh.tga")).unwrap();
-    symlink("m.obj", path("mesh.json")).unwrap();
-    let (scene, mesh) = (folder.read("s.txt"), folder.read("m.obj"));
-    for (flags, expected) in [
-        ("-output scene.tga", "error: `scene.tga` would overwrite the scene `s.txt`"),
-        ("-normals scene.png", "error: `scene.png` would overwrite the scene `s.txt`"),
-        ("-output s.txt tga", "error: `s.txt` would overwrite the scene `s.txt`"),
-        ("-output mesh.tga", "error: `mesh.tga` would overwrite the mesh `m.obj`"),
-        ("-stats -json mesh.json", "error: `mesh.json` would overwrite the mesh `m.obj`"),
-    ] {
-        assert_eq!(only_line(&folder.run(&format!("-input s.txt {flags}")).message(2)), expected);
-    }
-    assert!(folder.read("s.txt") == scene && folder.read("m.obj") == mesh);
-}
-
-#[test]
 fn devices_pipes_and_distant_files_are_no_matter() {
     let folder = folder();
     symlink("/dev/null", folder.path().join("a.tga")).unwrap();
@@ -109,76 +88,28 @@ fn everything_that_is_read() -> Folder {
     folder
 }
 
-/// A run, the file that it would write over, and its message, in which `NEW` is the name that the file has for the run.
+/// A run, the file that it would write over under a name that begins with `NEW`, and what the run reads it as.
 const OVERWRITING: &[(&str, &str, &str)] = &[
-    ("-input s.txt -output NEW.tga -compare a.tga", "a.tga", "`NEW.tga` would overwrite the picture `a.tga`"),
-    (
-        "-input s.txt -output NEW.tga -reference a.tga",
-        "a.tga",
-        "`NEW.tga` would overwrite the picture `a.tga`",
-    ),
-    (
-        "-input s.txt -normals NEW.png -compare b.png",
-        "b.png",
-        "`NEW.png` would overwrite the picture `b.png`",
-    ),
-    (
-        "-compare a.tga -reference b.png -difference NEW.tga",
-        "a.tga",
-        "`NEW.tga` would overwrite the picture `a.tga`",
-    ),
-    (
-        "-compare a.tga -reference b.png -difference NEW.tga",
-        "b.png",
-        "`NEW.tga` would overwrite the picture `b.png`",
-    ),
-    (
-        "-compare a.tga -reference b.png -json NEW.json",
-        "b.png",
-        "`NEW.json` would overwrite the picture `b.png`",
-    ),
-    (
-        "-input s.txt -size 4 4 -compare a.tga -difference NEW.png",
-        "s.txt",
-        "`NEW.png` would overwrite the scene `s.txt`",
-    ),
-    (
-        "-input s.txt -size 4 4 -compare a.tga -difference NEW.png",
-        "m.obj",
-        "`NEW.png` would overwrite the mesh `m.obj`",
-    ),
-    ("-input s.txt -output o.tga -depth 1 2 NEW.pfm", "m.obj", "`NEW.pfm` would overwrite the mesh `m.obj`"),
-    ("-input s.txt -cost_map rays NEW.png", "s.txt", "`NEW.png` would overwrite the scene `s.txt`"),
-    ("-input s.txt -render_samples NEW.tga 2", "m.obj", "`NEW.tga` would overwrite the mesh `m.obj`"),
-    ("-input s.txt -render_filter NEW.tga 2", "s.txt", "`NEW.tga` would overwrite the scene `s.txt`"),
-    ("-merge top.tga rest.png -output NEW.tga", "top.tga", "`NEW.tga` would overwrite the part `top.tga`"),
-    ("-merge top.tga rest.png -output NEW.png", "rest.png", "`NEW.png` would overwrite the part `rest.png`"),
-    (
-        "-grade class -commands c.csv -report NEW.html",
-        "c.csv",
-        "`NEW.html` would overwrite the list of commands `c.csv`",
-    ),
-    (
-        "-grade class -commands c.csv -report NEW.html",
-        "s.txt",
-        "`NEW.html` would overwrite the scene `s.txt`",
-    ),
-    ("-grade class -commands c.csv -report NEW.html", "m.obj", "`NEW.html` would overwrite the mesh `m.obj`"),
-    (
-        "-grade class -commands c.csv -report NEW.html",
-        "class/bob/a.tga",
-        "`NEW.html` would overwrite the picture `class/bob/a.tga`",
-    ),
-    (
-        "-grade class -reference ref -report NEW.html",
-        "ref/a.tga",
-        "`NEW.html` would overwrite the picture `ref/a.tga`",
-    ),
-    (
-        "-grade class -reference ref -report NEW.html",
-        "class/ann/a.tga",
-        "`NEW.html` would overwrite the picture `class/ann/a.tga`",
-    ),
+    ("-input s.txt -output NEW.tga -compare a.tga", "a.tga", "picture"),
+    ("-input s.txt -output NEW.tga -reference a.tga", "a.tga", "picture"),
+    ("-input s.txt -normals NEW.png -compare b.png", "b.png", "picture"),
+    ("-compare a.tga -reference b.png -difference NEW.tga", "a.tga", "picture"),
+    ("-compare a.tga -reference b.png -difference NEW.tga", "b.png", "picture"),
+    ("-compare a.tga -reference b.png -json NEW.json", "b.png", "picture"),
+    ("-input s.txt -size 4 4 -compare a.tga -difference NEW.png", "s.txt", "scene"),
+    ("-input s.txt -size 4 4 -compare a.tga -difference NEW.png", "m.obj", "mesh"),
+    ("-input s.txt -output o.tga -depth 1 2 NEW.pfm", "m.obj", "mesh"),
+    ("-input s.txt -cost_map rays NEW.png", "s.txt", "scene"),
+    ("-input s.txt -render_samples NEW.tga 2", "m.obj", "mesh"),
+    ("-input s.txt -render_filter NEW.tga 2", "s.txt", "scene"),
+    ("-merge top.tga rest.png -output NEW.tga", "top.tga", "part"),
+    ("-merge top.tga rest.png -output NEW.png", "rest.png", "part"),
+    ("-grade class -commands c.csv -report NEW.html", "c.csv", "list of commands"),
+    ("-grade class -commands c.csv -report NEW.html", "s.txt", "scene"),
+    ("-grade class -commands c.csv -report NEW.html", "m.obj", "mesh"),
+    ("-grade class -commands c.csv -report NEW.html", "class/bob/a.tga", "picture"),
+    ("-grade class -reference ref -report NEW.html", "ref/a.tga", "picture"),
+    ("-grade class -reference ref -report NEW.html", "class/ann/a.tga", "picture"),
 ];
 
 /// What the run would write over must be as before, and nothing else be there.
@@ -193,14 +124,15 @@ fn refuse(folder: &Folder, line: &str, read: &str, expected: &str) {
 fn what_a_run_reads_it_never_writes() {
     let folder = everything_that_is_read();
     let path = |name: &str| folder.path().join(name);
-    for &(line, read, message) in OVERWRITING {
+    for &(line, read, kind) in OVERWRITING {
         let name = line.split_whitespace().find(|word| word.starts_with("NEW")).unwrap();
+        let message = format!("`{name}` would overwrite the {kind} `{read}`");
         for is_symbolic in [true, false] {
             match is_symbolic {
                 true => symlink(path(read), path(name)).unwrap(),
                 false => hard_link(path(read), path(name)).unwrap(),
             }
-            refuse(&folder, line, read, message);
+            refuse(&folder, line, read, &message);
             std::fs::remove_file(path(name)).unwrap();
         }
     }

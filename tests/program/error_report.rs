@@ -1,6 +1,6 @@
 //! `-error_report`: the numbers are those of the pictures, and the page shows them.
 
-use crate::support::{Folder, only_line, says, scene};
+use crate::support::{Folder, only_line, scene};
 use raytracer::base::shell::Shell;
 use raytracer::render::Request;
 use raytracer::render::renderer::Renderer;
@@ -178,45 +178,6 @@ fn the_target_is_answered_first_by_a_command_line_to_copy() {
 }
 
 #[test]
-fn a_person_reads_it_in_a_terminal() {
-    let folder = Folder::with_scene(&mirror());
-    let run = folder.run("-input s.txt -size 6 5 -bounces 2 -shadows -error_report r").ok();
-    for text in [&REPORT.1, &run.stdout] {
-        assert!(text.lines().count() <= 30, "{text}");
-        // Shells have no common syntax for a line that goes on in the next one.
-        let is_short = |line: &str| line.chars().count() <= 100 || line.starts_with("raytracer -input");
-        assert!(text.lines().all(is_short), "{text}");
-    }
-    let lines: Vec<&str> = run.stdout.lines().collect();
-    assert_eq!(lines[2], "  for an RMSE of     CPU s     RMSE  choose");
-    // The front has each setting that is recommended, and says how many others it has.
-    let start = lines.iter().position(|line| line.contains("front")).unwrap();
-    let front: Vec<&str> =
-        lines[start + 1..].iter().copied().take_while(|line| line.starts_with("      ")).collect();
-    assert!(lines[3..7].iter().all(|line| front.iter().any(|row| row[16..] == line[16..])), "{}", run.stdout);
-    let csv = table(&folder, "r/report.csv");
-    assert!(csv.len() > front.len() + 1);
-    let (title, _) = lines[start].split_once("CPU s").unwrap();
-    let count = |text: &str| text.trim().split_once(" of ").map(|(_, all)| all.parse::<usize>().unwrap());
-    assert!(
-        title.trim() == "the front" || title.starts_with(&format!("  front, {} of ", front.len())),
-        "{title}"
-    );
-    assert!(count(title).is_none_or(|all| all > front.len()), "{title}");
-    // Program, date, processor, system.
-    let origin = lines.iter().find(|line| line.starts_with("raytracer 0.")).unwrap();
-    let day = origin.split(", ").nth(1).unwrap().split('-').map(str::len).collect::<Vec<_>>();
-    assert!(day == [4, 2, 2] && origin.ends_with(std::env::consts::ARCH), "{origin}");
-    let targets =
-        lines[3..7].iter().map(|line| line.split_whitespace().next().unwrap().trim_end_matches('*'));
-    assert_eq!(targets.collect::<Vec<_>>(), ["0.5", "1", "2", "4"]);
-    let page = String::from_utf8(folder.read("r/report.html")).unwrap();
-    assert_eq!(page.matches("<button type=\"button\">Copy</button>").count(), 4);
-    assert_eq!(page.matches("<code>raytracer -input s.txt -size 6 5 -").count(), 5, "and the line measured");
-    assert!(page.contains(&format!("measured by {origin}.")));
-}
-
-#[test]
 fn a_target_that_nothing_reaches_is_answered_with_the_nearest_and_status_3() {
     let folder = Folder::with_scene(&mirror());
     let run = folder.run("-input s.txt -size 6 5 -error_report r -target 0");
@@ -280,21 +241,6 @@ fn an_interrupt_keeps_what_is_done() {
     let page = String::from_utf8(folder.read("r/report.html")).unwrap();
     assert!(page.contains("<strong>The run was stopped: 0 of 106 settings were measured.</strong>"));
     assert_eq!(table(&folder, "r/report.csv").len(), 1);
-}
-
-#[test]
-fn what_makes_no_sense_is_refused() {
-    let folder = Folder::with_scene(&mirror());
-    for (line, message) in [
-        ("-error_report r", "-input"),
-        ("-input s.txt -target 1", "-error_report"),
-        ("-input s.txt -error_report r -target -1", "-target ... -1"),
-        ("-input s.txt -error_report r -output o.png", "-error_report ... -output"),
-        ("-input s.txt -error_report r -stats", "-error_report ... -stats"),
-    ] {
-        assert!(says(&folder.run(line).message(2), message), "{line}");
-    }
-    assert_eq!(folder.names(), ["s.txt"]);
 }
 
 #[test]

@@ -334,8 +334,8 @@ fn broken_files_are_errors_or_pictures() {
             let message = read_picture(&path).unwrap_err().in_one_line();
             assert!(message.lines().count() == 1, "{message}");
         }
-        // The header has about 350 bytes.
-        for index in (0..400).chain((400..bytes.len()).step_by(13)) {
+        // Every byte of a header is changed in the tests of the reader.
+        for index in (0..bytes.len()).step_by(13) {
             for changed in [1, 0xff] {
                 let mut bytes = bytes.to_vec();
                 bytes[index] = changed;

@@ -90,20 +90,6 @@ fn a_run_that_fails_writes_none() {
     assert_eq!(folder.names(), ["broken.txt", "o.json", "s.txt"]);
 }
 
-#[test]
-fn a_document_that_cannot_be_written_ends_the_run_before_it_renders() {
-    let folder = Folder::with_scene(&sphere());
-    std::fs::create_dir(folder.path().join("d.json")).expect("a folder");
-    for (file, message) in [
-        ("no/o.json", "error: cannot write `no/o.json`: "),
-        ("d.json", "error: cannot write `d.json`: it is a folder"),
-    ] {
-        let stderr = folder.run(&format!("-input s.txt -output o.png -json {file}")).message(1);
-        assert!(only_line(&stderr).starts_with(message), "{stderr}");
-    }
-    assert_eq!(folder.names(), ["d.json", "s.txt"]);
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn names_that_are_not_utf_8_are_shown_as_well_as_json_can() {
@@ -120,87 +106,4 @@ fn names_that_are_not_utf_8_are_shown_as_well_as_json_can() {
         found["options"]["outputs"],
         json!([{ "kind": "color", "file": "a\u{fffd}\n.png", "format": "png" }])
     );
-}
-
-#[test]
-fn the_options_are_the_checked_values() {
-    let folder = Folder::with_scene(&sphere());
-    let options = |flags: &str| {
-        let run = folder.run(&format!("-input s.txt {flags} -json -")).ok();
-        serde_json::from_str::<Value>(&run.stdout).expect("a document")["options"].take()
-    };
-    let plain = json!({
-        "input": "s.txt",
-        "outputs": [],
-        "size": [100, 100],
-        "region": null,
-        "edition": "2004",
-        "uv": false,
-        "jitter": false,
-        "reduced": false,
-        "progress": "on_terminal",
-        "effects": { "shadows": "none", "shade_back": false, "bounces": 0, "min_weight": 0.0 },
-        "sampler": { "pattern": "uniform", "count": 1, "seed": null },
-        "adaptive": null,
-        "filter": { "kind": "box", "radius": 0.5 },
-        "structure": "any",
-        "visualize_grid": false,
-        "comparison": null,
-        "stats": false,
-        "repeat": null,
-        "strict": false,
-        "json": "-",
-        "pixel": null,
-        "preview": false,
-        "page": null,
-        "threads": null,
-    });
-    assert_eq!(options(""), plain);
-    let adaptive = options("-adaptive_samples 64 1.5");
-    assert_eq!(adaptive["adaptive"], json!({ "most": 64, "error": 1.5 }));
-    assert_eq!(adaptive["sampler"], json!({ "pattern": "sobol", "count": 2, "seed": null }));
-    for (flags, member, value) in [
-        ("-size 7 5", "size", json!([7, 5])),
-        ("-progress", "progress", json!("always")),
-        ("-quiet", "progress", json!("never")),
-        ("-region 1 2 3 4", "region", json!({"x": 1, "y": 2, "width": 3, "height": 4})),
-        ("-grid auto", "structure", json!({ "grid": "auto" })),
-        ("-grid none", "structure", json!("list")),
-        ("-grid 1 2 3", "structure", json!({ "grid": { "cells": [1, 2, 3] } })),
-        ("-gaussian_filter .25", "filter", json!({ "kind": "gaussian", "sigma": 0.25 })),
-        (
-            "-random_samples 3 -seed 4294967295",
-            "sampler",
-            json!({ "pattern": "random", "count": 3, "seed": 4294967295_u32 }),
-        ),
-        ("-jittered_samples 3", "sampler", json!({ "pattern": "jittered", "count": 3, "seed": null })),
-        (
-            "-depth 1 2.5 d.png",
-            "outputs",
-            json!([{ "kind": "depth", "near": 1.0, "far": 2.5, "file": "d.png", "format": "png" }]),
-        ),
-        (
-            "-depth 1 2.5 d.exr -normals n.pfm",
-            "outputs",
-            json!([
-                { "kind": "distance", "file": "d.exr", "format": "exr" },
-                { "kind": "signed_normals", "file": "n.pfm", "format": "pfm" },
-            ]),
-        ),
-        (
-            "-cost_map tests c.png",
-            "outputs",
-            json!([{ "kind": "cost", "cost": "tests", "file": "c.png", "format": "png" }]),
-        ),
-        (
-            "-transparent_shadows -shade_back -bounces 2 -weight .125",
-            "effects",
-            json!({ "shadows": "transparent", "shade_back": true, "bounces": 2, "min_weight": 0.125 }),
-        ),
-        ("-threads 3", "threads", json!(3)),
-    ] {
-        let mut expected = plain.clone();
-        expected[member] = value;
-        assert_eq!(options(flags), expected, "{flags}");
-    }
 }

@@ -210,6 +210,7 @@ fn scenes_that_take_long_end_with_their_client_and_block_no_other() {
 }
 
 #[test]
+#[ignore = "slow: the deadline is twenty seconds"]
 fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_no_other() {
     let folder = Folder::with_scene(GLASS);
     let server = on_one_thread(&folder);

@@ -4,7 +4,6 @@
 mod broken_rules;
 mod cases;
 mod causes;
-mod check_your_own;
 mod coincident_surfaces;
 mod command_line;
 mod convert;
@@ -41,7 +40,6 @@ mod live_editions;
 mod live_scenes;
 #[cfg(feature = "gui")]
 mod live_server;
-mod malformed_scenes;
 mod markdown;
 mod meshes;
 mod partial_causes;

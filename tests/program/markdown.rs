@@ -134,24 +134,3 @@ pub fn anchor(heading: &str) -> String {
     let kept = heading.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
     kept.collect::<String>().to_lowercase().replace(' ', "-")
 }
-
-#[test]
-fn blocks_are_found_and_their_commands() {
-    let text = "A\n\n    cargo x\n    no command\n\nB\n  c\n<!-- Not run by the tests: why. -->\n\n    ssh y \\\n      z\n\n```console\n$ a\nb\n```\n";
-    let found: Vec<_> = blocks(text)
-        .iter()
-        .map(|block| {
-            (block.is_not_run, block.commands().into_iter().map(|c| (c.line, c.shown)).collect::<Vec<_>>())
-        })
-        .collect();
-    assert_eq!(
-        found,
-        [
-            (false, vec![("cargo x".into(), None)]),
-            (true, vec![("ssh y  z".into(), None)]),
-            (false, vec![("a".into(), Some(vec!["b".into()]))]),
-        ]
-    );
-    assert_eq!(links("[a](b) ![c](d)"), [("b", false), ("d", true)]);
-    assert_eq!(anchor("Speed & `error`"), "speed--error");
-}

@@ -48,17 +48,6 @@ fn what_became_of_a_file_is_known_without_a_scene() {
     }
 }
 
-#[test]
-fn the_hint_for_another_size_names_it() {
-    let folder = folder();
-    folder.run("-input s.txt -size 48 36 -output a.png").ok();
-    let hint = "\n  hint: -size 48 36 renders that size\n";
-    for line in ["-input s.txt -compare a.png", "-input s.txt -reference a.png"] {
-        let run = folder.run(line);
-        assert!(run.stderr.ends_with(hint), "{}", run.stderr);
-    }
-}
-
 /// Numbers below `end` without an order, the same in every run.
 fn random(mut state: u64) -> impl FnMut(u64) -> u64 {
     move |end| {

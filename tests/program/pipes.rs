@@ -195,29 +195,6 @@ fn a_named_pipe_is_written_and_read() {
     assert!(folder.read("q.tga") == folder.read("o.tga"));
 }
 
-#[cfg(unix)]
-#[test]
-fn a_mesh_is_a_regular_file() {
-    let folder = Folder::with_scene(&scene(1, "TriangleMesh { obj_file m.obj }"));
-    let path = folder.path().join("m.obj");
-    let refuse = |reason: &str| {
-        let message = folder.run("-input s.txt").message(1);
-        assert!(
-            message.starts_with("s.txt:5:25: error: cannot read the mesh `m.obj`: tried `m.obj`"),
-            "{message}"
-        );
-        assert!(message.contains(reason) && !message.contains("did you mean"), "{message}");
-    };
-    make_pipe(&folder, "m.obj");
-    refuse("it is a pipe or a device, not a regular file");
-    std::fs::remove_file(&path).unwrap();
-    std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
-    refuse("it is a pipe or a device, not a regular file");
-    std::fs::remove_file(&path).unwrap();
-    std::fs::create_dir(&path).unwrap();
-    refuse("it is a folder");
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn a_scene_without_an_end_is_refused() {

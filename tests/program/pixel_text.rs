@@ -1,7 +1,7 @@
 //! What `-pixel` prints.
 
 use crate::pixel_scenes::{BOARD, GLASS, MARBLE, MESH, OBJ, numbers};
-use crate::support::{Folder, says};
+use crate::support::Folder;
 
 /// What the program prints for a pixel.
 fn said(text: &str, flags: &str) -> String {
@@ -110,32 +110,6 @@ fn a_shadow_ray_names_what_blocks_or_tints_it() {
     assert!(!said(scene, &flags("")).contains("shadow ray"));
 }
 
-#[test]
-fn textures_say_how_their_materials_are_mixed() {
-    let texture = [
-        "material 3 in line 7 is a Wood: material 2 weighs ",
-        "material 2 in line 6 is a Marble: material 0 weighs ",
-    ];
-    assert_says(MARBLE, "-size 20 20 -pixel 14 10", &texture);
-    assert_says(BOARD, "-size 20 20 -pixel 10 10", &["material 2 in line 5 is a Checkerboard: material "]);
-}
-
-#[test]
-fn materials_are_named_by_their_lines_and_say_what_matters() {
-    let line = "material 0 in line 7: diffuse (0.1, 0.1, 0.1), specular (0.9, 0.9, 0.9) with exponent 30, \
-                reflective (0.3, 0.3, 0.3), transparent (0.8, 0.7, 0.7) with index of refraction 1.5";
-    assert_says(GLASS, "-size 20 20 -pixel 10 10", &[line]);
-    // A material that stands in the group, as in 2003.
-    let scene = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
-        Materials { numMaterials 1 Material { } }
-        Group { numObjects 1
-          Material { diffuseColor 1 0 0 }
-          Sphere { center 0 0 0 radius 1 } }";
-    let line = "material 1 in line 4: diffuse (1, 0, 0), specular (0, 0, 0), reflective (0, 0, 0), \
-                transparent (0, 0, 0)";
-    assert_says(scene, "-size 3 3 -pixel 1 1", &[line]);
-}
-
 const CLOSE: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 3 }
     Lights { numLights 1 LIGHT }
     Materials { numMaterials 3 Material { diffuseColor .25 .43 .3 } Material { diffuseColor 0 0 1 }
@@ -210,25 +184,4 @@ fn a_pixel_may_be_explained_beside_pictures_and_statistics() {
     assert!(both.ends_with(&alone) && both.len() > alone.len(), "{both}");
     let byte = folder.tga("a.tga").at(11, 8).map(f64::from);
     assert_eq!(numbers(&alone, "bytes"), byte);
-}
-
-#[test]
-fn a_pixel_that_cannot_be_explained_is_an_error() {
-    let folder = Folder::with_scene(GLASS);
-    let outside = "-pixel ... columns are 0 to 23 and rows 0 to 16";
-    for (flags, message) in [
-        ("-pixel 24 0", outside),
-        ("-pixel 0 17", outside),
-        ("-pixel -1 0", "-pixel ... -1"),
-        ("-pixel 1.5 0", "-pixel ... 1.5"),
-        ("-pixel 1", "-pixel ... 2 values"),
-        ("-pixel 1 1 -grid 2 2 2 -visualize_grid", "-pixel ... -visualize_grid"),
-    ] {
-        let found = folder.run(&format!("-input s.txt -size 24 17 {flags}")).message(2);
-        assert!(says(&found, message), "{flags}: {found}");
-    }
-    let found = folder.run("-compare a.tga -reference b.tga -pixel 1 1").message(2);
-    assert!(says(&found, "-input"), "{found}");
-    // A deep hall of mirrors is as well explained as rendered.
-    folder.run("-input s.txt -size 9 9 -pixel 4 4 -bounces 11").ok();
 }

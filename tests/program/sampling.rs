@@ -38,19 +38,6 @@ const FILTERS: [&str; 5] =
     ["", "-box_filter 1.2", "-tent_filter 2", "-gaussian_filter .7", "-mitchell_filter 2"];
 
 #[test]
-fn the_bytes_do_not_depend_on_the_number_of_threads() {
-    let folder = colorful();
-    for sampler in SAMPLERS {
-        for filter in FILTERS {
-            let render =
-                |threads| folder.render(&format!("-size 31 23 {sampler} {filter} -threads {threads}"));
-            let one = render(1);
-            assert!([2, 7].into_iter().all(|threads| render(threads) == one), "{sampler} {filter}");
-        }
-    }
-}
-
-#[test]
 fn one_uniform_sample_is_the_centre() {
     let folder = colorful();
     let plain = folder.render("-size 30 20");

@@ -297,11 +297,3 @@ fn hints_name_what_was_meant() {
         assert_eq!(refuse(text).hint.as_deref(), Some(hint), "{text}");
     }
 }
-
-#[test]
-fn the_rendered_message_in_full() {
-    let text = format!("{CAMERA}\nGroup {{ numObjects 1\n\tMaterial {{ }}\n\tSphre {{ }}\n}}\n");
-    let wanted = "my scene.txt:4:2: error: expected an object, found `Sphre`\n    \
-                  4 |  Sphre { }\n      |  ^\n  hint: did you mean `Sphere`?";
-    assert_eq!(refuse(&text).in_text(Path::new("my scene.txt"), &text).to_string(), wanted);
-}

@@ -212,21 +212,6 @@ fn a_pixel_that_takes_too_long_is_left_in_the_middle() {
     }
 }
 
-#[test]
-fn progress_is_for_terminals_and_for_those_who_ask() {
-    let folder = Folder::with_scene(&sphere());
-    // Long enough for a terminal, on most machines; not for a line of its own elsewhere.
-    for flags in ["", "-progress", "-quiet"] {
-        let run =
-            folder.run(&format!("-input s.txt -size 20 2000 -random_samples 200 -output o.tga {flags}")).ok();
-        assert!(
-            run.stderr.lines().all(|line| line.starts_with("rendering ") && flags == "-progress"),
-            "{}",
-            run.stderr
-        );
-    }
-}
-
 /// Scenes of which one ray takes long: 4000 ellipsoids in almost one place, and 4000 lights in the plane of 4000
 /// triangles.
 fn scenes_of_long_rays() -> [String; 2] {
@@ -253,11 +238,20 @@ fn scenes_of_long_rays() -> [String; 2] {
 
 #[test]
 fn a_ray_that_takes_long_is_left_in_the_middle() {
+    leave_rays(&["-shadows"]);
+}
+
+#[test]
+#[ignore = "slow: twenty seconds"]
+fn a_ray_that_takes_long_is_left_in_the_middle_with_any_flags() {
+    leave_rays(&["-shadows -stats -grid 20 20 20", "-transparent_shadows", "-adaptive_samples 64 2"]);
+}
+
+/// Ends runs with these flags, in which single rays take long.
+fn leave_rays(all_flags: &[&str]) {
     for scene in scenes_of_long_rays() {
         let folder = Folder::with_scene(&scene);
-        for flags in
-            ["-shadows", "-shadows -stats -grid 20 20 20", "-transparent_shadows", "-adaptive_samples 64 2"]
-        {
+        for flags in all_flags {
             let child = start(&folder, &format!("-input s.txt -size 900 900 -output o.tga {flags}"));
             // The picture would take hours.
             sleep(Duration::from_secs(2));

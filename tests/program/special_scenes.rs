@@ -75,9 +75,19 @@ fn a_hall_of_perfect_mirrors_ends_by_bounces() {
     assert!(run.stdout.contains("\n  num non-shadow rays        400004\n"), "{}", run.stdout);
 }
 
-/// Rays that split at each of a million bounces are refused while those that wait still fit into memory.
 #[test]
 fn rays_that_split_without_end_are_an_error() {
+    split_without_end(&[""]);
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
+fn rays_that_split_without_end_are_an_error_with_any_flags() {
+    split_without_end(&["-stats", "-random_samples 4 -shadows"]);
+}
+
+/// Rays that split at each of a million bounces are refused while those that wait still fit into memory.
+fn split_without_end(all_flags: &[&str]) {
     let folder = Folder::with_scene(
         "PerspectiveCamera { center .1 .2 .3 direction 3 2 1 up 0 1 0 angle 40 }
          Lights { numLights 0 } Materials { numMaterials 1
@@ -85,7 +95,7 @@ fn rays_that_split_without_end_are_an_error() {
          Group { numObjects 2 MaterialIndex 0 Box { min -1 -1 -1 max 1 1 1 } Box { min -2 -2 -2 max 2 2 2 } }",
     );
     folder.write("o.tga", "old");
-    for flags in ["", "-stats", "-random_samples 4 -shadows"] {
+    for flags in all_flags {
         let line = format!("-input s.txt -size 2 2 -shade_back -bounces 1000000 -output o.tga {flags}");
         let message = folder.run(&line).message(1);
         assert!(message.contains("the rays of one pixel split without end"), "{line}: {message}");

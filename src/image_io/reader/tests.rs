@@ -143,24 +143,6 @@ fn bmp_from_the_bottom_and_the_top_with_a_map_and_in_runs() {
 }
 
 #[test]
-fn ppm_of_bytes_text_and_two_bytes_with_comments() {
-    let folder = Folder::new();
-    let colors = COLORS.concat();
-    let text: String = colors.iter().map(|byte| format!("{byte}\n")).collect();
-    let wide: Vec<u8> = colors.iter().flat_map(|&byte| [byte, byte]).collect();
-    for file in [
-        [b"P6\n3 2\n255\n", colors.as_slice()].concat(),
-        [b"P6\n# by hand\n3 2 255\n", colors.as_slice()].concat(),
-        format!("P3\n3 2\n255\n{text}").into_bytes(),
-        [b"P6 3 2 65535\n", wide.as_slice()].concat(),
-    ] {
-        assert_eq!(folder.read("a.ppm", &file).unwrap(), picture(&COLORS));
-    }
-    let grey = [b"P5 3 2 255\n", GREYS.as_slice()].concat();
-    assert_eq!(folder.read("a.ppm", &grey).unwrap(), picture(&GREYS.map(|level| [level; 3])));
-}
-
-#[test]
 fn sizes_that_do_not_fit_the_file_are_rejected_before_memory_is_allocated() {
     let folder = Folder::new();
     let expected = |name: &str| format!("cannot read `F/{name}`: it is too short for 65535 x 65535 pixels");
@@ -284,18 +266,6 @@ fn a_damaged_byte_leads_to_a_picture_or_an_error() {
 }
 
 #[test]
-fn types_that_are_not_in_use_are_errors() {
-    let folder = Folder::new();
-    for image_type in [0, 4, 8, 12, 32, 255] {
-        let file = Tga { image_type, bits: 8, descriptor: 0, map: (0, 0, 0) }
-            .file(&[], &GREYS.map(|level| vec![level]));
-        let expected =
-            format!("cannot read `F/a.tga`: TGA of type {image_type} is not supported; save it as");
-        assert!(folder.complaint("a.tga", &file).starts_with(&expected));
-    }
-}
-
-#[test]
 fn an_index_outside_the_colour_map_is_an_error() {
     let folder = Folder::new();
     for index in [1, 8] {
@@ -327,12 +297,4 @@ fn a_file_that_its_decoder_refuses_is_an_error_with_its_reason() {
     let mut rows = Rows::open(&folder.0.path().join("a.png")).unwrap();
     let error = rows.next(&mut vec![]).unwrap_err();
     assert!(error.message.contains("CRC error"), "{error}");
-}
-
-#[test]
-fn folders_are_not_read() {
-    let folder = Folder::new();
-    fs::create_dir(folder.0.path().join("a.png")).unwrap();
-    let error = read_picture(&folder.0.path().join("a.png")).unwrap_err();
-    assert!(error.to_string().ends_with("it is not a regular file"), "{error}");
 }

@@ -213,51 +213,6 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_differ_are_named() {
-        let error = Comparison::new(&Picture::new(7, 3).unwrap(), &reference()).unwrap_err();
-        assert_eq!(error.message, "the pictures differ in size: 7 x 3 pixels against 5 x 4");
-        assert!(Comparison::new(&Picture::new(4, 5).unwrap(), &reference()).is_err());
-    }
-
-    #[test]
-    fn the_block_of_a_difference() {
-        let found = comparison(&[(1, 2, [140, 100, 70]), (3, 3, [100, 101, 100])]);
-        let found = Comparison { mean_flip: Some(0.0123456), ..found };
-        let expected = "\
-********************************************
-PICTURE COMPARISON
-  size                       5x4
-  pixels that differ         2 (10.0000%)
-  by more than one level     1 (5.0000%)
-  largest difference         40 at (1, 2): (140, 100, 70) against (100, 100, 100)
-  root mean square error     6.456263 levels
-  PSNR                       31.93 dB
-  mean FLIP                  0.012346
-  differing beside an edge   50.0000%
-********************************************
-";
-        assert_eq!(found.to_string(), expected);
-    }
-
-    #[test]
-    fn the_block_of_equal_pictures() {
-        let expected = "\
-********************************************
-PICTURE COMPARISON
-  size                       5x4
-  pixels that differ         0 (0.0000%)
-  by more than one level     0 (0.0000%)
-  largest difference         0
-  root mean square error     0.000000 levels
-  PSNR                       inf dB
-  mean FLIP                  0.000000
-  differing beside an edge   NULL
-********************************************
-";
-        assert_eq!(comparison(&[]).to_string(), expected);
-    }
-
-    #[test]
     fn both_numbers_are_the_last_that_pass() {
         let black = Picture::new(4, 1).unwrap();
         let other = Picture::from_rgb(4, 1, vec![0, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 7]);

@@ -183,14 +183,6 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_differ_are_an_error() {
-        let [a, b] = [1, 2].map(|width| Picture::new(width, 1).unwrap());
-        assert!(
-            DifferencePicture::of_bytes(&a, &b).is_err_and(|error| error.message.contains("differ in size"))
-        );
-    }
-
-    #[test]
     fn panels_that_exceed_the_widest_picture_are_an_error() {
         assert!(canvas([u32::MAX / 3, 1]).is_err());
         assert!(canvas([u32::MAX, 1]).is_err());

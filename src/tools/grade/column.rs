@@ -360,6 +360,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: a quarter of a minute"]
     fn large_pictures_are_held_one_at_a_time() {
         let large = |level: u8| Pixels::Bytes(Picture::from_rgb(4800, 4700, vec![level; 4800 * 4700 * 3]));
         let reference = Reference::of_file(large(0));

@@ -26,45 +26,14 @@ pub const CASES: &[Case] = &[
         "error: cannot read `header.tga`: it ends within its header",
     ),
     (
-        "r -compare short.tga -reference b.tga",
-        1,
-        "error: cannot read `short.tga`: it is too short for 4 x 4 pixels",
-    ),
-    (
-        "r -compare type.tga -reference b.tga",
-        1,
-        "error: cannot read `type.tga`: TGA of type 77 is not supported",
-    ),
-    (
-        "r -compare vast.tga -reference b.tga",
-        1,
-        "error: cannot read `vast.tga`: it is too short for 65535 x 65535 pixels",
-    ),
-    (
-        "r -compare cut.png -reference b.tga",
-        1,
-        "error: cannot read `cut.png`: it is too short for 4 x 4 pixels",
-    ),
-    (
         "r -compare swapped.png -reference b.tga",
         1,
         "error: cannot read `swapped.png`: it is a TGA file\n  hint: name it `swapped.tga`",
     ),
     (
-        "r -compare folder.tga -reference b.tga",
-        1,
-        "error: cannot read `folder.tga`: it is not a regular file",
-    ),
-    (
         "r -compare wide.tga -reference b.tga",
         1,
         "error: cannot compare `wide.tga` with `b.tga`: the pictures differ in size: 5 x 4 pixels against 4 x 4",
-    ),
-    ("r -compare b.tga -reference gone.png", 1, "error: cannot read `gone.png`: No such file or directory"),
-    (
-        "r -compare b.tga -reference wide.tga -tolerance 255 99",
-        1,
-        "error: cannot compare `b.tga` with `wide.tga`: the pictures differ in size: 4 x 4 pixels against 5 x 4",
     ),
     (
         "r -compare b.tga -reference b.tga -difference gone/d.png",

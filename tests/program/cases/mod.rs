@@ -26,42 +26,27 @@ fn faulty_scenes() -> Vec<(&'static str, Vec<u8>)> {
     let material = "Material { } ";
     vec![
         ("empty.txt", vec![]),
-        ("blank.txt", b" \n\t\r\n".to_vec()),
-        ("comment.txt", b"# nothing else\n// at all".to_vec()),
         ("binary.txt", b"\x7fELF\x02\x01\x01\x00\xff\xfe\x80".to_vec()),
         ("utf16.txt", b"\xff\xfeG\0r\0o\0u\0p\0".to_vec()),
         ("latin1.txt", b"# caf\xe9\nCaf\xe9 {\n".to_vec()),
         ("nul.txt", group("numObjects 0 \0")),
         ("cut.txt", sphere().into_bytes()[..150].to_vec()),
-        ("count20.txt", group("numObjects 12345678901234567890")),
         ("count21.txt", group("numObjects 123456789012345678901")),
-        ("count-vast.txt", group("numObjects 4000000000")),
-        ("count-negative.txt", group("numObjects -1")),
-        ("count-fraction.txt", group("numObjects 1.5")),
-        ("count-word.txt", group("numObjects many")),
-        ("index20.txt", group(&format!("numObjects 1 {material} MaterialIndex 12345678901234567890"))),
         ("long-word.txt", group(&format!("numObjects 1 {}", "x".repeat(100_000)))),
         ("long-line.txt", group(&format!("{} numObjects 1 Ball", " ".repeat(100_000)))),
         ("long-name.txt", mesh_scene(&format!("{}.obj", "n".repeat(100_000))).into_bytes()),
         ("long-number.txt", group(&format!("numObjects {}", "9".repeat(100_000)))),
         ("braces.txt", b"{".repeat(100_000)),
-        ("closing.txt", group("numObjects 0 } }")),
         ("deep.txt", nested(50_000, "}").into_bytes()),
         ("deep-open.txt", nested(50_000, "").into_bytes()),
         ("escape.txt", group("numObjects 1 \x1b[31mred\x1b[0m")),
         ("bell.txt", mesh_scene("\x07\x1b]0;title\x07.obj").into_bytes()),
-        ("infinite.txt", group(&format!("numObjects 1 {material} Sphere {{ center inf 0 0 radius 1 }}"))),
-        ("beyond.txt", group(&format!("numObjects 1 {material} Sphere {{ center 1e101 0 0 radius 1 }}"))),
         ("flat.txt", group(&format!("numObjects 1 {material} Transform {{ Scale 0 1 1 {BALL} }}"))),
         (
             "grown.txt",
             group(&format!("numObjects 1 {material} Transform {{ {} {BALL} }}", "Scale 1e99 1 1 ".repeat(4))),
         ),
         ("tiny.txt", group(&format!("numObjects 1 {material} Transform {{ UniformScale 1e-99 {BALL} }}"))),
-        ("no-camera.txt", b"Group { numObjects 0 }".to_vec()),
-        ("no-group.txt", CAMERA.as_bytes().to_vec()),
-        ("bare.txt", group(&format!("numObjects 1 {BALL}"))),
-        ("light.txt", [CAMERA, "Lights { numLights 1 SpotLight { } }"].concat().into_bytes()),
         ("dark.txt", group("numObjects 0")),
     ]
 }
@@ -83,40 +68,11 @@ fn odd_meshes() -> Vec<(&'static str, Vec<u8>)> {
     let after = |text: &str| format!("{three}{text}").into_bytes();
     vec![
         ("empty", vec![]),
-        ("vertices", after("")),
-        ("word", b"v 0 0 zero\nf 1 1 1\n".to_vec()),
-        ("short", b"v 0 0\nf 1 1 1\n".to_vec()),
-        ("two", after("f 1 2\n")),
-        ("index", after("f 1 2 4\n")),
-        ("zero", after("f 0 1 2\n")),
-        ("negative", after("f -1 -2 -4\n")),
         ("letters", after("f a b c\n")),
-        ("big-index", after("f 1 2 99999999999999999999\n")),
-        ("nan", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
-        ("huge", b"v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
         ("beyond", b"v 1e200 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
-        ("weightless", b"v 1 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
-        ("latin1", b"v \xe9 0 0\nf 1 1 1\n".to_vec()),
         ("binary", b"\0\x01\x02\xff\xfe".to_vec()),
-        ("continued-index", after("f 1 2 \\\n9\n")),
         ("continued-later", after("f 1 2 \\\n3\nf 1 2\n")),
-        ("continued-end", after("f 1 2 \\")),
-        ("continued", after("f 1 \\\n 2 \\\r\n 3\n")),
-        ("continued-vertex", b"v -1 -1 \\\n 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
-        ("comment", after("# C:\\meshes\\\nf 1 2 3\n")),
-        ("slashes", after("vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3/1\n")),
-        (
-            "windows",
-            after("f 1 2 3\n")
-                .into_iter()
-                .flat_map(|b| [&[b'\r', b][usize::from(b != b'\n')..]].concat())
-                .collect(),
-        ),
-        ("marked", [b"\xef\xbb\xbf".to_vec(), after("f 1 2 3\n")].concat()),
-        ("no-end", after("f 1 2 3")),
         ("polygon", after("v -2 2 0\nf 1 2 3 4\n")),
-        ("groups", after("g one\no two\ns off\nusemtl gone\nmtllib gone.mtl\nf -3 -2 -1\n")),
-        ("curves", after("l 1 2\np 1\ncurv 0 1 1 2\nf 1 2 3\n")),
         ("long-line", after(&format!("f {}\n", "x".repeat(100_000)))),
     ]
 }
@@ -139,13 +95,9 @@ fn folder() -> Folder {
     folder.run("-input s.txt -size 4 4 -output b.tga").ok();
     folder.run("-input s.txt -size 4 4 -output b.png").ok();
     folder.run("-input s.txt -size 5 4 -output wide.tga").ok();
-    let (tga, png) = (folder.read("b.tga"), folder.read("b.png"));
+    let tga = folder.read("b.tga");
     folder.write("class/anna/b.tga", &tga);
     folder.write("header.tga", &tga[..10]);
-    folder.write("short.tga", &tga[..40]);
-    folder.write("type.tga", [&tga[..2], &[77], &tga[3..]].concat());
-    folder.write("vast.tga", [&tga[..12], &[255; 4], &tga[16..]].concat());
-    folder.write("cut.png", &png[..png.len() / 2]);
     folder.write("swapped.png", &tga);
     folder.write("c.txt", "raytracer -input s.txt -size 4 4 -output b.tga\n");
     folder.write("c-bad.txt", "raytracer -input s.txt -shadow\n");
