@@ -8,7 +8,7 @@ use crate::cli::{Options, Output};
 use crate::image_io::OutputFile;
 use crate::render::Tracing;
 use crate::render::renderer::Renderer;
-use crate::scene::material::Material;
+use crate::scene::material::{Material, Pattern, Texture};
 use crate::scene::{Light, Object};
 use crate::stats::{self, Repeats};
 use crate::tools::compare::{Brightness, Difference, Tolerance};
@@ -109,10 +109,10 @@ fn scene(renderer: &Renderer) -> Value {
         ]),
         "materials": counts(&scene.materials, &[
             ("phong", |one| matches!(one, Material::Phong(_) | Material::Painted(..))),
-            ("checkerboard", |one| is_texture(one, "Checkerboard")),
-            ("noise", |one| is_texture(one, "Noise")),
-            ("marble", |one| is_texture(one, "Marble")),
-            ("wood", |one| is_texture(one, "Wood")),
+            ("checkerboard", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Checkerboard, .. }))),
+            ("noise", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Noise { .. }, .. }))),
+            ("marble", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Marble { .. }, .. }))),
+            ("wood", |one| matches!(one, Material::Texture(Texture { pattern: Pattern::Wood { .. }, .. }))),
         ]),
         // The nodes of the tree.
         "objects": counts(&scene.objects, &[
@@ -132,10 +132,6 @@ fn scene(renderer: &Renderer) -> Value {
         },
         "bounds": renderer.bounds(),
     })
-}
-
-fn is_texture(material: &Material, name: &str) -> bool {
-    matches!(material, Material::Texture(texture) if texture.pattern.name() == name)
 }
 
 /// The name of a kind, and a test for it.

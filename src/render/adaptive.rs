@@ -115,7 +115,8 @@ const SQUARE: usize = 8;
 /// The number of squares after which the groups repeat along each axis.
 const TURNS: usize = 4;
 const GROUPS: usize = TURNS * TURNS;
-/// The number of sides that a pixel can be on along an axis: in a square, or between two.
+/// The number of places along an axis that differ in the groups around: the middle of a square, or its border with the
+/// next one.
 const SIDES: usize = 2 * TURNS;
 const SURROUNDINGS: usize = SIDES * SIDES;
 
@@ -282,7 +283,7 @@ struct Pixel {
     surroundings: u8,
 }
 
-/// Pixels of about the same D, as far as the neighbours tell.
+/// Pixels with about equal rings and covered parts. Both are rounded to classes, so that a tile has few kinds.
 #[derive(Clone, Copy)]
 struct Kind {
     /// The square of the range of the neighbours' pilot samples.
@@ -564,11 +565,11 @@ impl<'t, 'a> Tile<'t, 'a> {
             *weights += if speck.is_alone() { f64::from(speck.part) } else { 1.0 };
         }
         for (group, decisions) in self.groups.iter_mut().enumerate() {
-            for (kind, mean) in decisions.unseen.iter_mut().enumerate() {
+            for (has_speck, mean) in decisions.unseen.iter_mut().enumerate() {
                 let [mut sum, mut weights] = [0.0; 2];
-                for index in (0..SURROUNDINGS).filter(|&index| !has(index, group)) {
-                    sum += sums[index][kind][0];
-                    weights += sums[index][kind][1];
+                for index in (0..SURROUNDINGS).filter(|&index| !is_left_out(index, group)) {
+                    sum += sums[index][has_speck][0];
+                    weights += sums[index][has_speck][1];
                 }
                 *mean = if weights > 0.0 { (sum / weights) as f32 } else { 0.0 };
             }
@@ -580,13 +581,13 @@ impl<'t, 'a> Tile<'t, 'a> {
     fn alike(&self) -> Vec<Alike> {
         // A half that is brighter than white may well get darker, so its brightness counts up to a limit.
         let brightest = if self.planner.request.has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST };
-        let numbers = usize::from(self.planner.settings.most.ilog2() as u8) + 1;
+        let counts = self.planner.settings.most.ilog2() as usize + 1;
         let mut alike: Vec<Alike> = vec![];
-        let mut indices = vec![None; self.kinds.len() * numbers];
+        let mut indices = vec![None; self.kinds.len() * counts];
         for (k, pixel) in self.pixels.iter().enumerate() {
             let (kind, doublings) = (pixel.kind, pixel.doublings.unwrap_or(LEAST));
             let index =
-                *indices[usize::from(kind) * numbers + usize::from(doublings)].get_or_insert_with(|| {
+                *indices[usize::from(kind) * counts + usize::from(doublings)].get_or_insert_with(|| {
                     alike.push(Alike { kind, doublings, by_surroundings: [Sums::default(); SURROUNDINGS] });
                     alike.len() - 1
                 });
@@ -603,7 +604,7 @@ impl<'t, 'a> Tile<'t, 'a> {
     fn deciding_pixels(&self, group: usize, alike: &[Alike]) -> DecidingPixels {
         let cell = |alike: &Alike| {
             let mut all = Sums::default();
-            let decides = |&(index, _): &(usize, &Sums)| !has(index, group);
+            let decides = |&(index, _): &(usize, &Sums)| !is_left_out(index, group);
             for (_, sums) in alike.by_surroundings.iter().enumerate().filter(decides) {
                 all.pixels += sums.pixels;
                 all.error += sums.error;
@@ -719,8 +720,8 @@ fn surroundings(place: [usize; 2]) -> u8 {
     (SIDES * y + x) as u8
 }
 
-/// Returns true if a pixel or its neighbours are of this group. The group leaves the pixel out.
-fn has(surroundings: usize, group: usize) -> bool {
+/// Returns true if this group leaves pixels with these surroundings out: they or their neighbours are of the group.
+fn is_left_out(surroundings: usize, group: usize) -> bool {
     let is_on = |side: usize, turn: usize| {
         turn == side / 2 || (side.is_multiple_of(2) && (turn + 1) % TURNS == side / 2)
     };
@@ -761,7 +762,7 @@ mod tests {
         for [x, y] in (0..80usize).flat_map(|y| (0..80usize).map(move |x| [x, y])) {
             let rows = y.saturating_sub(1)..y + 2;
             let near = rows.flat_map(|y| (x.saturating_sub(1)..x + 2).map(move |x| 1u32 << group([x, y])));
-            let found = (0..GROUPS).filter(|&group| has(usize::from(surroundings([x, y])), group));
+            let found = (0..GROUPS).filter(|&group| is_left_out(usize::from(surroundings([x, y])), group));
             let found = found.fold(0, |all, group| all | 1 << group);
             let near = near.fold(0, |all, bit| all | bit);
             // At the first column and row of a tile, more are left out.

@@ -38,7 +38,7 @@ fn picture(scene: &str, flags: &str, folder: &Path) -> Vec<u8> {
     fs::read(path).unwrap()
 }
 
-/// Renders every scene of this number with `flags` and each variant.
+/// Renders every `step`th scene with `flags` and each variant.
 fn same_pictures_with(flags: &str, variants: &[&str], step: usize) {
     let folder = tempdir().unwrap();
     let mut failures = Vec::new();

@@ -42,7 +42,7 @@ fn it_is_that_against_converged_pictures() {
     converge(1);
 }
 
-/// Every kind of samples of this number, with every filter and scene.
+/// Tries every `step`th kind of samples, with every filter and scene.
 fn converge(step: usize) {
     let sampled = |pattern, count| (Sampler::new(pattern, count, Drand48::UNSEEDED), None);
     let adaptive = |most, error| (Sampler::of_adaptive(Drand48::UNSEEDED), Some(Adaptive { most, error }));

@@ -79,7 +79,7 @@ fn what_another_command_line_renders_is_named_in_every_case() {
     compare_command_lines(1);
 }
 
-/// Every case of this number.
+/// Tries every `step`th case.
 fn compare_command_lines(step: usize) {
     let rows = [
         (FLAGS, "-size 48 36 -bounces 2", "without -shadows"),
@@ -140,7 +140,7 @@ fn what_another_scene_shows_is_named_in_every_case() {
     compare_scenes(1);
 }
 
-/// Every case of this number.
+/// Tries every `step`th case.
 fn compare_scenes(step: usize) {
     let rows: [(&[[&str; 2]], &str); 11] = [
         (&[["up 0 1 0", "up 0 -1 0"]], "by a camera of the other handedness (turned by 180 degrees)"),

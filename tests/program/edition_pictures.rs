@@ -40,7 +40,7 @@ fn mistakes_of_the_editions_are_found() {
     find_mistakes(1);
 }
 
-/// Makes mistakes that are common in the editions, every one of this number, each of which must be found.
+/// Makes every `step`th of the mistakes that are common in the editions, each of which must be found.
 fn find_mistakes(step: usize) {
     type Change = fn(&mut Scene);
     let cases: [(&str, Change, &str); 10] = [

@@ -128,7 +128,7 @@ fn every_stage_ends_well_with_any_amount_of_memory() {
     try_stages(1, 8);
 }
 
-/// Tries every stage of this number with more and more memory: each time by one `part` of it.
+/// Tries every `step`th stage with more and more memory, which grows by one `part`th each time.
 fn try_stages(step: usize, part: usize) {
     let folder = folder();
     let files = folder.names();

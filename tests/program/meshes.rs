@@ -15,8 +15,8 @@ fn nothing_shows_through_along_any_edge_of_two_polygons() {
     look_along_edges(1);
 }
 
-/// Casts rays along an edge that two polygons share, on which both have a corner that lies between two others. Of the
-/// directions and first corners, tries every one of this number.
+/// Casts rays along an edge that two polygons share, on which both have a corner that lies between two others, for every
+/// `step`th pair of a direction and a first corner.
 fn look_along_edges(step: usize) {
     let folder = Folder::new();
     // An edge from -4 to 4 with a corner at 0.1, below a house and above a trough.

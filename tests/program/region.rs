@@ -322,7 +322,7 @@ fn a_part_in_which_any_byte_is_changed_is_refused() {
     try_bytes(1);
 }
 
-/// Changes every byte of this number.
+/// Changes every `step`th byte.
 fn try_bytes(step: usize) {
     let folder = folder();
     folder.run("-input s.txt -size 5 6 -output whole.tga").ok();

@@ -120,8 +120,7 @@ fn reading_every_prefix_of_every_scene_ends_in_every_edition() {
     read_prefixes(1);
 }
 
-/// Whatever of a scene has been written, reading it ends. A loop that takes no word would run for ever here. Reads every
-/// prefix of this number.
+/// Reads every `step`th prefix of every scene. A loop that takes no word would run for ever here.
 fn read_prefixes(step: usize) {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let files =
