@@ -34,7 +34,6 @@ pub use structure::StructureSize;
 
 use crate::base::patience::{Endless, Patience, Steps};
 use crate::caster::block::NONE;
-use crate::caster::bounds::Entry;
 use crate::caster::cell_counts::CellCounts;
 use crate::caster::choose::Layout;
 use crate::caster::search::{All, Any, Goal, Nearest, Search};
@@ -174,20 +173,12 @@ impl<'w> Caster<'w> {
 
     #[inline(always)]
     fn search<S: Simd, G: Goal>(&self, simd: S, ray: &Ray, origin: RayOrigin, goal: G) -> G {
-        let entry = match self.structure.as_deref() {
-            Some(structure) => structure.region.entry(simd, ray, ray.t_max),
-            None => Entry::Misses,
-        };
-        // Most rays that hit nothing end here.
-        if matches!(entry, Entry::Misses) && self.world.planes.is_empty() {
-            return goal;
-        }
         let mut search = Search::new(self.world, ray, goal, self.patience);
         if search.start(origin) && G::IS_ANY {
             return search.goal;
         }
         if let Some(structure) = self.structure.as_deref() {
-            structure.traverse(simd, &entry, &mut search);
+            structure.traverse(simd, &mut search);
         }
         search.goal
     }

@@ -17,8 +17,8 @@
 
 use crate::caster::block::LANES;
 use crate::caster::filter::FilterRay;
-use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x4, f32x8};
 
 /// The distance by which boxes are padded on each side, in roundings of single precision.
 const PADDING_ROUNDINGS: f64 = 16.0;
@@ -55,27 +55,28 @@ impl Box8 {
     }
 }
 
-/// A ray for the test, in the coordinates of the frame.
+/// A ray for the test, in the coordinates of the frame. The fourth lane of arrays is unused.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxRay {
-    /// The inverse of the direction, and the product of the origin and this inverse.
-    inverse: [f32; 3],
-    origin: [f32; 3],
-    /// The face that is met first along each axis: 0 for the lower one, 1 for the upper one.
-    near: [usize; 3],
+    /// The inverse of the direction.
+    inverse: [f32; 4],
+    /// The origin times the inverse.
+    scaled_origin: [f32; 4],
+    /// The face that is met first along each axis, one bit per axis: 0 for the lower one, 1 for the upper one.
+    near: u32,
 }
 
 impl BoxRay {
     /// Converts the filter's ray.
     #[inline(always)]
-    pub fn new(ray: &FilterRay) -> Self {
-        let [x, y, z, _] = ray.direction;
-        let inverse = [x, y, z].map(|d| 1.0 / if d.abs() < MIN_DIRECTION { MIN_DIRECTION } else { d });
-        Self {
-            inverse,
-            origin: [0, 1, 2].map(|axis| ray.origin[axis] * inverse[axis]),
-            near: inverse.map(|inverse| usize::from(inverse < 0.0)),
-        }
+    pub fn new<S: Simd>(simd: S, ray: &FilterRay) -> Self {
+        let direction = f32x4::simd_from(simd, ray.direction);
+        let least = f32x4::splat(simd, MIN_DIRECTION);
+        let direction = direction.abs().simd_lt(least).select(least, direction);
+        let inverse = 1.0 / direction;
+        let scaled_origin = f32x4::simd_from(simd, ray.origin) * inverse;
+        let near = inverse.simd_lt(0.0).to_bitmask() as u32;
+        Self { inverse: inverse.into(), scaled_origin: scaled_origin.into(), near }
     }
 }
 
@@ -92,17 +93,19 @@ pub struct Meeting {
 /// Finds the boxes that a ray may meet up to a maximum depth.
 #[inline(always)]
 pub(crate) fn meet<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, max_depth: f32) -> Meeting {
-    let [x, y, z] = ray.near;
-    let depths = |axis, face| depths(simd, node, ray, axis, face);
-    let entry = depths(0, x).max(depths(1, y)).max(depths(2, z).max(0.0));
-    let exit = depths(0, x ^ 1).min(depths(1, y ^ 1)).min(depths(2, z ^ 1).min(max_depth));
+    let near = |axis: usize| depths(simd, node, ray, axis, ray.near >> axis);
+    let far = |axis: usize| depths(simd, node, ray, axis, !ray.near >> axis);
+    let entry = near(0).max(near(1)).max(near(2).max(0.0));
+    let exit = far(0).min(far(1)).min(far(2).min(max_depth));
     Meeting { set: exit.simd_ge(entry).to_bitmask() as u32, entries: entry.into() }
 }
 
-/// Returns the depths at which the ray meets one face of each box along an axis.
+/// Returns the depths at which the ray meets one face of each box along an axis: the upper one if the last bit of `face`
+/// is 1, and otherwise the lower one.
 #[inline(always)]
-fn depths<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, axis: usize, face: usize) -> f32x8<S> {
-    f32x8::simd_from(simd, node.faces[axis][face & 1]).mul_sub(ray.inverse[axis], ray.origin[axis])
+fn depths<S: Simd>(simd: S, node: &Box8, ray: &BoxRay, axis: usize, face: u32) -> f32x8<S> {
+    let faces = node.faces[axis][(face & 1) as usize];
+    f32x8::simd_from(simd, faces).mul_sub(ray.inverse[axis], ray.scaled_origin[axis])
 }
 
 #[cfg(test)]
@@ -114,8 +117,7 @@ mod tests {
     use glam::DVec3;
 
     fn meet(level: Level, node: &Box8, ray: &FilterRay) -> Meeting {
-        let box_ray = &BoxRay::new(ray);
-        dispatch!(level, simd => super::meet(simd, node, box_ray, ray.max_depth))
+        dispatch!(level, simd => super::meet(simd, node, &BoxRay::new(simd, ray), ray.max_depth))
     }
 
     /// Returns a node with a single box in the last lane, padded by `padding`.

@@ -121,17 +121,16 @@ const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
 type Stack = ArrayVec<(f32, Branch), MAX_WAITING>;
 
 impl AccelerationStructure {
-    /// Hands the primitives near the ray to the search. `ray_entry` is how the ray enters the structure.
+    /// Hands the primitives near the ray to the search.
     #[inline(always)]
-    pub fn traverse<S: Simd, G: Goal>(&self, simd: S, ray_entry: &Entry<S>, search: &mut Search<G>) {
-        let interval = match ray_entry {
+    pub fn traverse<S: Simd, G: Goal>(&self, simd: S, search: &mut Search<G>) {
+        let interval = match self.region.entry(simd, search.ray, search.goal.end()) {
+            Entry::Passes(interval) => interval,
             Entry::TooFar if !self.region.simd_bounds.is_surely_missed(search.ray) => {
                 search.test_each(self.contents.primitives_of(0..self.contents.len()));
                 return;
             }
-            Entry::Passes(interval) if interval.entry <= search.goal.end() => *interval,
-            // The ray misses the box, or enters it behind the best hit.
-            _ => return,
+            Entry::Misses | Entry::TooFar => return,
         };
         let mut filter_state = FilterState::new(&interval, &self.region.frame, search.goal.end());
         match &self.order {
@@ -183,7 +182,7 @@ impl AccelerationStructure {
         filter_state: &mut FilterState,
         search: &mut Search<G>,
     ) -> bool {
-        let box_ray = BoxRay::new(&filter_state.ray);
+        let box_ray = BoxRay::new(simd, &filter_state.ray);
         let (mut stack, mut child) = (Stack::new(), branch);
         loop {
             let next = if child < SMALL {

@@ -1,6 +1,7 @@
-//! Shadow rays that start inside a small closed mesh, such as a gem. If the light is outside, the mesh blocks them.
+//! Shadow rays that start inside a sphere or a small closed mesh, such as a gem. If the light is outside, its surface
+//! blocks them.
 //!
-//! A ray that starts inside a closed mesh and ends outside leaves it once more often than it enters it. The triangle
+//! A ray that starts inside a sphere leaves it. A ray that starts inside a closed mesh and ends outside leaves it once more often than it enters it. The triangle
 //! test finds these crossings without gaps ([`world::triangle`](crate::world)), so it finds at least one of them.
 //! Therefore the ray need not be cast if three things are certain:
 //!
@@ -15,7 +16,8 @@ use crate::math::ray::Ray;
 use crate::math::robust::unit;
 use crate::scene::Light;
 use crate::scene::material::Material;
-use crate::world::{SurfacePoint, World};
+use crate::world::shape::Shape;
+use crate::world::{Primitive, SurfacePoint, World};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -90,6 +92,32 @@ impl ClosedMeshes {
         }
         false
     }
+}
+
+/// The least radius of a sphere, as a part of its largest coordinate. A ray then starts inside, and not beyond the far
+/// side, after its origin was moved off the surface.
+const LEAST_RADIUS: f64 = 1.0 / (1 << 20) as f64;
+
+/// The least square of a light's distance from the centre of a sphere, as a part of the squared radius.
+const LEAST_SQUARED_DISTANCE: f64 = 1.0 + 1.0 / (1 << 20) as f64;
+
+/// Returns true if this shape is a sphere that certainly blocks the ray from its surface in this direction to the light
+/// with this index: the ray starts inside, and the light is outside.
+#[inline(always)]
+pub fn sphere_blocks(world: &World, id: u32, light: usize, surface: &SurfacePoint, direction: DVec3) -> bool {
+    if surface.normal.dot(direction) > -LEAST_COSINE {
+        return false;
+    }
+    let Primitive::Shape(i) = world.primitive(id) else { return false };
+    let Shape::Sphere(sphere) = &world.shapes[i] else { return false };
+    let is_outside = match world.lights[light] {
+        Light::Directional { .. } => true,
+        Light::Point { position, .. } => {
+            let squared_distance = (position - sphere.center).length_squared();
+            squared_distance > LEAST_SQUARED_DISTANCE * sphere.radius * sphere.radius
+        }
+    };
+    is_outside && sphere.radius > LEAST_RADIUS * surface.extent
 }
 
 /// Returns true if the triangles are the whole surface of a solid: each edge occurs once in each direction.
@@ -175,7 +203,11 @@ mod tests {
     use super::*;
     use crate::base::patience::Endless;
     use crate::caster::{Caster, RayOrigin};
+    use crate::math::ray::Hit;
+    use crate::math::robust::offset_origin;
     use crate::scene::parser::parse;
+    use crate::shading::light::incident;
+    use crate::trace::ending_at_light;
     use proptest::prelude::*;
 
     /// An octahedron of glass with a light inside and two outside.
@@ -217,7 +249,7 @@ mod tests {
             let surface = world.surface(&camera_ray, &hit);
             let direction = unit(DVec3::from_array(direction));
             if meshes.block(1, &surface, direction) {
-                let start = crate::math::robust::offset_origin(surface.position, surface.normal, direction, surface.extent);
+                let start = offset_origin(surface.position, surface.normal, direction, surface.extent);
                 prop_assert!(caster.any(&Ray::new(start, direction), RayOrigin::on(&world, surface.primitive)));
             }
             prop_assert!(!meshes.block(0, &surface, direction));
@@ -242,5 +274,42 @@ mod tests {
             })
             .collect();
         assert_eq!(known(&turned), 0);
+    }
+
+    /// Lights: from a side, close to the first sphere, and inside it. The last sphere is smaller than the roundings of
+    /// its centre, so a ray from it may start beyond it.
+    const SPHERES: &str = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 60 }
+         Lights { numLights 3 DirectionalLight { direction -.4 -.7 -.6 color 1 1 1 }
+         PointLight { position 0 1.001 0 color 1 1 1 } PointLight { position .2 .9 0 color 1 1 1 } }
+         Group { numObjects 3 Material { } Sphere { center 0 0 0 radius 1 } Sphere { center 1e9 2 3 radius 2e3 }
+         Sphere { center 1e9 2e9 3 radius 1e-8 } }";
+
+    #[test]
+    fn a_sphere_blocks_the_rays_that_start_inside_it_to_lights_outside() {
+        let world = World::new(&parse(SPHERES).unwrap(), &[]).unwrap();
+        let caster = Caster::new(&world, None).unwrap();
+        let mut blocked = [[0; 3]; 3];
+        for (id, light, i) in
+            (0..3u32).flat_map(|id| (0..3usize).flat_map(move |k| (0..500).map(move |i| (id, k, i))))
+        {
+            let part = |step: f64| 2.0 * (f64::from(i) * step).fract() - 1.0;
+            let outward = DVec3::new(part(0.618), part(0.7548), part(0.5698)).normalize();
+            let Shape::Sphere(sphere) = &world.shapes[id as usize] else { panic!("a sphere") };
+            let ray = Ray::new(sphere.center, outward);
+            let Some(t) = world.crossing(&ray, id) else { continue };
+            let surface = world.surface(&ray, &Hit { t, primitive: id });
+            let to_light = incident(&world.lights[light], surface.position);
+            let direction = to_light.direction;
+            if sphere_blocks(&world, id, light, &surface, direction) {
+                let origin = offset_origin(surface.position, surface.normal, direction, surface.extent);
+                let ray = Ray { t_max: to_light.distance, ..Ray::new(origin, direction) };
+                let ray = ending_at_light(&world, light, &surface, ray);
+                assert!(caster.any(&ray, RayOrigin::on(&world, Some(id))), "{id} {light} {ray:?}");
+                blocked[id as usize][light] += 1;
+            }
+        }
+        let [[from_side, close, inside], far, tiny] = blocked;
+        assert!(from_side > 200 && close > 400 && far.iter().all(|&count| count > 200), "{blocked:?}");
+        assert_eq!((inside, tiny), (0, [0; 3]));
     }
 }

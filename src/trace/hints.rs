@@ -38,7 +38,7 @@ pub trait Hints: Sync {
 
     /// Returns the primitives that may be between a surface and the light with this index, in this direction.
     #[inline(always)]
-    fn blocker(&self, _light: usize, _surface: &SurfacePoint, _direction: DVec3) -> Blocker {
+    fn blocker(&self, _world: &World, _light: usize, _surface: &SurfacePoint, _direction: DVec3) -> Blocker {
         Blocker::Any
     }
 }

@@ -82,9 +82,7 @@ impl<H: Hints> Tracer<'_, H> {
         // always is.
         let is_at_rest = !self.world().primitives_at_light(index).is_empty();
         let origin = self.origin(surface);
-        // Hints do not hold for a ray from a sphere or an ellipsoid, which may block its own ray.
-        let blocker =
-            if origin.is_round { Blocker::Any } else { self.hints.blocker(index, surface, light.direction) };
+        let blocker = self.hints.blocker(self.world(), index, surface, light.direction);
         if !O::COUNTS && blocker == Blocker::Certain {
             return true;
         }
