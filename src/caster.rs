@@ -51,7 +51,7 @@ pub struct Caster<'w> {
     pub world: &'w World,
     /// The instructions that the inner loops use.
     pub level: Level,
-    /// Contains every finite primitive; `None` if the world has no finite primitives, or if no ray meets them.
+    /// Contains every finite primitive that a ray may see; `None` if there are none, or if no ray meets them.
     structure: Option<Arc<AccelerationStructure>>,
     /// The cells in which steps are counted; `None` without a grid, or if steps are not counted.
     counts: Option<Arc<CellCounts>>,
@@ -118,7 +118,7 @@ impl<'w> Caster<'w> {
     /// Returns true if the ray hits anything.
     #[inline(always)]
     pub fn any(&self, ray: &Ray, origin: RayOrigin) -> bool {
-        dispatch!(self.level, simd => self.any_at(simd, ray, origin))
+        dispatch!(self.level, simd => self.search(simd, ray, origin, Any::new(ray)).is_hit)
     }
 
     /// Returns true if the ray hits this triangle and does not start on it.
@@ -167,11 +167,6 @@ impl<'w> Caster<'w> {
     }
 
     #[inline(always)]
-    fn any_at<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin) -> bool {
-        self.search(simd, ray, origin, Any::new(ray)).is_hit
-    }
-
-    #[inline(always)]
     fn search<S: Simd, G: Goal>(&self, simd: S, ray: &Ray, origin: RayOrigin, goal: G) -> G {
         let mut search = Search::new(self.world, ray, goal, self.patience);
         if search.start(origin) && G::IS_ANY {
@@ -189,6 +184,7 @@ impl<'w> Caster<'w> {
     #[inline(never)]
     fn foremost<S: Simd>(&self, simd: S, ray: &Ray, origin: RayOrigin, nearest: Visible) -> Visible {
         let t = self.world.hit(ray, nearest).t;
+        // No hit lies at the end of a ray, so the next number is its end.
         let end = (t + self.world.coincidence_reach(t)).next_up();
         let ray_to_there = Ray { t_max: ray.t_max.min(end), ..*ray };
         let All { hits, .. } = self.search(simd, &ray_to_there, origin, All::new(&ray_to_there));

@@ -14,7 +14,7 @@ use glam::DVec3;
 /// A box around primitives that are searched together, with the coordinates in which the filter tests them.
 #[derive(Debug)]
 pub struct Region {
-    pub simd_bounds: SimdAabb,
+    simd_bounds: SimdAabb,
     pub frame: Frame,
     /// The error bounds of the filter and the DDA hold for rays whose origin is at most this far from the frame's centre
     /// along each axis.
@@ -47,6 +47,16 @@ impl Region {
         let max_origin_distance =
             (bounds.extent().max_element() * MAX_ORIGIN_BOXES).min(min_cell_size * MAX_ORIGIN_CELLS);
         Self { simd_bounds: SimdAabb::new(bounds), frame: Frame::new(bounds), max_origin_distance }
+    }
+
+    /// Returns how the ray, up to t = `last`, enters the box, like [`entry`](Self::entry). A ray from too far away that
+    /// certainly misses the box is told from the others.
+    #[inline(always)]
+    pub fn certain_entry<S: Simd>(&self, simd: S, ray: &Ray, last: f64) -> Entry<S> {
+        match self.entry(simd, ray, last) {
+            Entry::TooFar if self.simd_bounds.is_surely_missed(ray) => Entry::Misses,
+            entry => entry,
+        }
     }
 
     /// Returns how the ray, up to t = `last`, enters the box.
@@ -84,7 +94,7 @@ impl SimdAabb {
     ///
     /// The error of a crossing is three roundings of the distance to it, which may be many times the size of
     /// the box. The box is padded by more than that.
-    pub fn is_surely_missed(&self, ray: &Ray) -> bool {
+    fn is_surely_missed(&self, ray: &Ray) -> bool {
         let corners = self.min.iter().chain(&self.max);
         let max_corner_coord = corners.fold(0.0, |largest: f64, x| largest.max(x.abs()));
         let max_distance = ray.origin.abs().max_element() + max_corner_coord;

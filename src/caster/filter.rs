@@ -12,10 +12,11 @@
 //! *Error bound.* Let r = 2^-24 be the unit roundoff of single precision, b the largest absolute coordinate of the
 //! block's edges. In the block's [`Frame`](crate::caster::block::Frame) the coordinates of the corners are at most 1, and
 //! the ray's origin is moved along the ray to the point where it enters the box. Its coordinates are then at most 1, the
-//! largest coordinate of the direction is 1, and b <= 2. Stored numbers are rounded once. Sums of three products are determinants, and a determinant of numbers of at
-//! most 1 is at most 4: it is linear in each number, so the maximum is reached when all are 1 or -1. With p the vector
-//! from the first corner to the point where the ray meets the triangle's plane, s = t d - p; hence q = p x d, which is
-//! small for a small triangle. This table leaves out terms of less than r/10:
+//! largest coordinate of the direction is 1, and b <= 2. Stored numbers are rounded once. Sums of three products are
+//! determinants, and a determinant of numbers of at most 1 is at most 4: it is linear in each number, so the maximum is
+//! reached when all are 1 or -1. With p the vector from the first corner to the point where the ray meets the triangle's
+//! plane, s = t d - p; hence q = p x d, which is small for a small triangle. This table leaves out terms of less than
+//! r/10:
 //!
 //! | quantity | at most | error at most, portable | with fused multiply-add |
 //! |---|---|---|---|
@@ -61,10 +62,11 @@ pub struct FilterRay {
 /// A ray in the filter's coordinates, up to the nearest hit so far.
 pub struct FilterState {
     pub ray: FilterRay,
-    /// The t at which the filter's ray starts, the filter's units of t per unit of t, and the inverse.
+    /// The t at which the filter's ray starts.
     entry: f64,
-    per_t: f64,
-    unit: f64,
+    /// The depth per unit of t, and its inverse.
+    depth_per_t: f64,
+    t_per_depth: f64,
 }
 
 impl FilterState {
@@ -81,22 +83,22 @@ impl FilterState {
         let origin = (origin - center + direction.broadcast(entry) * direction) * scale;
         let direction = (direction * direction.broadcast(inv_largest)).to_f32();
         let ray = FilterRay { origin: origin.to_f32(), direction, max_depth: 0.0 };
-        let (per_t, unit) = (largest * frame.scale, inv_largest * frame.unit);
-        let mut filter_state = Self { ray, entry, per_t, unit };
+        let (depth_per_t, t_per_depth) = (largest * frame.scale, inv_largest * frame.unit);
+        let mut filter_state = Self { ray, entry, depth_per_t, t_per_depth };
         filter_state.shorten(last);
         filter_state
     }
 
-    /// Converts the filter's t to the ray's.
+    /// Converts a depth to t.
     #[inline(always)]
     pub fn t(&self, depth: f32) -> f64 {
-        self.entry + f64::from(depth) * self.unit
+        self.entry + f64::from(depth) * self.t_per_depth
     }
 
     /// Ends the ray at t = `last`.
     #[inline(always)]
     pub fn shorten(&mut self, last: f64) {
-        let max_depth = (last - self.entry) * self.per_t;
+        let max_depth = (last - self.entry) * self.depth_per_t;
         self.ray.max_depth = if max_depth < MAX_DEPTH { max_depth } else { MAX_DEPTH } as f32;
     }
 }
@@ -272,7 +274,7 @@ mod tests {
 
     #[test]
     fn the_depth_of_a_filter_ray_ends_where_the_ray_does() {
-        let mut state = FilterState { ray: RAY, entry: 2.0, per_t: 4.0, unit: 0.25 };
+        let mut state = FilterState { ray: RAY, entry: 2.0, depth_per_t: 4.0, t_per_depth: 0.25 };
         state.shorten(2.4375);
         assert_eq!(state.ray.max_depth, 1.75);
         state.shorten(2.5);

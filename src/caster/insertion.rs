@@ -132,12 +132,9 @@ impl CellRange {
     /// nearest cell.
     #[inline(always)]
     fn of_box(lattice: &Lattice, bounds: &Aabb, padding: f64) -> Self {
-        let cell = |x: f64, axis: usize| lattice.cell_at(axis, x) as u32;
         let [min, max] = [lattice.to_cells(bounds.min) - padding, lattice.to_cells(bounds.max) + padding];
-        Self {
-            start: [0, 1, 2].map(|axis| cell(min[axis], axis)),
-            end: [0, 1, 2].map(|axis| cell(max[axis], axis) + 1),
-        }
+        let (start, [x, y, z]) = (lattice.cell_at(min), lattice.cell_at(max));
+        Self { start, end: [x + 1, y + 1, z + 1] }
     }
 
     /// Appends the cells for which `is_touched` holds; its argument is the cell's lower corner in units of

@@ -143,11 +143,14 @@ impl Lattice {
         (point - self.bounds.min) * DVec3::new(x, y, z)
     }
 
-    /// Returns the cell along `axis` that contains a coordinate in units of cells: the nearest cell for a coordinate
+    /// Returns the cell that contains a point in units of cells. Along each axis it is the nearest cell for a coordinate
     /// outside, and the first for a NaN.
-    pub fn cell_at(&self, axis: usize, coordinate: f64) -> usize {
+    #[inline(always)]
+    pub fn cell_at(&self, point: DVec3) -> [u32; 3] {
         // The conversion saturates at 0, and maps NaN to 0.
-        (coordinate as usize).min(self.cells[axis] - 1)
+        let cell = |coordinate: f64, cells: usize| (coordinate as u32).min((cells - 1) as u32);
+        let [nx, ny, nz] = self.cells;
+        [cell(point.x, nx), cell(point.y, ny), cell(point.z, nz)]
     }
 }
 
@@ -177,6 +180,9 @@ mod tests {
     fn points_have_coordinates_in_cells_and_those_outside_have_the_nearest_cells() {
         let lattice = lattice([4, 2, 6]);
         assert_eq!(lattice.to_cells(DVec3::new(1.25, 2.5, 5.0)), DVec3::new(1.0, 0.5, 4.0));
-        assert_eq!([-3.0, 0.5, 3.75, 4.0, 1e9].map(|x| lattice.cell_at(0, x)), [0, 0, 3, 3, 3]);
+        assert_eq!(
+            [-3.0, 0.5, 3.75, 4.0, 1e19].map(|x| lattice.cell_at(DVec3::splat(x))[0]),
+            [0, 0, 3, 3, 3]
+        );
     }
 }

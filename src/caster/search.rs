@@ -231,22 +231,22 @@ impl<'a, G: Goal> Search<'a, G> {
     }
 
     /// Tests the primitives outside the structure: the planes, and the sphere or ellipsoid on which the ray starts.
-    /// Returns true if any was hit.
+    /// Returns true if that changes the rest of the search.
     #[inline(always)]
     pub fn start(&mut self, origin: RayOrigin) -> bool {
-        let mut is_hit = false;
+        let mut has_changed = false;
         for (id, plane) in (self.world.first_plane()..).zip(&self.world.planes) {
             if id != origin.primitive
                 && let Some(t) = plane.intersect(self.ray)
             {
-                is_hit |= self.goal.take(self.ray, t, id);
+                has_changed |= self.goal.take(self.ray, t, id);
             }
         }
         if origin.is_round {
-            is_hit |= self.test(origin.primitive);
+            has_changed |= self.test(origin.primitive);
         }
         self.left_out = origin.primitive;
-        is_hit
+        has_changed
     }
 
     /// Tests the primitives of a cell or a leaf: the triangles in blocks, and the others. Returns true if that changes
@@ -270,7 +270,7 @@ impl<'a, G: Goal> Search<'a, G> {
             }
         }
         for &id in others {
-            // Most rays that pass several cells of a sphere end here.
+            // Spares the call for a sphere that an earlier cell listed.
             if !self.is_known(id) && self.test(id) {
                 has_changed = true;
                 filter_state.shorten(self.goal.end());

@@ -116,21 +116,21 @@ impl AccelerationStructure {
 /// The largest number of children that wait: seven of the eight on each level.
 const MAX_WAITING: usize = (LANES - 1) * MAX_LEVELS;
 
-/// The depths at which the ray enters the boxes of the children that wait, and the children. The children of one node
-/// are sorted, with the nearest last.
+/// The children that wait, each with the depth at which the ray enters its box. The children of one node are sorted,
+/// with the nearest last.
 type Stack = ArrayVec<(f32, Branch), MAX_WAITING>;
 
 impl AccelerationStructure {
     /// Hands the primitives near the ray to the search.
     #[inline(always)]
     pub fn traverse<S: Simd, G: Goal>(&self, simd: S, search: &mut Search<G>) {
-        let interval = match self.region.entry(simd, search.ray, search.goal.end()) {
+        let interval = match self.region.certain_entry(simd, search.ray, search.goal.end()) {
+            Entry::Misses => return,
             Entry::Passes(interval) => interval,
-            Entry::TooFar if !self.region.simd_bounds.is_surely_missed(search.ray) => {
+            Entry::TooFar => {
                 search.test_each(self.contents.primitives_of(0..self.contents.len()));
                 return;
             }
-            Entry::Misses | Entry::TooFar => return,
         };
         let mut filter_state = FilterState::new(&interval, &self.region.frame, search.goal.end());
         match &self.order {
@@ -226,13 +226,12 @@ impl AccelerationStructure {
         search: &mut Search<G>,
     ) -> bool {
         let last = search.goal.end();
-        let has_changed = match region.entry(simd, search.ray, last) {
+        let has_changed = match region.certain_entry(simd, search.ray, last) {
             Entry::Misses => return false,
             Entry::Passes(interval) => {
                 let mut filter_state = FilterState::new(&interval, &region.frame, last);
                 self.descend(simd, tree, *branch, &mut filter_state, search)
             }
-            Entry::TooFar if region.simd_bounds.is_surely_missed(search.ray) => return false,
             Entry::TooFar => search.test_each(self.contents.primitives_of(leaves.clone())),
         };
         outer.shorten(search.goal.end());

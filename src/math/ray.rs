@@ -11,8 +11,8 @@ use serde::Serialize;
 pub struct Ray {
     /// The point at t = 0.
     pub origin: DVec3,
-    /// The smallest t of a hit: 0, or minus infinity for an orthographic camera, which also sees objects behind its
-    /// plane.
+    /// The smallest t of a hit: 0, the epsilon of a scene that has one, or minus infinity for an orthographic camera,
+    /// which also sees objects behind its plane.
     pub t_min: f64,
     /// The direction, which need not be a unit vector. Its length is the unit of t.
     pub direction: DVec3,

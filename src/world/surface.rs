@@ -30,8 +30,7 @@ pub struct SurfacePoint {
     /// The id of the primitive; `None` if the point is on a surface that is not in a world.
     #[serde(skip)]
     pub primitive: Option<u32>,
-    /// The id of the primitive if it is a triangle. A ray never hits the triangle on which it starts, so the tests of
-    /// secondary rays exclude this triangle.
+    /// The id of the primitive if it is a triangle.
     #[serde(skip)]
     pub triangle: Option<u32>,
 }
@@ -45,7 +44,8 @@ impl World {
             Primitive::Triangle(i) => {
                 let corners = self.corners(i);
                 // Interpolated from the vertices, because a position along the ray has a rounding error that grows with
-                // the distance from the ray's origin. A closure would not be compiled for the caller's instructions.
+                // the distance from the ray's origin. The match is no closure, which would not be compiled for the
+                // caller's instructions.
                 let position = match triangle::Shear::new(ray).weights(self.corners_in_place(i)) {
                     Some(weights) => triangle::point(corners, weights),
                     None => ray.at(t),

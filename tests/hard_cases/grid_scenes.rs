@@ -239,9 +239,9 @@ fn a_sphere_that_is_huge_in_cells_stands_where_its_top_is() {
         let center = DVec3::new(1.4, face - radius, 1.4);
         // This difference is exact, since the two numbers are almost equal.
         let top = center.y + radius;
-        let cell = lattice.cell_at(1, lattice.to_cells(DVec3::splat(top)).y);
+        let [_, cell, _] = lattice.cell_at(lattice.to_cells(DVec3::splat(top)));
         let mut cells = vec![];
         of_ball(&lattice, center, radius, 1e-5, &mut cells);
-        assert!(cells.contains(&(lattice.index([0, cell, 0]) as u32)), "{radius}");
+        assert!(cells.contains(&(lattice.index([0, cell as usize, 0]) as u32)), "{radius}");
     }
 }

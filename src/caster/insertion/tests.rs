@@ -58,7 +58,7 @@ fn a_sphere_of_very_many_cells_is_listed_where_a_ray_finds_it() {
             let ray = Ray::new(target - 2.0 * direction, direction);
             let Some(t) = sphere.intersect(&ray) else { continue };
             let found = l.to_cells(ray.at(t));
-            let cell = [0, 1, 2].map(|axis| l.cell_at(axis, found[axis]));
+            let cell = l.cell_at(found).map(|i| i as usize);
             if found.clamp(DVec3::ZERO, DVec3::from_array(l.cells().map(|n| n as f64))) == found {
                 let cells = cells_of(|out| of_ball(&l, sphere.center, radius, 1e-5, out));
                 assert!(cells.contains(&(l.index(cell) as u32)), "{radius:e} {k}: {found}");
