@@ -1,6 +1,7 @@
 //! Insertion: finds the cells of a lattice that list each primitive, by the rule of the course's program: the cells that
-//! the primitive's box touches, and for a sphere those whose centres are near it. Cells are padded, so that the cell that
-//! the DDA visits at the t of a hit always lists the primitive.
+//! the primitive's box touches, and for a sphere those whose centres are near it. If rays are only cast, a triangle is
+//! left out of the cells that its plane does not touch. Cells are padded, so that the cell that the DDA visits at the t
+//! of a hit always lists the primitive.
 
 use crate::base::memory;
 use crate::base::patience::{Ended, Patience, Steps};
@@ -37,14 +38,17 @@ pub fn references(
     lattice.ask_for_entries()?;
     let bytes = most_references(world, lattice).saturating_mul(size_of::<Reference>() as u64);
     memory::ask(bytes).map_err(|_| NotBuilt::TooLarge)?;
-    let count = world.finite_count() as u32;
+    let (count, padding) = (world.finite_count() as u32, padding(lattice));
     let chunk = |first: u32| {
         let (mut cells, mut references) = (vec![], Vec::with_capacity(4 * PRIMS_PER_CHUNK));
         let mut steps = Steps::new(patience);
         let ids = first..count.min(first + PRIMS_PER_CHUNK as u32);
         for id in ids.filter(|&id| world.may_be_seen(id)) {
             cells.clear();
-            push_cells(world, id, lattice, &mut cells);
+            match world.primitive(id) {
+                Primitive::Triangle(i) => of_triangle(lattice, world.corners(i), padding, &mut cells),
+                _ => push_cells(world, id, lattice, &mut cells),
+            }
             references.extend(cells.iter().map(|&cell| [cell, id]));
             steps.take(1 + cells.len())?;
         }
@@ -76,7 +80,7 @@ fn padding(lattice: &Lattice) -> f64 {
 /// Error bound of the positions of a hit and a crossing due to roundings in f64, in cells: see `proofs/dda.g`.
 const POSITION_ERROR_BOUND: f64 = 7.8e-6;
 
-/// Appends the indices of the cells of a finite primitive.
+/// Appends the indices of the cells of a finite primitive, by the rule of the course's program.
 pub fn push_cells(world: &World, id: u32, lattice: &Lattice, out: &mut Vec<u32>) {
     let padding = padding(lattice);
     if let Primitive::Shape(i) = world.primitive(id)
@@ -86,6 +90,24 @@ pub fn push_cells(world: &World, id: u32, lattice: &Lattice, out: &mut Vec<u32>)
     } else {
         CellRange::of_box(lattice, &world.box_of(id), padding).push_if(lattice, out, |_| true);
     }
+}
+
+/// Error bound of the plane of a triangle, in roundings of the cube of its length: see `proofs/needles.g`.
+const PLANE_ROUNDINGS: f64 = 32.0;
+
+/// Appends the index of every cell that both the box and the plane of a triangle touch, where each cell is padded by
+/// `padding` cells.
+fn of_triangle(lattice: &Lattice, corners: [DVec3; 3], padding: f64, out: &mut Vec<u32>) {
+    let [a, b, c] = corners.map(|corner| lattice.to_cells(corner));
+    let normal = (b - a).cross(c - a);
+    // The normal of a needle is mostly rounding error and may have any direction. The error is proportional to the square
+    // of the needle's length, and the error of the plane to the cube of the length.
+    let length = (b - a).abs().max((c - a).abs()).max((c - b).abs()).max_element();
+    let error_bound = PLANE_ROUNDINGS * UNIT_ROUNDOFF * length * length * length;
+    // The largest distance of the plane from the centre of a cell that it touches, times the length of the normal.
+    let max_distance = (0.5 + padding) * normal.abs().element_sum() + error_bound;
+    let range = CellRange::of_box(lattice, &Aabb::around(corners), padding);
+    range.push_if(lattice, out, |cell| normal.dot(cell + 0.5 - a).abs() <= max_distance);
 }
 
 /// Returns the cells that a box touches, each padded by `padding` cells, as runs of indices along x.

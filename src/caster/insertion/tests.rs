@@ -106,6 +106,56 @@ fn the_cells_of_a_box_are_counted() {
     }
 }
 
+/// The plane of the triangle passes through about a fifth of the cells that its box touches.
+#[test]
+fn a_triangle_is_inserted_where_it_has_a_point_and_not_beside_its_plane() {
+    let (l, corners) =
+        (lattice(), [DVec3::new(0.1, 0.2, 0.1), DVec3::new(1.9, 0.7, 0.2), DVec3::new(0.3, 3.8, 0.9)]);
+    let cells = cells_of(|out| of_triangle(&l, corners, 1e-6, out));
+    for (i, j) in (0..=100).flat_map(|i| (0..=100 - i).map(move |j| (i, j))) {
+        let [u, v] = [i, j].map(|k| f64::from(k) / 100.0);
+        let point = corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
+        let cell = l.cell_at(l.to_cells(point)).map(|i| i as usize);
+        assert!(cells.contains(&(l.index(cell) as u32)), "{point}");
+    }
+    let in_box = count_of_box(&l, &Aabb::around(corners), 1e-6) as usize;
+    assert!(3 * cells.len() < in_box, "{} of {in_box}", cells.len());
+}
+
+#[test]
+fn a_needle_is_inserted_along_its_whole_length() {
+    let l = lattice();
+    for k in 1..200 {
+        let (a, b) = (DVec3::new(0.1, 0.3, 0.05), DVec3::new(1.9, 3.0, 0.2 + k as f64 * 0.004));
+        // The third corner is on the line between the others, except for rounding.
+        let c = a + (k as f64 / 200.0) * (b - a);
+        let cells = cells_of(|out| of_triangle(&l, [a, b, c], 1e-6, out));
+        for p in (0..=1000).map(|i| a + i as f64 / 1000.0 * (b - a)) {
+            let in_cells = l.to_cells(p);
+            let cell = l.cell_at(in_cells).map(|i| i as usize);
+            assert!(cells.contains(&(l.index(cell) as u32)), "{k}");
+        }
+    }
+}
+
+#[test]
+fn a_needle_whose_short_side_is_a_few_roundings_is_inserted_along_its_whole_length() {
+    let l = lattice();
+    for k in 0..343 {
+        let (a, b) = (DVec3::new(0.1, 0.3, 0.05), DVec3::new(1.9, 3.0 + 0.002 * f64::from(k), 0.8));
+        let ulps = [k % 7, k / 7 % 7, k / 49].map(|i| f64::from(i - 3) * f64::EPSILON);
+        let c = b * (1.0 + DVec3::from_array(ulps));
+        for corners in [[a, b, c], [b, c, a], [c, a, b], [b, a, c]] {
+            let cells = cells_of(|out| of_triangle(&l, corners, 1e-6, out));
+            for p in (0..=1000).map(|i| a + f64::from(i) / 1000.0 * (b - a)) {
+                let in_cells = l.to_cells(p);
+                let cell = l.cell_at(in_cells).map(|i| i as usize);
+                assert!(cells.contains(&(l.index(cell) as u32)), "{k} {corners:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn cells_are_padded_by_the_face_error_bound_and_that_of_positions() {
     let lattice = Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, [4096, 2, 3]);
