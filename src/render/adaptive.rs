@@ -1,22 +1,27 @@
 //! Adaptive samples: each pixel gets as many samples as the picture needs to reach the error that was asked for.
 //!
 //! The picture is cut into tiles, and each tile of P pixels is sampled by itself. So a part of a picture has the same
-//! pixels as the whole. With t the square of the error that was asked for, where white is 1:
+//! pixels as the whole. With t the square of the error that was asked for, where white is 1, and s(p) the part of a pixel
+//! that small things cover, if they cover some of it and not most:
 //!
 //! ```text
-//! floor = c sqrt(2 / (t P)), from 2 to the most     details of contrast c that no sample hits leave less than t then
-//! take the first floor points of each pixel's Sobol' sequence; its pilot samples are the first of them, at most 8
-//! ring(p) = range of the colours of the neighbours' pilot samples within half a pixel of p
-//! u(p)    = mean square distance of p's own pilot samples from ring(p)
-//! D(p)    = |ring(p)|^2 + 8 * mean u of pixels like p      like: with or without a small thing that is known
-//! w(p)    = D(p)^0.4                                       n ~ w has the least sum of D n^-1.5 for a sum of n
-//! repeat at most 10 times, for each group g of pixels:
-//!     e(p) = 0.7 |mean of the first half of p's samples - mean of the second half|^2 / 4
-//!     estimate = mean e + 2 sqrt(sum of e^2) / P           the second term is doubt: few pixels decide
-//!     if estimate <= 0.64 t (at first) or 0.9 t, then g is done
-//!     find k with estimate * sum of D n'^-1.5 / sum of D n^-1.5 = 0.64 t, n' = max(n, k w),
-//!         but 1.3 to 2.5 times as many samples in all
-//!     n = max(n, the nearest power of two to n') for the pixels of g
+//! floor = c sqrt(2 / (t P))                         details of contrast c that no sample hits leave less than t then
+//! n(p) = floor, rounded up to a power of two from 2 to the most, for each pixel p
+//! take the first n(p) points of each pixel's Sobol' sequence; its pilot samples are the first of them, at most 8
+//! ring(p) = range of the pilot samples of p's neighbours within half a pixel of p       neighbours with small things
+//!                                                                                       count if there are no others
+//! u(p) = mean square distance of p's own pilot samples from ring(p)
+//! D(p) = |ring(p)|^2 + 8 * mean u of the pixels without small things                    for such pixels
+//!        |ring(p)|^2 + 8 s(p) * (sum of u / sum of s of the pixels with small things)   for the others
+//! w(p) = D(p)^0.4                                   n ~ w has the least sum of D n^-1.5 for a sum of n
+//! repeat, at most 10 times, until no k grows:
+//!     for each group g of pixels, with P the pixels that decide for it:
+//!         e(p) = 0.7 |mean of the first half of p's samples - mean of the second half|^2 / 4
+//!         n'(p) = the larger one of n(p), and k(g) w(p) rounded to a power of two
+//!         E(k) = mean e' + 2 sqrt(sum of e'^2) / P, e' = e (n'/n)^-1.5          the second term is doubt: few decide
+//!         if E(k(g)) > 0.64 t in the first pass, or > 0.9 t later:
+//!             k(g) = the least with E(k) <= 0.64 t, but 1.3 to 2.5 times as many samples in all
+//!     n(p) = n'(p) for the pixels of each group, and take the points that they lack
 //! ```
 //!
 //! All numbers of samples are powers of two, because the first points of a Sobol' sequence are most even then. The error
@@ -24,9 +29,12 @@
 //!
 //! The picture is unbiased if a pixel's own samples do not decide their number: a pixel that happens to look dark would
 //! stay dark, and one that happens to look bright would be corrected (Kirk and Arvo, "Unbiased sampling techniques for
-//! image synthesis", SIGGRAPH 1991). D(p) is found from the neighbours. The means and sums, which decide for a group,
-//! leave out its pixels and their neighbours. Squares of 8 by 8 pixels belong to 16 groups in turn, which repeat every 4
-//! squares along each axis. The square of a colour is the mean square of its channels.
+//! image synthesis", SIGGRAPH 1991). So ring(p) is found from the neighbours, and the pixels that decide for a group, in
+//! the means of u and in E, are neither its own nor their neighbours. Squares of 8 by 8 pixels belong to 16 groups in
+//! turn, which repeat every 4 squares along each axis. The square of a colour is the mean square of its channels.
+//!
+//! To be fast, the pixels of a tile are sorted into kinds with about equal rings and small things, and into classes of w,
+//! 8 for each doubling.
 
 use super::Stopped;
 use super::layer::Layer;
@@ -36,7 +44,6 @@ use super::tracing::PictureTracer;
 use crate::base::memory;
 use crate::picture::Color;
 use crate::sampling::filter::Filter;
-use crate::sampling::sobol::Sobol;
 use crate::scene::Light;
 use crate::scene::material::Material;
 use crate::stats::Counts;
@@ -65,6 +72,7 @@ impl Adaptive {
 
     /// Returns the approximate average number of samples per pixel if edges cross some pixels.
     pub fn usual(self) -> u32 {
+        // With an edge of 160 levels through a twelfth of the pixels, whose errors are as above.
         (libm::pow(160.0 / self.error, 4.0 / 3.0) / 12.0).ceil().min(f64::from(self.most)) as u32
     }
 
@@ -80,14 +88,15 @@ const LEVELS: f64 = 255.0;
 /// The largest side of a tile, in pixels.
 const SIDE: usize = 256;
 
-/// The logarithm to base 2 of the least number of samples.
-const LEAST: u8 = 1;
+/// The least number of samples of a pixel.
+const LEAST: u32 = 2;
 /// The largest number of pilot samples.
 const MOST_PILOTS: usize = 8;
 
-/// Pilot samples in pictures of bytes are clamped to this brightness.
+/// Pilot samples and halves in pictures of bytes are clamped to this brightness. A half that is brighter than white may
+/// well get darker, so its brightness counts up to a limit.
 const BRIGHTEST: f64 = 2.0;
-/// Pilot samples in pictures of floats are clamped to this brightness.
+/// Pilot samples and halves in pictures of floats are clamped to this brightness.
 const BRIGHTEST_FLOAT: f64 = 1e6;
 
 /// The largest contrast that is assumed for details that no sample hits.
@@ -124,7 +133,7 @@ const SURROUNDINGS: usize = SIDES * SIDES;
 const STEPS: i32 = 8;
 /// The D of the first class.
 const LEAST_D: f32 = 1e-7;
-/// The number of classes of pixels by w.
+/// The number of classes of pixels by w, up to 2^28 times the least w. Greater ones do not differ.
 const CLASSES: usize = 224;
 
 /// With this scale no pixel gets more samples.
@@ -137,7 +146,7 @@ const BYTES_OF_TILE: usize = 2 * size_of::<Pixel>() + 8 * size_of::<Pilot>() + 6
 
 /// The adaptive samples of a row of pixels.
 #[derive(Clone, Copy)]
-pub struct Plan<'a> {
+pub struct AdaptiveRow<'a> {
     band: &'a Band,
     /// The index of the row in the band.
     row: usize,
@@ -159,13 +168,18 @@ struct Band {
 }
 
 /// Samples tiles of a picture.
-pub struct Planner<'a> {
+pub struct AdaptiveSampler<'a> {
     picture: &'a PictureTracer<'a>,
     request: &'a Request,
-    settings: Adaptive,
+    /// The target squared error, where white is 1.
+    target: f64,
+    /// The largest number of samples, a power of two.
+    most: u32,
     small_things: SmallThings<'a>,
     /// The largest contrast of details that no sample hits.
     contrast: f64,
+    /// The brightness to which pilot samples and halves are clamped.
+    brightest: f64,
     /// The rows of tiles that are sampled.
     bands: Vec<Band>,
 }
@@ -184,7 +198,7 @@ impl Band {
     }
 }
 
-impl Plan<'_> {
+impl AdaptiveRow<'_> {
     /// Returns the number of samples of a pixel.
     pub fn samples(self, column: usize) -> u32 {
         1 << self.band.doublings[self.band.index(column, self.row)]
@@ -211,21 +225,27 @@ impl Plan<'_> {
     }
 }
 
-impl<'a> Planner<'a> {
-    /// Returns a planner, or `None` if samples are not adaptive or no colours are traced.
+impl<'a> AdaptiveSampler<'a> {
+    /// Returns a sampler, or `None` if samples are not adaptive or no colours are traced.
     pub fn new(picture: &'a PictureTracer<'a>) -> Option<Self> {
-        let request = picture.request;
+        let (request, world) = (picture.request, picture.caster.world);
         let settings = request.adaptive.filter(|_| request.traces_colors(request.tracing))?;
-        let small_things = SmallThings::new(&picture.shot.camera, picture.caster.world);
-        let world = picture.caster.world;
         let reflects =
             request.effects.bounces > 0 && world.materials.iter().any(Material::has_secondary_rays);
-        let contrast = if reflects { brightest(world).min(MOST_CONTRAST) } else { 1.0 };
-        Some(Self { picture, request, settings, small_things, contrast, bands: vec![] })
+        Some(Self {
+            picture,
+            request,
+            target: settings.square(),
+            most: 1 << settings.most.ilog2(),
+            small_things: SmallThings::new(&picture.shot.camera, world),
+            contrast: if reflects { brightest(world).min(MOST_CONTRAST) } else { 1.0 },
+            brightest: if request.has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST },
+            bands: vec![],
+        })
     }
 
     /// Samples these rows and forgets the others. Fails if the render is cancelled, or if there is too little memory.
-    pub fn prepare(&mut self, rows: &Range<usize>) -> Result<(), Stopped> {
+    pub fn sample(&mut self, rows: &Range<usize>) -> Result<(), Stopped> {
         let [_, height] = self.request.size;
         self.bands.retain(|band| band.rows.start < rows.end && rows.start < band.rows.end);
         for rows in tiles(rows, height) {
@@ -238,15 +258,16 @@ impl<'a> Planner<'a> {
         Ok(())
     }
 
-    /// Returns the samples of row `j`, if it is sampled.
-    pub fn plan(&self, j: usize) -> Option<Plan<'_>> {
+    /// Returns row `j`, if it is sampled.
+    pub fn row(&self, j: usize) -> Option<AdaptiveRow<'_>> {
         let band = self.bands.iter().find(|band| band.rows.contains(&j))?;
-        Some(Plan { band, row: j - band.rows.start })
+        Some(AdaptiveRow { band, row: j - band.rows.start })
     }
 
+    /// Samples a row of tiles.
     fn band(&self, rows: Range<usize>) -> Result<Band, Stopped> {
         let request = self.request;
-        let tracer = self.picture.rows(rows.clone())?;
+        let tracer = self.picture.for_rows(rows.clone())?;
         let tiles: Vec<_> = tiles(&request.traced_columns(), request.size[0]).collect();
         let columns = tiles.first().map_or(0, |tile| tile.start)..tiles.last().map_or(0, |tile| tile.end);
         let pixels = columns.len() * rows.len();
@@ -262,8 +283,7 @@ impl<'a> Planner<'a> {
             errors: vec![0.0; rows.len()],
         };
         for columns in tiles {
-            let sampled = Tile::sample(self, &tracer, columns, &mut band);
-            sampled.ok_or_else(|| tracer.tally.reason())?;
+            Tile::sample(self, &tracer, columns, &mut band).ok_or_else(|| tracer.tally.reason())?;
         }
         Ok(band)
     }
@@ -275,8 +295,8 @@ struct Pixel {
     /// The sums of the first half of its samples, and of all.
     half: Color,
     sum: Color,
-    /// The number of samples, as its logarithm to base 2, once there are any.
-    doublings: Option<u8>,
+    /// The number of samples: 0 at first, and then a power of two.
+    samples: u32,
     /// The index of its kind.
     kind: u16,
     /// The index of its surroundings, which decides the groups that leave it out.
@@ -288,25 +308,25 @@ struct Pixel {
 struct Kind {
     /// The square of the range of the neighbours' pilot samples.
     ring: f32,
-    /// The part that a small thing covers, if there is one.
-    speck: Option<f32>,
+    /// The part that small things cover, if there are any.
+    covered: Option<f32>,
 }
 
 impl Pixel {
-    /// Adds the samples with these indices, which follow those that the pixel has.
-    fn add(&mut self, indices: Range<u32>, colors: &mut impl Iterator<Item = Color>) {
-        let half = indices.end / 2;
-        if indices.start == half {
+    /// Adds samples until there are this many.
+    fn add(&mut self, count: u32, colors: &mut impl Iterator<Item = Color>) {
+        let half = count / 2;
+        if self.samples == half {
             self.half = self.sum;
         }
-        self.doublings = Some(indices.end.ilog2() as u8);
         // The indices come first, so that no colour of the next pixel is taken.
-        for (index, color) in indices.zip(colors) {
+        for (index, color) in (self.samples..count).zip(colors) {
             self.sum += color;
             if index + 1 == half {
                 self.half = self.sum;
             }
         }
+        self.samples = count;
     }
 }
 
@@ -317,6 +337,44 @@ struct Pilot {
     /// True if it is in the right half of its pixel, and in the upper half.
     is_right: bool,
     is_upper: bool,
+}
+
+/// The range of some colours.
+#[derive(Clone, Copy)]
+struct Ring {
+    low: Vec3A,
+    high: Vec3A,
+}
+
+impl Ring {
+    /// The range of no colours.
+    const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
+
+    fn is_empty(self) -> bool {
+        self.low.x > self.high.x
+    }
+
+    fn add(&mut self, color: Vec3A) {
+        (self.low, self.high) = (self.low.min(color), self.high.max(color));
+    }
+
+    /// Returns the mean square distance of a pixel's own pilot samples from this ring. A tile of one pixel has an empty
+    /// one.
+    fn unseen(self, own: &[Pilot]) -> f32 {
+        if self.is_empty() {
+            return 0.0;
+        }
+        let beyond = |pilot: &Pilot| {
+            let color = Vec3A::from(pilot.color);
+            mean_square((color - self.high).max(self.low - color).max(Vec3A::ZERO))
+        };
+        own.iter().map(beyond).sum::<f32>() / own.len() as f32
+    }
+
+    /// Returns the square of the range.
+    fn square(self) -> f32 {
+        if self.is_empty() { 0.0 } else { mean_square(self.high - self.low) }
+    }
 }
 
 /// The new samples of a row of a tile.
@@ -330,7 +388,7 @@ struct TracedRow {
 
 /// A tile in progress.
 struct Tile<'t, 'a> {
-    planner: &'t Planner<'a>,
+    sampler: &'t AdaptiveSampler<'a>,
     tracer: &'t PictureTracer<'t>,
     columns: Range<usize>,
     rows: Range<usize>,
@@ -339,15 +397,15 @@ struct Tile<'t, 'a> {
     /// The pilot samples of each pixel.
     pilots: Vec<Pilot>,
     kinds: Vec<Kind>,
-    /// The first number of samples, as its logarithm to base 2.
-    floor: u8,
+    /// The first number of samples.
+    floor: u32,
     groups: [Group; GROUPS],
 }
 
 /// The decisions for a group of pixels.
 #[derive(Clone, Copy)]
 struct Group {
-    /// The mean u of pixels without a small thing, and the sum of u over the sum of covered parts of pixels with one.
+    /// The mean u of pixels without small things, and the sum of u over the sum of covered parts of pixels with them.
     unseen: [f32; 2],
     /// The logarithm of k to base 2, in steps of the classes.
     scale: i32,
@@ -370,43 +428,55 @@ struct Alike {
     by_surroundings: [Sums; SURROUNDINGS],
 }
 
-/// The pixels that decide for a group, by their numbers of samples as logarithms to base 2, and their classes.
+/// Pixels of a class that decide for a group, all with the same number of samples.
+struct Deciding {
+    /// The number of samples, as its logarithm to base 2.
+    doublings: u8,
+    class: usize,
+    sums: Sums,
+}
+
+/// The pixels that decide for a group.
 struct DecidingPixels {
+    /// The logarithm to base 2 of the largest number of samples.
     most: u8,
-    cells: Vec<(u8, usize, Sums)>,
+    parts: Vec<Deciding>,
 }
 
 impl<'t, 'a> Tile<'t, 'a> {
     /// Samples the tile in these columns of a band. Returns `None` if the render is cancelled.
     fn sample(
-        planner: &'t Planner<'a>,
+        sampler: &'t AdaptiveSampler<'a>,
         tracer: &'t PictureTracer<'t>,
         columns: Range<usize>,
         band: &mut Band,
     ) -> Option<()> {
         let rows = band.rows.clone();
-        let count = columns.len() * rows.len();
-        let settings = planner.settings;
-        let (square, most) = (settings.square(), settings.most.ilog2() as u8);
-        let floor = (planner.contrast * (2.0 / (square * count as f64)).sqrt())
-            .ceil()
-            .clamp(1.0, f64::from(settings.most)) as u32;
-        let floor = (floor.next_power_of_two().ilog2() as u8).clamp(LEAST, most);
-        let pixels = vec![Pixel::default(); count];
-        let groups = [Group { unseen: [0.0; 2], scale: LEAST_SCALE }; GROUPS];
-        let (pilots, kinds) = (vec![], vec![]);
-        let mut tile = Self { planner, tracer, columns, rows, pixels, pilots, kinds, floor, groups };
+        let (count, target) = (columns.len() * rows.len(), sampler.target);
+        let floor = (sampler.contrast * (2.0 / (target * count as f64)).sqrt()).ceil();
+        let floor = (floor.clamp(1.0, f64::from(sampler.most)) as u32).next_power_of_two();
+        let mut tile = Self {
+            sampler,
+            tracer,
+            columns,
+            rows,
+            pixels: vec![Pixel::default(); count],
+            pilots: vec![],
+            kinds: vec![],
+            floor: floor.clamp(LEAST, sampler.most),
+            groups: [Group { unseen: [0.0; 2], scale: LEAST_SCALE }; GROUPS],
+        };
         tile.trace(band)?;
         tile.look_around()?;
         for pass in 0..PASSES {
-            let enough = if pass == 0 { AIM } else { ENOUGH };
+            let (aim, enough) = (AIM * target, if pass == 0 { AIM } else { ENOUGH } * target);
             let alike = tile.alike();
-            let scale = |group: usize| {
-                let (pixels, scale) = (tile.deciding_pixels(group, &alike), tile.groups[group].scale);
-                let [estimate, _] = pixels.expected(scale);
-                if estimate > enough * square { pixels.next_scale(scale, AIM * square) } else { scale }
+            let next_scale = |group: usize| {
+                let (deciding, scale) = (tile.deciding_pixels(group, &alike), tile.groups[group].scale);
+                let [estimate, _] = deciding.expected(scale);
+                if estimate > enough { deciding.next_scale(scale, aim) } else { scale }
             };
-            let scales: Vec<i32> = (0..GROUPS).into_par_iter().map(scale).collect();
+            let scales: Vec<i32> = (0..GROUPS).into_par_iter().map(next_scale).collect();
             if tile.groups.iter().map(|group| group.scale).eq(scales.iter().copied()) {
                 break;
             }
@@ -424,9 +494,9 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Returns the class that pixels of a kind have or would have in a group.
     fn class(&self, group: usize, kind: u16) -> usize {
-        let [plain, with_speck] = self.groups[group].unseen;
-        let Kind { ring, speck } = self.kinds[usize::from(kind)];
-        class(ring + UNSEEN * speck.map_or(plain, |part| part * with_speck))
+        let [plain, with_small_things] = self.groups[group].unseen;
+        let Kind { ring, covered } = self.kinds[usize::from(kind)];
+        class(ring + UNSEEN * covered.map_or(plain, |part| part * with_small_things))
     }
 
     /// Traces the samples that pixels lack. The first samples are also pilot samples.
@@ -452,54 +522,47 @@ impl<'t, 'a> Tile<'t, 'a> {
         if self.tracer.tally.asks(0) {
             return None;
         }
-        let width = self.columns.len();
-        let first = (j - self.rows.start) * width;
-        let mut pixels = self.pixels[first..][..width].to_vec();
-        let ranges: Vec<Range<u32>> = (first..).zip(&pixels).map(|(k, pixel)| self.lacks(k, pixel)).collect();
-        let places = self.columns.clone().zip(&ranges).filter(|(_, range)| !range.is_empty());
-        let mut offsets = vec![];
-        let places = places.flat_map(|(column, range)| {
-            let sequence = self.sequence(column, j);
-            range.clone().map(move |index| (column, sequence.offset(index)))
-        });
-        let places = places.inspect(|&(_, offset)| {
-            if is_first {
-                offsets.push(offset)
+        let Request { sampler, size: [_, height], .. } = self.sampler.request;
+        let first = (j - self.rows.start) * self.columns.len();
+        let mut pixels = self.pixels[first..][..self.columns.len()].to_vec();
+        let counts: Vec<u32> = (first..).zip(&pixels).map(|(k, pixel)| self.wanted(k, pixel)).collect();
+        let mut samples = vec![];
+        for ((column, pixel), &count) in self.columns.clone().zip(&pixels).zip(&counts) {
+            if count > pixel.samples {
+                let sequence = sampler.sequence((column * height + j) as u64);
+                samples.extend((pixel.samples..count).map(|index| (column, sequence.offset(index))));
             }
-        });
-        let traced = self.tracer.trace_rays(j, places)?;
-        let (mut colors, mut costs) = (traced.colors.iter().copied(), traced.costs.iter());
-        let of_pixel = |range: &Range<u32>| costs.by_ref().take(range.len()).sum();
-        let costs = ranges.iter().map(of_pixel).collect();
-        for (pixel, range) in pixels.iter_mut().zip(ranges).filter(|(_, range)| !range.is_empty()) {
-            pixel.add(range, &mut colors);
         }
-        let pilots = self.pilots_of_row(&offsets, &traced.colors);
+        let traced = self.tracer.trace_rays(j, samples.iter().copied())?;
+        let (mut colors, mut ray_costs) = (traced.colors.iter().copied(), traced.costs.iter());
+        let mut costs = Vec::with_capacity(pixels.len());
+        for (pixel, count) in pixels.iter_mut().zip(counts) {
+            costs.push(ray_costs.by_ref().take((count - pixel.samples) as usize).sum());
+            if count > pixel.samples {
+                pixel.add(count, &mut colors);
+            }
+        }
+        let pilots = if is_first { self.pilots_of_row(&samples, &traced.colors) } else { vec![] };
         Some(TracedRow { pixels, pilots, costs, counts: traced.counts })
     }
 
-    /// Returns the indices of the samples that a pixel lacks.
-    fn lacks(&self, k: usize, pixel: &Pixel) -> Range<u32> {
-        let Some(old) = pixel.doublings else { return 0..1 << self.floor };
-        let group = group(self.place(k));
-        let most = self.planner.settings.most.ilog2() as u8;
-        (1 << old)..(1 << grown(old, self.groups[group].scale, self.class(group, pixel.kind), most))
-    }
-
-    /// Returns the Sobol' sequence of a pixel, by its column and row in the picture.
-    fn sequence(&self, column: usize, j: usize) -> Sobol {
-        let Request { sampler, size: [_, height], .. } = self.planner.request;
-        sampler.sequence((column * height + j) as u64)
+    /// Returns the number of samples that a pixel should have.
+    fn wanted(&self, k: usize, pixel: &Pixel) -> u32 {
+        if pixel.samples == 0 {
+            return self.floor;
+        }
+        let (group, most) = (group(self.place(k)), self.sampler.most.ilog2() as u8);
+        let class = self.class(group, pixel.kind);
+        1 << grown(pixel.samples.ilog2() as u8, self.groups[group].scale, class, most)
     }
 
     /// Returns the pilot samples among the first samples of a row, of which each pixel has an equal number.
-    fn pilots_of_row(&self, offsets: &[DVec2], colors: &[Color]) -> Vec<Pilot> {
-        let has_floats = self.planner.request.has_floats;
-        let brightest = Color::splat(if has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST });
-        let (first, pilots) = (1 << self.floor, MOST_PILOTS.min(1 << self.floor));
-        let mut found = Vec::with_capacity(offsets.len() / first * pilots);
-        for (offsets, colors) in offsets.chunks(first).zip(colors.chunks(first)) {
-            found.extend(offsets[..pilots].iter().zip(colors).map(|(offset, color)| Pilot {
+    fn pilots_of_row(&self, samples: &[(usize, DVec2)], colors: &[Color]) -> Vec<Pilot> {
+        let brightest = Color::splat(self.sampler.brightest);
+        let (first, pilots) = (self.floor as usize, MOST_PILOTS.min(self.floor as usize));
+        let mut found = Vec::with_capacity(samples.len() / first * pilots);
+        for (samples, colors) in samples.chunks(first).zip(colors.chunks(first)) {
+            found.extend(samples[..pilots].iter().zip(colors).map(|((_, offset), color)| Pilot {
                 color: color.clamp(Color::ZERO, brightest).as_vec3(),
                 is_right: offset.x >= 0.0,
                 is_upper: offset.y >= 0.0,
@@ -508,90 +571,81 @@ impl<'t, 'a> Tile<'t, 'a> {
         found
     }
 
-    /// Finds the rings of the pixels, u, and the means of u.
+    /// Sorts the pixels into kinds by their rings and their small things, and finds u and its means.
     fn look_around(&mut self) -> Option<()> {
-        let (width, height) = (self.columns.len(), self.rows.len());
         let pilots = self.pilots.len() / self.pixels.len();
-        let specks = self.planner.small_things.specks(&self.columns, &self.rows, self.tracer.tally).ok()?;
-        // Each pilot sample is within half a pixel of three neighbours.
-        let empty = [Vec3A::INFINITY, Vec3A::NEG_INFINITY];
-        let is_empty = |ring: &[Vec3A; 2]| ring[0].x > ring[1].x;
-        let mut rings_by_kind = [(); 2].map(|()| vec![empty; self.pixels.len()]);
-        let beside = |k: usize, is_after: bool| if is_after { Some(k + 1) } else { k.checked_sub(1) };
+        let small_things = &self.sampler.small_things;
+        let covered = small_things.covered_parts(&self.columns, &self.rows, self.tracer.tally).ok()?;
+        let rings = self.rings(&covered);
+        let mut kind_of_classes = vec![None; CLASSES * (CLASSES + 1)];
+        let mut sums = [[UnseenSums::default(); 2]; SURROUNDINGS];
         for (k, own) in self.pilots.chunks(pilots).enumerate() {
-            let [x, y] = self.place(k);
-            let rings = &mut rings_by_kind[usize::from(specks[k].is_alone())];
-            for pilot in own {
-                let column = beside(x, pilot.is_right).filter(|&x| x < width);
-                let row = beside(y, pilot.is_upper).filter(|&y| y < height);
-                let color = Vec3A::from(pilot.color);
-                for (x, y) in [(column, Some(y)), (Some(x), row), (column, row)] {
-                    if let (Some(x), Some(y)) = (x, y) {
-                        let [low, high] = &mut rings[y * width + x];
-                        (*low, *high) = (low.min(color), high.max(color));
-                    }
-                }
-            }
-        }
-        let [plain, with_specks] = rings_by_kind;
-        let ring = |(plain, other): (&[Vec3A; 2], &[Vec3A; 2])| if is_empty(plain) { *other } else { *plain };
-        let rings: Vec<[Vec3A; 2]> = plain.iter().zip(&with_specks).map(ring).collect();
-        let unseen = |own: &[Pilot], [low, high]: [Vec3A; 2]| {
-            let beyond = |pilot: &Pilot| {
-                let color = Vec3A::from(pilot.color);
-                mean_square((color - high).max(low - color).max(Vec3A::ZERO))
-            };
-            own.iter().map(beyond).sum::<f32>() / pilots as f32
-        };
-        let mut numbers = vec![None; CLASSES * (CLASSES + 1)];
-        // The sums of u, and of covered parts or numbers of pixels, without and with small things.
-        let mut sums = [[[0.0f64; 2]; 2]; SURROUNDINGS];
-        for (k, own) in self.pilots.chunks(pilots).enumerate() {
-            let (ring, speck, place) = (rings[k], specks[k], self.place(k));
-            // A tile of one pixel has no rings.
-            let [range, unseen] =
-                if is_empty(&ring) { [0.0; 2] } else { [mean_square(ring[1] - ring[0]), unseen(own, ring)] };
             // Parts are sorted in steps four times as large.
-            let part = speck.is_alone().then(|| class(speck.part) / 4 * 4 + 2);
-            let number = &mut numbers[class(range) * (CLASSES + 1) + part.unwrap_or(CLASSES)];
-            let kind = *number.get_or_insert_with(|| {
-                self.kinds.push(Kind { ring: middle(class(range)), speck: part.map(middle) });
+            let part_class = covered[k].map(|part| class(part) / 4 * 4 + 2);
+            let ring_class = class(rings[k].square());
+            let kind = &mut kind_of_classes[ring_class * (CLASSES + 1) + part_class.unwrap_or(CLASSES)];
+            let kind = *kind.get_or_insert_with(|| {
+                self.kinds.push(Kind { ring: middle(ring_class), covered: part_class.map(middle) });
                 self.kinds.len() as u16 - 1
             });
-            let surroundings = surroundings(place);
+            let surroundings = surroundings(self.place(k));
             (self.pixels[k].kind, self.pixels[k].surroundings) = (kind, surroundings);
-            let [sum, weights] = &mut sums[usize::from(surroundings)][usize::from(speck.is_alone())];
-            *sum += f64::from(unseen);
-            *weights += if speck.is_alone() { f64::from(speck.part) } else { 1.0 };
+            let sums = &mut sums[usize::from(surroundings)][usize::from(covered[k].is_some())];
+            sums.unseen += f64::from(rings[k].unseen(own));
+            sums.weight += covered[k].map_or(1.0, f64::from);
         }
         for (group, decisions) in self.groups.iter_mut().enumerate() {
-            for (has_speck, mean) in decisions.unseen.iter_mut().enumerate() {
-                let [mut sum, mut weights] = [0.0; 2];
+            for (has_small_things, mean) in decisions.unseen.iter_mut().enumerate() {
+                let mut all = UnseenSums::default();
                 for index in (0..SURROUNDINGS).filter(|&index| !is_left_out(index, group)) {
-                    sum += sums[index][has_speck][0];
-                    weights += sums[index][has_speck][1];
+                    all.unseen += sums[index][has_small_things].unseen;
+                    all.weight += sums[index][has_small_things].weight;
                 }
-                *mean = if weights > 0.0 { (sum / weights) as f32 } else { 0.0 };
+                *mean = if all.weight > 0.0 { (all.unseen / all.weight) as f32 } else { 0.0 };
             }
         }
         Some(())
     }
 
+    /// Returns the rings of the pixels. `covered` has the part of each pixel that small things cover, if there are any.
+    fn rings(&self, covered: &[Option<f32>]) -> Vec<Ring> {
+        let (width, height) = (self.columns.len(), self.rows.len());
+        let pilots = self.pilots.len() / self.pixels.len();
+        // The rings of neighbours without small things and with them.
+        let mut rings = [(); 2].map(|()| vec![Ring::EMPTY; self.pixels.len()]);
+        let beside = |k: usize, is_after: bool| if is_after { Some(k + 1) } else { k.checked_sub(1) };
+        for (k, own) in self.pilots.chunks(pilots).enumerate() {
+            let [x, y] = self.place(k);
+            let rings = &mut rings[usize::from(covered[k].is_some())];
+            for pilot in own {
+                // Each pilot sample is within half a pixel of three neighbours.
+                let column = beside(x, pilot.is_right).filter(|&x| x < width);
+                let row = beside(y, pilot.is_upper).filter(|&y| y < height);
+                for (x, y) in [(column, Some(y)), (Some(x), row), (column, row)] {
+                    if let (Some(x), Some(y)) = (x, y) {
+                        rings[y * width + x].add(pilot.color.into());
+                    }
+                }
+            }
+        }
+        let [plain, with_small_things] = rings;
+        let either = |(plain, other): (Ring, Ring)| if plain.is_empty() { other } else { plain };
+        plain.into_iter().zip(with_small_things).map(either).collect()
+    }
+
     /// Returns the pixels by kinds and numbers of samples.
     fn alike(&self) -> Vec<Alike> {
-        // A half that is brighter than white may well get darker, so its brightness counts up to a limit.
-        let brightest = if self.planner.request.has_floats { BRIGHTEST_FLOAT } else { BRIGHTEST };
-        let counts = self.planner.settings.most.ilog2() as usize + 1;
+        let numbers = self.sampler.most.ilog2() as usize + 1;
         let mut alike: Vec<Alike> = vec![];
-        let mut indices = vec![None; self.kinds.len() * counts];
-        for (k, pixel) in self.pixels.iter().enumerate() {
-            let (kind, doublings) = (pixel.kind, pixel.doublings.unwrap_or(LEAST));
-            let index =
-                *indices[usize::from(kind) * counts + usize::from(doublings)].get_or_insert_with(|| {
-                    alike.push(Alike { kind, doublings, by_surroundings: [Sums::default(); SURROUNDINGS] });
-                    alike.len() - 1
-                });
-            let error = self.error(k, brightest);
+        let mut indices = vec![None; self.kinds.len() * numbers];
+        for pixel in &self.pixels {
+            let (kind, doublings) = (pixel.kind, pixel.samples.ilog2() as u8);
+            let index = &mut indices[usize::from(kind) * numbers + usize::from(doublings)];
+            let index = *index.get_or_insert_with(|| {
+                alike.push(Alike { kind, doublings, by_surroundings: [Sums::default(); SURROUNDINGS] });
+                alike.len() - 1
+            });
+            let error = self.error(pixel, self.sampler.brightest);
             let sums = &mut alike[index].by_surroundings[usize::from(pixel.surroundings)];
             sums.pixels += 1.0;
             sums.error += error;
@@ -602,31 +656,27 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Returns the pixels that decide for a group.
     fn deciding_pixels(&self, group: usize, alike: &[Alike]) -> DecidingPixels {
-        let cell = |alike: &Alike| {
+        let part = |Alike { kind, doublings, by_surroundings }: &Alike| {
             let mut all = Sums::default();
-            let decides = |&(index, _): &(usize, &Sums)| !is_left_out(index, group);
-            for (_, sums) in alike.by_surroundings.iter().enumerate().filter(decides) {
+            for (_, sums) in by_surroundings.iter().enumerate().filter(|&(k, _)| !is_left_out(k, group)) {
                 all.pixels += sums.pixels;
                 all.error += sums.error;
                 all.squares += sums.squares;
             }
-            (alike.doublings, self.class(group, alike.kind), all)
+            Deciding { doublings: *doublings, class: self.class(group, *kind), sums: all }
         };
-        DecidingPixels {
-            most: self.planner.settings.most.ilog2() as u8,
-            cells: alike.iter().map(cell).collect(),
-        }
+        DecidingPixels { most: self.sampler.most.ilog2() as u8, parts: alike.iter().map(part).collect() }
     }
 
-    /// Returns the estimated squared error of a pixel whose colour is clamped at this brightness. In pictures of bytes,
+    /// Returns the estimated squared error of a pixel whose halves are clamped to this brightness. In pictures of bytes,
     /// halves that are both white are equal.
-    fn error(&self, pixel: usize, brightest: f64) -> f64 {
-        let Pixel { half, sum, doublings, .. } = self.pixels[pixel];
-        let part = 2.0 / f64::from(1u32 << doublings.unwrap_or(LEAST));
+    fn error(&self, pixel: &Pixel, brightest: f64) -> f64 {
+        let Pixel { half, sum, samples, .. } = *pixel;
+        let part = 2.0 / f64::from(samples);
         let most = Color::splat(brightest);
         let [one, other] = [half, sum - half].map(|sum| (part * sum).clamp(Color::ZERO, most));
         let mut difference = one - other;
-        if !self.planner.request.has_floats {
+        if !self.sampler.request.has_floats {
             difference = Color::select(one.min(other).cmpge(Color::ONE), Color::ZERO, difference);
         }
         if difference.is_finite() { HALVES / 4.0 * difference.length_squared() / 3.0 } else { 0.0 }
@@ -634,20 +684,31 @@ impl<'t, 'a> Tile<'t, 'a> {
 
     /// Moves the results to the band.
     fn finish(&self, band: &mut Band) {
-        let brightest = if self.planner.request.has_floats { BRIGHTEST_FLOAT } else { 1.0 };
-        let shown = self.planner.request.columns();
+        let request = self.sampler.request;
+        let brightest = if request.has_floats { BRIGHTEST_FLOAT } else { 1.0 };
+        let shown = request.columns();
         for (k, pixel) in self.pixels.iter().enumerate() {
-            let (column, row) = (self.columns.start + k % self.columns.len(), k / self.columns.len());
-            let (index, doublings) = (band.index(column, row), pixel.doublings.unwrap_or(LEAST));
-            band.doublings[index] = doublings;
+            let [x, row] = self.place(k);
+            let column = self.columns.start + x;
+            let index = band.index(column, row);
+            band.doublings[index] = pixel.samples.ilog2() as u8;
             if let Some(color) = band.colors.get_mut(index) {
-                *color = pixel.sum / f64::from(1u32 << doublings);
+                *color = pixel.sum / f64::from(pixel.samples);
             }
             if shown.contains(&column) {
-                band.errors[row] += self.error(k, brightest);
+                band.errors[row] += self.error(pixel, brightest);
             }
         }
     }
+}
+
+/// Sums of pixels with or without small things.
+#[derive(Clone, Copy, Default)]
+struct UnseenSums {
+    /// The sum of u.
+    unseen: f64,
+    /// The sum of covered parts, or the number of pixels without small things.
+    weight: f64,
 }
 
 impl DecidingPixels {
@@ -655,13 +716,13 @@ impl DecidingPixels {
     /// follow from this scale, and the number of their samples then.
     fn expected(&self, scale: i32) -> [f64; 2] {
         let [mut pixels, mut samples, mut error, mut squares] = [0.0; 4];
-        for (before, class, alike) in &self.cells {
+        for Deciding { doublings: before, class, sums } in &self.parts {
             let doublings = grown(*before, scale, *class, self.most);
             let less = LESS[usize::from(doublings - before)];
-            pixels += alike.pixels;
-            samples += alike.pixels * f64::from(1u32 << doublings);
-            error += less * alike.error;
-            squares += less * less * alike.squares;
+            pixels += sums.pixels;
+            samples += sums.pixels * f64::from(1u32 << doublings);
+            error += less * sums.error;
+            squares += less * less * sums.squares;
         }
         [(error + DOUBT * squares.sqrt()) / f64::max(pixels, 1.0), samples]
     }
@@ -713,8 +774,8 @@ fn group([x, y]: [usize; 2]) -> usize {
     y / SQUARE % TURNS * TURNS + x / SQUARE % TURNS
 }
 
-/// Returns the index of the surroundings of the pixel at this place in its tile: its sides along both axes. Side 2t is
-/// the border of square t and the one before it, and side 2t + 1 is the middle of square t.
+/// Returns the index of the surroundings of the pixel at this place in its tile: its sides along both axes. The pixels on
+/// both sides of the border before square t are on side 2t, and the other pixels of square t are on side 2t + 1.
 fn surroundings(place: [usize; 2]) -> u8 {
     let [x, y] = place.map(|k| (k + 1) / SQUARE % TURNS * 2 + usize::from((k + 1) % SQUARE >= 2));
     (SIDES * y + x) as u8
@@ -793,9 +854,12 @@ mod tests {
 
     #[test]
     fn the_next_scale_leaves_the_error_that_is_aimed_at() {
-        let sums = |pixels: f64, error: f64| Sums { pixels, error, squares: error * error / pixels };
-        let cells = vec![(1, 0, sums(900.0, 1.0)), (1, 40, sums(100.0, 50.0)), (3, 80, sums(50.0, 20.0))];
-        let others = DecidingPixels { most: 10, cells };
+        let part = |doublings: u8, class: usize, pixels: f64, error: f64| {
+            let sums = Sums { pixels, error, squares: error * error / pixels };
+            Deciding { doublings, class, sums }
+        };
+        let parts = vec![part(1, 0, 900.0, 1.0), part(1, 40, 100.0, 50.0), part(3, 80, 50.0, 20.0)];
+        let others = DecidingPixels { most: 10, parts };
         let [before, samples] = others.expected(LEAST_SCALE);
         for part in [0.9, 0.5, 0.1] {
             let scale = others.next_scale(LEAST_SCALE, part * before);

@@ -27,7 +27,7 @@ use crate::sampling::blur::Blur;
 use crate::sampling::sampler::Sampler;
 use crate::stats::Counts;
 use crate::trace::MOST_WAITING;
-use adaptive::{Plan, Planner};
+use adaptive::{AdaptiveRow, AdaptiveSampler};
 use filter_picture::render_filter;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -161,14 +161,14 @@ fn render_strips(
     memory::ask(Strip::below(request, rows.end, rows.start).bytes())?;
     let tally = Tally::new(rows.len(), watch);
     let tracer = PictureTracer::new(shot, request, &tally);
-    let mut planner = Planner::new(&tracer);
+    let mut adaptive = AdaptiveSampler::new(&tracer);
     let pixels = request.cost().map_or(0, |_| request.window_size().iter().product());
     let mut rendered = Rendered { costs: memory::with_room(pixels)?, ..Rendered::default() };
     let mut end = rows.end;
     while end > rows.start {
         let strip = Strip::below(request, end, rows.start);
-        planner.as_mut().map_or(Ok(()), |planner| planner.prepare(&strip.traced()))?;
-        strip.render(&tracer, planner.as_ref(), &mut rendered, take_row)?;
+        adaptive.as_mut().map_or(Ok(()), |adaptive| adaptive.sample(&strip.traced()))?;
+        strip.render(&tracer, adaptive.as_ref(), &mut rendered, take_row)?;
         end = strip.rows.start;
     }
     Ok(rendered)
@@ -191,7 +191,7 @@ pub fn render_some_rows(
         let colors = |row: &usize| {
             let end = request.rows().end - row;
             let strip = Strip::below(request, end, end - 1);
-            let traced = strip.trace(end - 1..end, &tracer.rows(strip.traced())?, None).pop();
+            let traced = strip.trace(end - 1..end, &tracer.for_rows(strip.traced())?, None).pop();
             traced.map(|row| row.colors).ok_or_else(|| tally.reason())
         };
         let colors: Vec<Vec<Color>> = rows.par_iter().map(colors).collect::<Result<_, Stopped>>()?;
@@ -203,9 +203,10 @@ pub fn render_some_rows(
 /// Returns the offsets of the samples of the pixel in this column and row from the bottom left. Returns an empty list if
 /// the watch cancels.
 pub fn offsets(shot: &Shot, request: &Request, [column, row]: [usize; 2], watch: Watch) -> Vec<DVec2> {
-    let offsets = |plan: Option<Plan>| {
+    let offsets = |row_samples: Option<AdaptiveRow>| {
         let mut offsets = vec![];
-        RowSampler::new(request, column, row, plan).place(column..column + 1, |_, at, _| offsets.push(at));
+        RowSampler::new(request, column, row, row_samples)
+            .place(column..column + 1, |_, at, _| offsets.push(at));
         offsets
     };
     if request.adaptive.is_none() {
@@ -215,9 +216,10 @@ pub fn offsets(shot: &Shot, request: &Request, [column, row]: [usize; 2], watch:
     let pixel = &Request { window, layers: vec![Layer::Color], ..request.clone() };
     let tally = Tally::new(1, watch);
     let tracer = PictureTracer::new(shot, pixel, &tally);
-    let mut planner = Planner::new(&tracer);
-    planner.as_mut().and_then(|planner| planner.prepare(&(row..row + 1)).ok());
-    planner.as_ref().and_then(|planner| planner.plan(row)).map_or(vec![], |plan| offsets(Some(plan)))
+    let mut adaptive = AdaptiveSampler::new(&tracer);
+    adaptive.as_mut().and_then(|adaptive| adaptive.sample(&(row..row + 1)).ok());
+    let row_samples = adaptive.as_ref().and_then(|adaptive| adaptive.row(row));
+    row_samples.map_or(vec![], |row_samples| offsets(Some(row_samples)))
 }
 
 /// Renders a request into memory. Returns a picture for each of its layers, and the counts.

@@ -1,6 +1,6 @@
 //! Traces the samples of a row of pixels, and adds their colours to the layers.
 
-use super::adaptive::Plan;
+use super::adaptive::AdaptiveRow;
 use super::layer::Layer;
 use super::request::Request;
 use super::tracing::PictureTracer;
@@ -49,16 +49,16 @@ pub struct RaySamples {
 pub struct RowSampler<'a> {
     request: &'a Request,
     j: usize,
-    /// The number of samples of each pixel, if the samples are adaptive.
-    plan: Option<Plan<'a>>,
+    /// The number of samples of each pixel, if they are adaptive.
+    adaptive: Option<AdaptiveRow<'a>>,
     /// The random numbers of the next sample, if they are drawn row by row.
     c_rand: Option<CRand>,
 }
 
 impl<'a> RowSampler<'a> {
     /// Returns a sampler of row `j` from the column `first` on.
-    pub fn new(request: &'a Request, first: usize, j: usize, plan: Option<Plan<'a>>) -> Self {
-        Self { request, j, plan, c_rand: request.sampler.c_rand([first, j], request.size[0]) }
+    pub fn new(request: &'a Request, first: usize, j: usize, adaptive: Option<AdaptiveRow<'a>>) -> Self {
+        Self { request, j, adaptive, c_rand: request.sampler.c_rand([first, j], request.size[0]) }
     }
 
     /// Calls `take` for each sample of the pixels in these columns, with its column, its offset from the pixel's
@@ -68,10 +68,10 @@ impl<'a> RowSampler<'a> {
         let Request { sampler, size: [_, height], .. } = *self.request;
         // The index of the first pixel in the order in which random numbers are drawn.
         let first = (columns.start * height + self.j) as u64;
-        if let Some(plan) = self.plan {
+        if let Some(adaptive) = self.adaptive {
             each(columns, take, |column| {
                 let sequence = sampler.sequence((column * height + self.j) as u64);
-                (0..plan.samples(column)).map(move |index| sequence.offset(index))
+                (0..adaptive.samples(column)).map(move |index| sequence.offset(index))
             });
         } else if let Some(c_rand) = &mut self.c_rand {
             each(columns, take, |_| std::iter::once(c_rand.next_offset()));
@@ -100,7 +100,7 @@ fn each<Offsets: ExactSizeIterator<Item = DVec2>>(
 impl PictureTracer<'_> {
     /// Traces row `j`. Returns `None` if the render is cancelled meanwhile, possibly within a pixel that takes
     /// long. If `is_shown` is false, only the samples are traced, because they contribute to the rows around it.
-    pub fn row(&self, j: usize, is_shown: bool, plan: Option<Plan>) -> Option<Row> {
+    pub fn row(&self, j: usize, is_shown: bool, adaptive: Option<AdaptiveRow>) -> Option<Row> {
         let request = self.request;
         let columns = request.traced_columns();
         let is_over = |waiting| self.tally.asks(waiting);
@@ -112,7 +112,7 @@ impl PictureTracer<'_> {
             j,
             counts: Counts::default(),
             costs: vec![],
-            squared_error: plan.map_or(0.0, Plan::squared_error),
+            squared_error: adaptive.map_or(0.0, AdaptiveRow::squared_error),
             colors: Vec::with_capacity(if request.has_colors() { request.columns().len() } else { 0 }),
             spread: (request.support() > 0)
                 .then(|| Spread::new(request.filter, self.caster.level, j, request.size)),
@@ -126,10 +126,10 @@ impl PictureTracer<'_> {
             center_weight: request.filter.weight(DVec2::ZERO),
             sum: Sum::default(),
             plots: plots(request, is_shown),
-            plan,
+            adaptive,
             row,
         };
-        let mut sampler = RowSampler::new(request, columns.start, j, plan);
+        let mut sampler = RowSampler::new(request, columns.start, j, adaptive);
         let mut packet = SamplePacket::default();
         let cost = request.cost();
         let at_once = if cost.is_some() { 1 } else { SamplePacket::SIZE };
@@ -144,7 +144,7 @@ impl PictureTracer<'_> {
                 painter
                     .row
                     .costs
-                    .push(cost.of(&counts) + plan.and_then(|plan| plan.cost(first)).unwrap_or(0));
+                    .push(cost.of(&counts) + adaptive.and_then(|adaptive| adaptive.cost(first)).unwrap_or(0));
             }
             painter.row.counts = before.merge(counts);
         }
@@ -197,8 +197,8 @@ struct Painter<'a> {
     sum: Sum,
     /// The indices of the layers of samples, each with its zoom.
     plots: Vec<(usize, usize)>,
-    /// The number of samples of each pixel, if the samples are adaptive.
-    plan: Option<Plan<'a>>,
+    /// The number of samples of each pixel, if they are adaptive.
+    adaptive: Option<AdaptiveRow<'a>>,
     row: Row,
 }
 
@@ -223,8 +223,10 @@ impl Painter<'_> {
             }
             packet.clear();
         }
-        if let Some(plan) = self.plan.filter(|plan| colors && plan.color(columns.start).is_some()) {
-            self.row.colors.extend(columns.filter_map(|column| plan.color(column)));
+        if let Some(adaptive) =
+            self.adaptive.filter(|adaptive| colors && adaptive.color(columns.start).is_some())
+        {
+            self.row.colors.extend(columns.filter_map(|column| adaptive.color(column)));
         } else if colors && !are_centers {
             sampler.place(columns, |column, offset, is_last| {
                 packet.push(column, offset, is_last);
@@ -270,7 +272,8 @@ impl Painter<'_> {
             None if CENTERS => sum.add(self.center_weight, color, 1.0),
             None => sum.add(self.tracer.request.filter.weight(offset), color, 1.0),
             Some(spread) => {
-                let part = self.plan.as_ref().map_or(1.0, |plan| 1.0 / f64::from(plan.samples(column)));
+                let part =
+                    self.adaptive.as_ref().map_or(1.0, |adaptive| 1.0 / f64::from(adaptive.samples(column)));
                 spread.add(column, offset, color, part);
             }
         }

@@ -1,9 +1,7 @@
-//! Finds the small things in a picture without casting rays: points in pixels at which there may be something that
-//! rays through the corners miss.
+//! Small things: estimates the part of each pixel that they cover, without casting rays. They may be hidden.
 //!
-//! All triangles and shapes are projected onto the pixels. A thing narrower than a pixel or two that fills little of a
-//! pixel gets a point there. A probe through this point finds out if the thing is visible, and how much it differs
-//! from its surroundings.
+//! All triangles and shapes are projected onto the pixels. Points along a thing that is narrower than a pixel or two share
+//! its area, and each adds its share to its pixel.
 
 use crate::base::patience::{Ended, Patience, Steps};
 use crate::camera::{Camera, Projection};
@@ -19,20 +17,11 @@ pub struct SmallThings<'a> {
     vertices: Vec<Vec2>,
 }
 
-/// Something small in a pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Speck {
-    /// The approximate part of the pixel that small things cover.
-    pub part: f32,
-    /// A point in one of them, in pixels from the pixel's centre.
-    pub offset: Vec2,
-}
-
-/// The specks of some columns and rows of pixels.
-struct Specks {
+/// The covered parts of the pixels in some columns and rows, row by row.
+struct CoveredParts {
     columns: Range<usize>,
     rows: Range<usize>,
-    specks: Vec<Speck>,
+    parts: Vec<f32>,
     /// The points since the last thing.
     points: usize,
 }
@@ -40,7 +29,7 @@ struct Specks {
 /// Things narrower than this number of pixels are small.
 const SMALL: f32 = 1.5;
 
-/// Small things that fill more than this part of a pixel form a surface, which corners and other probes do not miss.
+/// Small things that cover more than this part of a pixel form a surface, which its samples do not miss.
 const FULL: f32 = 0.5;
 
 /// Across things narrower than this number of pixels, the middle is the only point. Wider things also get points near
@@ -57,16 +46,17 @@ impl<'a> SmallThings<'a> {
         Self { world, projection, vertices }
     }
 
-    /// Returns the specks in these pixels, row by row, unless the work should end.
-    pub fn specks(
+    /// Returns the part of each of these pixels that small things cover, row by row; `None` if they cover nothing or
+    /// most of it. Fails if the patience is over.
+    pub fn covered_parts(
         &self,
         columns: &Range<usize>,
         rows: &Range<usize>,
         patience: &dyn Patience,
-    ) -> Result<Vec<Speck>, Ended> {
+    ) -> Result<Vec<Option<f32>>, Ended> {
         let mut steps = Steps::new(patience);
-        let specks = vec![Speck::default(); columns.len() * rows.len()];
-        let mut found = Specks { columns: columns.clone(), rows: rows.clone(), specks, points: 0 };
+        let parts = vec![0.0; columns.len() * rows.len()];
+        let mut found = CoveredParts { columns: columns.clone(), rows: rows.clone(), parts, points: 0 };
         let band = [rows.start as f32 - 1.0, rows.end as f32 + 1.0];
         for (id, triangle) in self.world.triangles.iter().enumerate() {
             steps.take(1 + std::mem::take(&mut found.points))?;
@@ -111,11 +101,11 @@ impl<'a> SmallThings<'a> {
                 found.add_box(min, max, 0.8 * size.element_product());
             }
         }
-        Ok(found.specks)
+        Ok(found.parts.into_iter().map(|part| (part > 0.0 && part < FULL).then_some(part)).collect())
     }
 }
 
-impl Specks {
+impl CoveredParts {
     /// Adds a thing with this area that fills a box.
     fn add_box(&mut self, min: Vec2, max: Vec2, area: f32) {
         let size = max - min;
@@ -134,30 +124,16 @@ impl Specks {
         let part = area / ((steps + 1.0) * across.len() as f32);
         self.points += (steps as usize + 1) * across.len();
         for k in 0..=steps as u32 {
-            // Go from the ends to the middle, which is the surest point.
-            let k = if k % 2 == 0 { k / 2 } else { steps as u32 - k / 2 };
             let t = if steps > 0.0 { 0.01 + 0.98 * k as f32 / steps } else { 0.5 };
             for &u in across {
                 let place = at(t, u);
                 let [x, y] = [place.x.floor() as usize, place.y.floor() as usize];
                 if place.min_element() >= 0.0 && self.columns.contains(&x) && self.rows.contains(&y) {
                     let index = (y - self.rows.start) * self.columns.len() + x - self.columns.start;
-                    let speck = &mut self.specks[index];
-                    // The middle is certainly in the thing.
-                    if u == 0.5 || speck.part == 0.0 {
-                        speck.offset = place.fract() - 0.5;
-                    }
-                    speck.part += part;
+                    self.parts[index] += part;
                 }
             }
         }
-    }
-}
-
-impl Speck {
-    /// Returns true if small things cover some of the pixel, but not most of it.
-    pub fn is_alone(self) -> bool {
-        self.part > 0.0 && self.part < FULL
     }
 }
 
@@ -171,8 +147,8 @@ mod tests {
     /// With the same view of the plane z = 0.
     const AHEAD: &str = "PerspectiveCamera { center 0 0 4 direction 0 0 -1 up 0 1 0 angle 90 }";
 
-    /// Returns the specks in eight rows of eight pixels of a scene with these objects.
-    fn specks(camera: &str, objects: &[&str]) -> Vec<([usize; 2], Speck)> {
+    /// Returns the covered parts of eight rows of eight pixels of a scene with these objects, where they are not 0.
+    fn covered(camera: &str, objects: &[&str]) -> Vec<([usize; 2], f32)> {
         let text = format!(
             "{camera} Materials {{ numMaterials 1 Material {{ }} }}
              Group {{ numObjects {} MaterialIndex 0 {} }}",
@@ -183,48 +159,44 @@ mod tests {
         let world = World::new(&scene, &[]).unwrap();
         let camera = Camera::new(&scene.camera, [8, 8]);
         let things = SmallThings::new(&camera, &world);
-        let all = things.specks(&(0..8), &(0..8), &Endless).unwrap();
-        // A part of the picture has the same specks as the whole picture.
-        let part = things.specks(&(2..7), &(3..5), &Endless).unwrap();
+        let all = things.covered_parts(&(0..8), &(0..8), &Endless).unwrap();
+        // A part of the picture has the same parts as the whole picture.
+        let part = things.covered_parts(&(2..7), &(3..5), &Endless).unwrap();
         assert!((0..2).all(|y| part[5 * y..][..5] == all[8 * (y + 3) + 2..][..5]));
         let places = (0..64).map(|k| [k % 8, k / 8]);
-        places.zip(all).filter(|(_, speck)| speck.part > 0.0).collect()
+        places.zip(all).filter_map(|(place, part)| Some((place, part?))).collect()
     }
 
     #[test]
-    fn small_things_leave_specks_of_what_they_cover() {
+    fn small_things_cover_parts_of_pixels() {
         let objects = [
             "Sphere { center 1.5 -1.5 0 radius 0.1 }",
             "Transform { Translate -2.5 2.5 0 Scale 0.2 0.1 0.01 Sphere { center 0 0 0 radius 1 } }",
             "Triangle { vertex0 2.4 2.4 0 vertex1 2.6 2.4 0 vertex2 2.4 2.6 0 }",
         ];
         for camera in [ABOVE, AHEAD] {
-            let found = specks(camera, &objects);
+            let found = covered(camera, &objects);
             let expected = [([5, 2], 0.0314), ([1, 6], 0.0628), ([6, 6], 0.02)];
             assert_eq!(found.len(), 3, "{camera} {found:?}");
-            for ((place, speck), (expected, part)) in found.iter().zip(expected) {
+            for ((place, part), (expected, area)) in found.iter().zip(expected) {
                 // In perspective, the box of a solid is larger than the area that the solid covers.
-                assert!(
-                    *place == expected && (0.9..2.0).contains(&(speck.part / part)),
-                    "{camera} {found:?}"
-                );
-                assert!(speck.offset.abs().max_element() < 0.1, "{camera} {found:?}");
+                assert!(*place == expected && (0.9..2.0).contains(&(part / area)), "{camera} {found:?}");
             }
         }
     }
 
     #[test]
-    fn a_needle_has_specks_along_its_middle() {
+    fn a_needle_covers_parts_of_pixels_along_it() {
         for camera in [ABOVE, AHEAD] {
             let needle = "Triangle { vertex0 -3.7 -2.73 0 vertex1 -3.7 -2.69 0 vertex2 3.6 2.2 0 }";
-            let found = specks(camera, &[needle]);
+            let found = covered(camera, &[needle]);
             assert!((8..16).contains(&found.len()), "{found:?}");
-            let area: f32 = found.iter().map(|(_, speck)| speck.part).sum();
+            let area: f32 = found.iter().map(|(_, part)| part).sum();
             assert!((area - 0.146).abs() < 0.001, "{area}");
-            for ([column, row], speck) in &found {
-                let [x, y] = [(*column, speck.offset.x), (*row, speck.offset.y)]
-                    .map(|(k, offset)| k as f32 - 3.5 + offset);
-                assert!((y + 2.71 - (x + 3.7) * 4.91 / 7.3).abs() < 0.02, "{x} {y}");
+            for ([column, row], _) in &found {
+                let [x, y] = [*column, *row].map(|k| k as f32 - 3.5);
+                // The needle passes within half a pixel of the centre along both axes.
+                assert!((y + 2.71 - (x + 3.7) * 4.91 / 7.3).abs() < 0.9, "{x} {y}");
             }
         }
     }
@@ -232,14 +204,14 @@ mod tests {
     #[test]
     fn large_things_and_those_behind_the_eye_leave_none() {
         let large = "Triangle { vertex0 -3.5 -3.5 0 vertex1 3.5 -3.5 0 vertex2 -3.5 3.5 0 }";
-        assert_eq!(specks(ABOVE, &[large, "Sphere { center 0.5 0.5 0 radius 2.2 }"]), []);
+        assert_eq!(covered(ABOVE, &[large, "Sphere { center 0.5 0.5 0 radius 2.2 }"]), []);
         let behind = [
             "Triangle { vertex0 -1 0 9 vertex1 1 0 9 vertex2 0 0.01 9 }",
             "Sphere { center 0 0 9 radius 0.01 }",
         ];
-        assert_eq!(specks(AHEAD, &behind), []);
+        assert_eq!(covered(AHEAD, &behind), []);
         assert_eq!(
-            specks(AHEAD, &["Triangle { vertex0 -100 -1 100 vertex1 100 -1 100 vertex2 0 -1 -4.1 }"]),
+            covered(AHEAD, &["Triangle { vertex0 -100 -1 100 vertex1 100 -1 100 vertex2 0 -1 -4.1 }"]),
             []
         );
     }

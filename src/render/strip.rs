@@ -4,7 +4,7 @@
 //! If the filter's support extends beyond a pixel's row, the samples of the rows around the strip are traced as well.
 //! So the strip's pixels are the same as in the whole picture.
 
-use super::adaptive::{Plan, Planner};
+use super::adaptive::{AdaptiveRow, AdaptiveSampler};
 use super::layer::Layer;
 use super::request::Request;
 use super::row::Row;
@@ -56,7 +56,7 @@ impl<'a> Strip<'a> {
         // The number of adaptive samples is not known. It is seldom the maximum.
         let samples = adaptive.map_or(sampler.count(), |adaptive| adaptive.most / 4) as usize;
         let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
-        // Rows are handed out together if they depend on each other, and adaptive samples are planned together.
+        // Rows are handed out together if they depend on each other, and adaptive samples are taken together.
         let rows = if support > 0 || adaptive.is_some() { rows.min(few) } else { rows };
         let rows = rows.max(8 * support).max(rayon::current_num_threads());
         Self { request, rows: end.saturating_sub(rows).max(first)..end }
@@ -66,11 +66,11 @@ impl<'a> Strip<'a> {
     pub fn render(
         &self,
         picture: &PictureTracer,
-        planner: Option<&Planner>,
+        adaptive: Option<&AdaptiveSampler>,
         rendered: &mut Rendered,
         take_row: TakeRow,
     ) -> Result<(), Stopped> {
-        let tracer = &picture.rows(self.traced())?;
+        let tracer = &picture.for_rows(self.traced())?;
         let batch = match self.request.support() {
             0 => ROWS_PER_BATCH * rayon::current_num_threads(),
             _ => self.rows.len(),
@@ -91,7 +91,7 @@ impl<'a> Strip<'a> {
         while end > self.rows.start {
             let rows = end.saturating_sub(batch).max(self.rows.start)..end;
             let (taken, next) =
-                rayon::join(|| hand_out_rows(&traced), || self.trace(rows.clone(), tracer, planner));
+                rayon::join(|| hand_out_rows(&traced), || self.trace(rows.clone(), tracer, adaptive));
             taken?;
             traced = next;
             if traced.len() < rows.len() {
@@ -108,24 +108,30 @@ impl<'a> Strip<'a> {
         self.request.traced_rows(self.rows.clone())
     }
 
-    /// Traces these rows of the strip. Returns them from the top, and fewer if the render is cancelled.
-    pub fn trace(&self, rows: Range<usize>, tracer: &PictureTracer, planner: Option<&Planner>) -> Vec<Row> {
+    /// Traces these rows of the strip, which must be all if samples contribute to other rows. Returns them from the top,
+    /// and fewer if the render is cancelled.
+    pub fn trace(
+        &self,
+        rows: Range<usize>,
+        tracer: &PictureTracer,
+        adaptive: Option<&AdaptiveSampler>,
+    ) -> Vec<Row> {
         if self.request.support() > 0 {
-            return self.filter(tracer, planner).unwrap_or_default();
+            return self.filter(tracer, adaptive).unwrap_or_default();
         }
-        let traced = tracer.tally.in_parallel(rows, |j| self.row(j, tracer, planner));
+        let traced = tracer.tally.in_parallel(rows, |j| self.row(j, tracer, adaptive));
         traced.into_iter().rev().map_while(|row| row).collect()
     }
 
     /// Traces the strip and filters its samples. Returns its rows from the top, or `None` if the render is cancelled.
-    fn filter(&self, tracer: &PictureTracer, planner: Option<&Planner>) -> Option<Vec<Row>> {
+    fn filter(&self, tracer: &PictureTracer, adaptive: Option<&AdaptiveSampler>) -> Option<Vec<Row>> {
         let Request { filter, size, .. } = *self.request;
         let (traced, columns) = (self.traced(), self.request.columns());
         let mut film = Film::new(filter, size, traced.start);
         let mut finished: Vec<Row> = Vec::with_capacity(self.rows.len());
         for first in traced.clone().step_by(self.rows_in_flight()) {
             let rows = first..traced.end.min(first + self.rows_in_flight());
-            for row in tracer.tally.in_parallel(rows, |j| self.row(j, tracer, planner)) {
+            for row in tracer.tally.in_parallel(rows, |j| self.row(j, tracer, adaptive)) {
                 let mut row = row?;
                 let Some(spread) = row.spread.take() else { continue };
                 if self.rows.contains(&row.j) {
@@ -175,11 +181,11 @@ impl<'a> Strip<'a> {
     }
 
     /// Traces row `j`. Returns `None` if the render is cancelled meanwhile.
-    fn row(&self, j: usize, tracer: &PictureTracer, planner: Option<&Planner>) -> Option<Row> {
+    fn row(&self, j: usize, tracer: &PictureTracer, adaptive: Option<&AdaptiveSampler>) -> Option<Row> {
         let is_shown = self.rows.contains(&j);
-        let plan = planner.and_then(|planner| planner.plan(j));
-        let mut row = tracer.row(j, is_shown, plan)?;
-        row.counts = row.counts.merge(plan.map_or(Counts::default(), Plan::counts));
+        let adaptive = adaptive.and_then(|adaptive| adaptive.row(j));
+        let mut row = tracer.row(j, is_shown, adaptive)?;
+        row.counts = row.counts.merge(adaptive.map_or(Counts::default(), AdaptiveRow::counts));
         if is_shown {
             tracer.tally.row_is_done(row.counts.rays());
         }

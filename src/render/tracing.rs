@@ -64,7 +64,7 @@ impl<'a> PictureTracer<'a> {
 
     /// Returns a tracer for these rows, counted from the bottom. It has their first hits, as far as rasterization finds
     /// them. It has a structure if other rays are cast, or if some first hits are unknown.
-    pub fn rows(&self, rows: Range<usize>) -> Result<Self, Stopped> {
+    pub fn for_rows(&self, rows: Range<usize>) -> Result<Self, Stopped> {
         let mut own = self.clone();
         if self.casts_further_rays() {
             own.caster = self.shot.built(self.tally)?;
