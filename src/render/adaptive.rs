@@ -139,6 +139,10 @@ const CLASSES: usize = 224;
 /// With this scale no pixel gets more samples.
 const LEAST_SCALE: i32 = -(CLASSES as i32);
 
+/// The largest memory of the samples that a band keeps, in bytes. The rows of the band have equal parts of it. If a row
+/// has more samples, they are traced again.
+const KEPT: usize = 128 << 20;
+
 /// The approximate memory of a pixel in a band, in bytes.
 const BYTES: usize = size_of::<u8>() + size_of::<Color>() + size_of::<u64>();
 /// The approximate memory of a pixel while its tile is sampled, in bytes.
@@ -160,6 +164,8 @@ struct Band {
     doublings: Vec<u8>,
     /// The colours of the pixels, if only their own samples contribute to them, with equal weights.
     colors: Vec<Color>,
+    /// Otherwise the colours of the samples of each row, from left to right, unless there are too many.
+    samples: Vec<Option<Vec<Color>>>,
     /// The cost of each pixel, if costs are a layer.
     costs: Vec<u64>,
     /// The counts and the sum of the estimated squared errors of each row.
@@ -196,17 +202,30 @@ impl Band {
     fn index(&self, column: usize, row: usize) -> usize {
         row * self.columns.len() + column - self.columns.start
     }
+
+    /// Returns the largest number of samples of a row that are kept.
+    fn most_kept(&self) -> usize {
+        KEPT / size_of::<Color>() / self.rows.len().max(1)
+    }
 }
 
-impl AdaptiveRow<'_> {
+impl<'a> AdaptiveRow<'a> {
     /// Returns the number of samples of a pixel.
     pub fn samples(self, column: usize) -> u32 {
         1 << self.band.doublings[self.band.index(column, self.row)]
     }
 
-    /// Returns the colour of a pixel, or `None` if its samples must be traced again.
+    /// Returns the colour of a pixel, or `None` if others contribute to it, too.
     pub fn color(self, column: usize) -> Option<Color> {
         self.band.colors.get(self.band.index(column, self.row)).copied()
+    }
+
+    /// Returns the colours of the samples of the pixels in these columns, or `None` if they must be traced again.
+    pub fn kept_samples(self, columns: Range<usize>) -> Option<&'a [Color]> {
+        let all = self.band.samples[self.row].as_deref()?;
+        let count = |columns: Range<usize>| columns.map(|column| self.samples(column) as usize).sum();
+        let before: usize = count(self.band.columns.start..columns.start);
+        all.get(before..before + count(columns))
     }
 
     /// Returns the cost of sampling a pixel, if costs are a layer.
@@ -250,12 +269,21 @@ impl<'a> AdaptiveSampler<'a> {
         self.bands.retain(|band| band.rows.start < rows.end && rows.start < band.rows.end);
         for rows in tiles(rows, height) {
             if self.bands.iter().all(|band| band.rows != rows) {
-                let width = self.request.traced_columns().len() + 2 * SIDE;
-                memory::ask((width * rows.len() * BYTES + SIDE * SIDE * BYTES_OF_TILE) as u64)?;
+                let pixels = (self.request.traced_columns().len() + 2 * SIDE) * rows.len();
+                // The samples of a tile in progress are kept as well.
+                let samples = (pixels * self.most as usize).saturating_mul(size_of::<Color>());
+                let kept = if self.keeps_colors() { 0 } else { samples.min(2 * KEPT) };
+                memory::ask((pixels * BYTES + SIDE * SIDE * BYTES_OF_TILE + kept) as u64)?;
                 self.bands.push(self.band(rows)?);
             }
         }
         Ok(())
+    }
+
+    /// Returns true if only the samples of a pixel contribute to its colour, and are shown by nothing else.
+    fn keeps_colors(&self) -> bool {
+        let plots_samples = self.request.layers.iter().any(|layer| matches!(layer, Layer::Samples { .. }));
+        self.request.filter == Filter::PIXEL && !plots_samples
     }
 
     /// Returns row `j`, if it is sampled.
@@ -271,13 +299,13 @@ impl<'a> AdaptiveSampler<'a> {
         let tiles: Vec<_> = tiles(&request.traced_columns(), request.size[0]).collect();
         let columns = tiles.first().map_or(0, |tile| tile.start)..tiles.last().map_or(0, |tile| tile.end);
         let pixels = columns.len() * rows.len();
-        let plots_samples = request.layers.iter().any(|layer| matches!(layer, Layer::Samples { .. }));
-        let keeps_colors = request.filter == Filter::PIXEL && !plots_samples;
+        let keeps_colors = self.keeps_colors();
         let mut band = Band {
             columns,
             rows: rows.clone(),
             doublings: vec![0; pixels],
             colors: if keeps_colors { vec![Color::ZERO; pixels] } else { vec![] },
+            samples: vec![if keeps_colors { None } else { Some(vec![]) }; rows.len()],
             costs: if request.cost().is_some() { vec![0; pixels] } else { vec![] },
             counts: vec![Counts::default(); rows.len()],
             errors: vec![0.0; rows.len()],
@@ -313,15 +341,15 @@ struct Kind {
 }
 
 impl Pixel {
-    /// Adds samples until there are this many.
-    fn add(&mut self, count: u32, colors: &mut impl Iterator<Item = Color>) {
+    /// Adds samples of these colours. Their number is 0 or doubles the number of samples some times.
+    fn add(&mut self, colors: &[Color]) {
+        let count = self.samples + colors.len() as u32;
         let half = count / 2;
         if self.samples == half {
             self.half = self.sum;
         }
-        // The indices come first, so that no colour of the next pixel is taken.
-        for (index, color) in (self.samples..count).zip(colors) {
-            self.sum += color;
+        for (index, color) in (self.samples..).zip(colors) {
+            self.sum += *color;
             if index + 1 == half {
                 self.half = self.sum;
             }
@@ -381,6 +409,8 @@ impl Ring {
 struct TracedRow {
     pixels: Vec<Pixel>,
     pilots: Vec<Pilot>,
+    /// The colours of the samples so far, if they are kept.
+    kept: Option<Vec<Color>>,
     /// The cost of each pixel, or zeros if costs are no layer.
     costs: Vec<u64>,
     counts: Counts,
@@ -396,6 +426,9 @@ struct Tile<'t, 'a> {
     pixels: Vec<Pixel>,
     /// The pilot samples of each pixel.
     pilots: Vec<Pilot>,
+    /// The colours of the samples of each row, if they are kept, and their largest number.
+    kept: Vec<Option<Vec<Color>>>,
+    most_kept: usize,
     kinds: Vec<Kind>,
     /// The first number of samples.
     floor: u32,
@@ -462,6 +495,8 @@ impl<'t, 'a> Tile<'t, 'a> {
             rows,
             pixels: vec![Pixel::default(); count],
             pilots: vec![],
+            kept: band.samples.iter().map(|row| row.is_some().then(Vec::new)).collect(),
+            most_kept: band.most_kept(),
             kinds: vec![],
             floor: floor.clamp(LEAST, sampler.most),
             groups: [Group { unseen: [0.0; 2], scale: LEAST_SCALE }; GROUPS],
@@ -505,9 +540,10 @@ impl<'t, 'a> Tile<'t, 'a> {
         let rows = self.tracer.tally.in_parallel(self.rows.clone(), |j| self.trace_row(j, is_first));
         let mut all_pixels = Vec::with_capacity(self.pixels.len());
         for (row, traced) in rows.into_iter().enumerate() {
-            let TracedRow { pixels, pilots, costs, counts } = traced?;
+            let TracedRow { pixels, pilots, kept, costs, counts } = traced?;
             all_pixels.extend(pixels);
             self.pilots.extend(pilots);
+            self.kept[row] = kept;
             band.counts[row] = band.counts[row].merge(counts);
             let first = band.index(self.columns.start, row);
             let of_band = band.costs.get_mut(first..).unwrap_or_default();
@@ -534,16 +570,26 @@ impl<'t, 'a> Tile<'t, 'a> {
             }
         }
         let traced = self.tracer.trace_rays(j, samples.iter().copied())?;
-        let (mut colors, mut ray_costs) = (traced.colors.iter().copied(), traced.costs.iter());
+        let old = self.kept[j - self.rows.start].as_deref();
+        let old = old.filter(|old| old.len() + samples.len() <= self.most_kept);
+        let mut kept = old.map(|old| Vec::with_capacity(old.len() + samples.len()));
+        let (mut old, mut new, mut ray_costs) =
+            (old.unwrap_or_default(), &traced.colors[..], traced.costs.iter());
         let mut costs = Vec::with_capacity(pixels.len());
         for (pixel, count) in pixels.iter_mut().zip(counts) {
-            costs.push(ray_costs.by_ref().take((count - pixel.samples) as usize).sum());
-            if count > pixel.samples {
-                pixel.add(count, &mut colors);
+            let [had, lacks] = [pixel.samples, count - pixel.samples].map(|count| count as usize);
+            let (added, others) = new.split_at(lacks);
+            new = others;
+            if let Some(kept) = &mut kept {
+                let (own, others) = old.split_at(had);
+                old = others;
+                kept.extend(own.iter().chain(added));
             }
+            pixel.add(added);
+            costs.push(ray_costs.by_ref().take(lacks).sum());
         }
         let pilots = if is_first { self.pilots_of_row(&samples, &traced.colors) } else { vec![] };
-        Some(TracedRow { pixels, pilots, costs, counts: traced.counts })
+        Some(TracedRow { pixels, pilots, kept, costs, counts: traced.counts })
     }
 
     /// Returns the number of samples that a pixel should have.
@@ -683,7 +729,16 @@ impl<'t, 'a> Tile<'t, 'a> {
     }
 
     /// Moves the results to the band.
-    fn finish(&self, band: &mut Band) {
+    fn finish(&mut self, band: &mut Band) {
+        for (all, own) in band.samples.iter_mut().zip(&mut self.kept) {
+            *all = match (all.take(), own.take()) {
+                (Some(mut all), Some(own)) if all.len() + own.len() <= self.most_kept => {
+                    all.extend(own);
+                    Some(all)
+                }
+                _ => None,
+            };
+        }
         let request = self.sampler.request;
         let brightest = if request.has_floats { BRIGHTEST_FLOAT } else { 1.0 };
         let shown = request.columns();
@@ -817,6 +872,45 @@ fn grown(doublings: u8, scale: i32, class: usize, most: u8) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Camera;
+    use crate::caster::choose::Structure;
+    use crate::caster::{Caster, LazyCaster};
+    use crate::render::tally::Tally;
+    use crate::render::{Shot, View};
+    use crate::scene::parser::parse;
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn kept_samples_have_the_colours_that_tracing_them_again_gives() {
+        let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 3 }
+             Lights { numLights 1 DirectionalLight { direction 0 -1 -1 color 1 1 1 } }
+             Group { numObjects 2 Material { diffuseColor 1 1 1 } Sphere { center 0 0 0 radius 1 }
+             Triangle { vertex0 -2 0 0 vertex1 2 0.1 0 vertex2 0 2 -1 } }";
+        let scene = parse(text).unwrap();
+        let world = World::new(&scene, &[]).unwrap();
+        let (size, adaptive) = ([40, 30], Some(Adaptive { most: 256, error: 3.0 }));
+        let filter = Filter::Gaussian { sigma: 0.6 };
+        let request = Request { adaptive, filter, ..Request::new(size) };
+        let caster = LazyCaster::new(Caster::of_planes(&world), Structure::Any.layout(&world, 0));
+        let shot = Shot { camera: Camera::new(&scene.camera, size), caster: &caster, view: View::Scene };
+        let tally = Tally::new(size[1], &|_| ControlFlow::Continue(()));
+        let tracer = PictureTracer::new(&shot, &request, &tally);
+        let mut sampler = AdaptiveSampler::new(&tracer).unwrap();
+        sampler.sample(&(0..size[1])).unwrap();
+        let tracer = tracer.for_rows(0..size[1]).unwrap();
+        let mut numbers = 0u32;
+        for j in 0..size[1] {
+            let row = sampler.row(j).unwrap();
+            for column in 0..size[0] {
+                let sequence = request.sampler.sequence((column * size[1] + j) as u64);
+                let places = (0..row.samples(column)).map(|index| (column, sequence.offset(index)));
+                let again = tracer.trace_rays(j, places).unwrap();
+                assert_eq!(row.kept_samples(column..column + 1), Some(&again.colors[..]), "{column} {j}");
+                numbers |= row.samples(column);
+            }
+        }
+        assert!(numbers.count_ones() > 2, "{numbers:b}");
+    }
 
     #[test]
     fn a_group_leaves_out_its_pixels_and_their_neighbours() {

@@ -10,7 +10,7 @@ use crate::sampling::sample_packet::{Sample, SamplePacket, Stage};
 use crate::sampling::spread::Spread;
 use crate::sampling::sum::Sum;
 use crate::stats::Counts;
-use crate::trace::{Observer, RayStack};
+use crate::trace::RayStack;
 use glam::DVec2;
 use layers::plots;
 use std::ops::Range;
@@ -223,19 +223,38 @@ impl Painter<'_> {
             }
             packet.clear();
         }
-        if let Some(adaptive) =
-            self.adaptive.filter(|adaptive| colors && adaptive.color(columns.start).is_some())
-        {
-            self.row.colors.extend(columns.filter_map(|column| adaptive.color(column)));
-        } else if colors && !are_centers {
-            sampler.place(columns, |column, offset, is_last| {
-                packet.push(column, offset, is_last);
-                if packet.is_full() {
-                    self.color_samples(packet);
-                }
-            });
-            self.color_samples(packet);
+        if !colors || are_centers {
+            return;
         }
+        if let Some(adaptive) = self.adaptive {
+            if adaptive.color(columns.start).is_some() {
+                self.row.colors.extend(columns.filter_map(|column| adaptive.color(column)));
+                return;
+            }
+            if let Some(kept) = adaptive.kept_samples(columns.clone()) {
+                self.add_kept(columns, kept, sampler);
+                return;
+            }
+        }
+        sampler.place(columns, |column, offset, is_last| {
+            packet.push(column, offset, is_last);
+            if packet.is_full() {
+                self.color_samples(packet);
+            }
+        });
+        self.color_samples(packet);
+    }
+
+    /// Adds the samples of these columns, of which the colours are known.
+    fn add_kept(&mut self, columns: Range<usize>, colors: &[Color], sampler: &mut RowSampler) {
+        let (mut colors, mut sum) = (colors.iter(), Sum::default());
+        sampler.place(columns, |column, offset, is_last| {
+            let Some(color) = colors.next() else { return };
+            self.add_sample::<false>(column, offset, *color, &mut sum);
+            if is_last {
+                self.finish(&std::mem::take(&mut sum));
+            }
+        });
     }
 
     /// Traces and adds the samples of a packet, and empties it.
@@ -254,6 +273,7 @@ impl Painter<'_> {
     #[inline(always)]
     fn add_samples<const CENTERS: bool>(&mut self, packet: &SamplePacket) {
         let mut sum = self.sum;
+        self.row.counts.non_shadow_rays += packet.samples().len() as u64;
         for (Sample { column, offset, is_last, .. }, color) in packet.samples().iter().zip(packet.colors()) {
             self.add_sample::<CENTERS>(*column, *offset, *color, &mut sum);
             if CENTERS || *is_last {
@@ -267,7 +287,6 @@ impl Painter<'_> {
     /// Adds a sample to the row. `sum` is the sum of its pixel.
     #[inline(always)]
     fn add_sample<const CENTERS: bool>(&mut self, column: usize, offset: DVec2, color: Color, sum: &mut Sum) {
-        self.row.counts.non_shadow_ray();
         match &mut self.row.spread {
             None if CENTERS => sum.add(self.center_weight, color, 1.0),
             None => sum.add(self.tracer.request.filter.weight(offset), color, 1.0),
