@@ -213,6 +213,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
                 let material = material_of_surface(self.world(), surface, self.caster.level, mixture);
                 observer.observe(|| Event::Surface { point: surface, material: material.phong });
                 let arrival = Arrival { ray, path, surface, material };
+                // An observer that counts also learns of the rays that are not followed.
                 if O::COUNTS || path.bounces < self.effects.bounces {
                     self.push_secondary(&arrival, pending, observer);
                 }
@@ -231,6 +232,7 @@ impl<'a, H: Hints> Tracer<'a, H> {
         let Arrival { ray, surface, material, .. } = arrival;
         let world = self.world();
         let highlight = world.lighting.highlight;
+        // Only programs with Blinn's model tell the inside from the outside.
         let is_inside = highlight == Highlight::Blinn && surface.normal.dot(ray.direction) > 0.0;
         if is_inside && !self.effects.shade_back {
             return Color::ZERO;

@@ -247,7 +247,8 @@ impl World {
     /// scene, and triangles of one object by their ids.
     #[cold]
     pub fn comes_first(&self, one: u32, other: u32) -> bool {
-        // The number of triangles before a primitive, and the number of shapes and planes before it.
+        // The number of triangles before a primitive, and the number of shapes and planes before it. A triangle follows
+        // the shapes and planes with as many triangles before them.
         let place = |id: u32| {
             let (found, index) = match self.primitive(id) {
                 Primitive::Triangle(_) => return (id, u32::MAX),
@@ -272,7 +273,8 @@ impl World {
         }
     }
 
-    /// Returns the hit of a ray, computed from the primitive that the ray hits first.
+    /// Returns the hit of a ray, computed from the primitive that the ray hits first. If the t of a triangle
+    /// cannot be computed, the bound stands for it.
     pub fn hit(&self, ray: &Ray, Visible { primitive, t_bound }: Visible) -> Hit {
         let t = match self.primitive(primitive) {
             Primitive::Triangle(i) => triangle::Shear::new(ray).intersect(self.corners_in_place(i)),

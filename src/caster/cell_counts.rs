@@ -110,24 +110,19 @@ impl CellCounts {
         match self.region.entry(simd, ray, ray.t_max) {
             Entry::TooFar => CourseSteps { tests: world.finite_count() as u64, cells: 0 },
             Entry::Passes(interval) if interval.entry <= last => {
-                let dda = Dda::new(&self.lattice, &interval);
-                self.walk(dda, dda.fixed_t(t))
+                let mut dda = Dda::new(&self.lattice, &interval);
+                let (end, mut steps) = (dda.fixed_t(t), CourseSteps::default());
+                while let Some(count) = self.at(dda.index()) {
+                    steps.tests += u64::from(count);
+                    if end <= dda.exit() {
+                        break;
+                    }
+                    steps.cells += u64::from(3 - dda.step().count_ones());
+                }
+                steps
             }
             _ => CourseSteps::default(),
         }
-    }
-
-    /// Counts from cell to cell up to this fixed-point t.
-    fn walk(&self, mut dda: Dda, last: i32) -> CourseSteps {
-        let mut steps = CourseSteps::default();
-        while let Some(count) = self.at(dda.index()) {
-            steps.tests += u64::from(count);
-            if last <= dda.exit() {
-                break;
-            }
-            steps.cells += u64::from(3 - dda.step().count_ones());
-        }
-        steps
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Renderer {
     meshes: Vec<Mesh>,
 }
 
-/// Selects if a renderer keeps the meshes as they were read. The view of the grid's cells and the search for causes need
+/// Says whether a renderer keeps the meshes as they were read. The view of the grid's cells and the search for causes need
 /// them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meshes {
@@ -117,9 +117,11 @@ impl Renderer {
         if let (Some(cells), Tracing::Counted) = (cells, tracing) {
             planes = planes.counting(cells, patience)?;
         }
+        // If cells are drawn, rays only measure other layers, in whatever structure is fastest.
         let layout = if draws_cells { Structure::Any.layout(&self.world, 0) } else { layout };
         let caster = LazyCaster::new(planes, layout);
-        // Built now, so that it counts as building, and an error comes before outputs are opened.
+        // Built now, so that it counts as building, and an error comes before outputs are opened. A structure of our own
+        // choice may never be needed.
         if !draws_cells && (structure != Structure::Any || tracing == Tracing::Counted) {
             caster.built(patience)?;
         }

@@ -38,6 +38,9 @@ const SAMPLES: usize = 1 << 24;
 /// strip then cost a thirtieth of the work.
 const ROWS_PER_SUPPORT: usize = 64;
 
+/// No strip is shorter than this many times the filter's support, or most of the rows that are traced would be discarded.
+const LEAST_ROWS_PER_SUPPORT: usize = 8;
+
 /// Some rows of the window, counted from the bottom.
 pub struct Strip<'a> {
     request: &'a Request,
@@ -49,16 +52,17 @@ impl<'a> Strip<'a> {
     pub fn below(request: &'a Request, end: usize, first: usize) -> Self {
         let Request { sampler, adaptive, .. } = request;
         let width = request.columns().len();
-        let rows = MEMORY / (request.colors_per_row() * size_of::<Color>()).max(1);
+        let by_memory = MEMORY / (request.colors_per_row() * size_of::<Color>()).max(1);
         // If rows around the strip are traced and discarded, take more rows, so that the discarded ones are a small
         // part of the work.
         let support = request.support();
         // The number of adaptive samples is not known. It is seldom the maximum.
         let samples = adaptive.map_or(sampler.count(), |adaptive| adaptive.most / 4) as usize;
-        let few = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
+        let by_samples = (SAMPLES / (width * samples).max(1)).max(ROWS_PER_SUPPORT * support);
         // Rows are handed out together if they depend on each other, and adaptive samples are taken together.
-        let rows = if support > 0 || adaptive.is_some() { rows.min(few) } else { rows };
-        let rows = rows.max(8 * support).max(rayon::current_num_threads());
+        let is_together = support > 0 || adaptive.is_some();
+        let rows = if is_together { by_memory.min(by_samples) } else { by_memory };
+        let rows = rows.max(LEAST_ROWS_PER_SUPPORT * support).max(rayon::current_num_threads());
         Self { request, rows: end.saturating_sub(rows).max(first)..end }
     }
 

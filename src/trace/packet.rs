@@ -91,7 +91,7 @@ impl<S: Simd> Group<S> {
             world.corners_in_place(c as usize),
             world.corners_in_place(d as usize),
         ];
-        // Most of the triangles are neighbours.
+        // Most triangles of a packet share a run of one material.
         let (run, material) = world.material_run(a);
         let materials = ids.map(|id| if run.contains(&id) { material } else { world.material_of(id) });
         Self { ids, materials, triangles: Triangles4::new(simd, corners) }
@@ -116,6 +116,7 @@ fn find_surfaces<S: Simd>(simd: S, world: &World, packet: &mut SamplePacket) {
     // Neighbours often lie on the same triangles.
     let mut last: Option<Group<S>> = None;
     for some in on_triangles.chunks(LANES) {
+        // The last one fills the missing lanes.
         let [(i, a), (j, b), (k, c), (l, d)] = [0, 1, 2, 3].map(|i: usize| some[i.min(some.len() - 1)]);
         let ids = [a, b, c, d];
         let group = match &last {

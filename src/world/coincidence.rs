@@ -1,8 +1,8 @@
 //! Surfaces in one place: decides which of them a ray sees.
 //!
-//! Each pair of surfaces is either united or not. The surfaces decide this, not each ray. A ray sees the united surface
-//! that [`World::comes_first`]. Of surfaces that are not united, it sees the nearer one. The t of two hits close to
-//! each other differ by roundings, so they are computed in double-double arithmetic.
+//! Each pair of surfaces is either united or not. The surfaces decide this, not each ray. Of united surfaces, a ray sees
+//! the one that comes first in the scene ([`World::comes_first`]); of others, it sees the nearer one. The t of two hits
+//! close to each other differ by roundings, so they are computed in double-double arithmetic.
 
 use super::point_error::weights;
 use super::{Primitive, World};
