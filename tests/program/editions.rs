@@ -218,16 +218,6 @@ fn statistics_name_another_edition_than_that_of_2004() {
     assert_eq!([named(&sphere(), ""), named(&sphere(), "-edition 2004")], [None, None]);
 }
 
-#[test]
-fn help_tells_the_defaults_of_editions() {
-    let help = |flag: &str| {
-        let text = Folder::new().run(&format!("-help {flag}")).ok().stdout;
-        text.split_whitespace().collect::<Vec<_>>().join(" ")
-    };
-    assert!(help("bounces").contains("Default: 0; in the edition 2012a5, 4."));
-    assert!(help("weight").contains("Default: 0; in Aalto's edition, 0.1."));
-}
-
 /// Warnings know what the edition's pictures mean.
 #[test]
 fn warnings_of_editions() {
@@ -301,44 +291,6 @@ fn words_that_leave_the_edition_open_are_a_warning_with_the_flags() {
             let named = folder.run(&format!("-input s.txt -size 9 9 {picture} -edition 2012a5")).ok();
             assert_eq!(named.stderr, "");
         }
-    }
-}
-
-/// A scene that 2004 reads is one of 2004, whatever later editions would make of it and whatever is written.
-#[test]
-fn scenes_of_2004_are_not_doubted() {
-    let scene = |material: &str, object: &str| {
-        format!(
-            "{EYE}Lights {{ numLights 1 DirectionalLight {{ direction 0 -1 -1 color 1 1 1 }} }}
-            Materials {{ numMaterials 1 Material {{ {material} }} }}
-            Group {{ numObjects 1 MaterialIndex 0 {object} }}"
-        )
-    };
-    let ball = "Sphere { center 0 0 0 radius 1 }";
-    for (text, flags) in [
-        (scene("diffuseColor .9 .8 .7", ball), "-output o.tga"),
-        (scene("diffuseColor .9 .8 .7", ball), "-output o.png -normals o.bmp"),
-        (scene("diffuseColor .9 .8 .7", ball), "-stats"),
-        (scene("exponent 5", ball), "-output o.png"),
-        (scene("", "Box { min -1 -1 -1 max 1 1 1 }"), "-output o.png"),
-        (sphere(), "-output o.png"),
-    ] {
-        let stderr = Folder::with_scene(&text).run(&format!("-input s.txt -size 9 9 {flags}")).ok().stderr;
-        assert_eq!(stderr, "", "{text} {flags}");
-    }
-}
-
-/// A text that ended no edition's reading: its block is another one's.
-#[test]
-fn a_block_of_another_edition_ends_reading() {
-    let folder = Folder::with_scene("OrthographicCamera {");
-    for flags in ["-edition 2019", "-edition 2012a4", "-edition 2012a5", "-jitter", "-filter"] {
-        let message = folder.run(&format!("-input s.txt -output o.tga {flags}")).message(1);
-        assert!(message.starts_with("s.txt:1:1: error: expected a camera, `Background`"), "{message}");
-        assert!(
-            message.ends_with("is a word of other editions: `-edition 2004`, `-edition aalto`\n"),
-            "{message}"
-        );
     }
 }
 

@@ -45,21 +45,6 @@ fn the_first_of_several_errors_is_reported() {
     check(&format!("{CAMERA}Group {{ numObjects 2 @{BALL} {BALL} }}"));
 }
 
-#[test]
-fn a_wrong_number_names_the_count() {
-    let text =
-        |number: u32| format!("{CAMERA}{WHITE}Group {{ numObjects {number} MaterialIndex 0 {BALL} {BALL} }}");
-    let error = |number| parser::parse(&text(number)).map(|_| ()).unwrap_err().message;
-    assert_eq!(error(0), "`numObjects` announces 0, but 2 found");
-    assert_eq!(error(1), "`numObjects` announces 1, but 2 found");
-    assert_eq!(error(5), "`numObjects` announces 5, but only 2 found");
-    // Another material, and then an object: only the object is too many.
-    let empty = "Group { numObjects 0 }";
-    check(&format!(
-        "{CAMERA}{WHITE}Group {{ numObjects 1 MaterialIndex 0 {empty} MaterialIndex 0 @{empty} }}"
-    ));
-}
-
 /// The error in a mesh file shows the mesh's own line.
 #[test]
 fn a_mesh_with_an_error_shows_its_own_line() {

@@ -227,14 +227,4 @@ mod tests {
             );
         }
     }
-
-    #[test]
-    fn the_default_accepts_equal_pictures_alone() {
-        let black = Picture::new(2, 1).unwrap();
-        let other = Picture::from_rgb(2, 1, vec![0, 0, 0, 0, 0, 1]);
-        let compared = |a: &Picture| Difference::Levels(Box::new(Comparison::new(a, &black).unwrap()));
-        let accepts = |a: &Picture| Tolerance::default().accepts(&compared(a));
-        assert!(accepts(&black));
-        assert!(!accepts(&other));
-    }
 }

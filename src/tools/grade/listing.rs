@@ -285,29 +285,4 @@ mod tests {
             assert_eq!((found.taken, found.others), (vec![None; 5], vec![expected]), "{file}");
         }
     }
-
-    #[test]
-    fn of_several_files_for_a_picture_the_nearest_is_taken() {
-        let found = pairing(&["OUTPUT4_02.TGA", "old/output4_02.tga", "output4_02.jpg", "output4_02.png"]);
-        assert_eq!(found.taken[0], Some("output4_02.png".into()));
-        assert!(found.others.iter().all(|other| other.reason == Reason::OtherIsGraded));
-        assert_eq!(found.others.len(), 3);
-        let named = "OUTPUT4_02.TGA, old/output4_02.tga and 1 more: another file is graded";
-        assert_eq!(found.meant_for(0).as_deref(), Some(named));
-    }
-
-    #[test]
-    fn only_regular_files_are_taken_under_other_names() {
-        for (kind, reason) in [
-            (Kind::Link, Reason::Link),
-            (Kind::Special, Reason::Special),
-            (Kind::UnlistedFolder, Reason::Unlisted),
-        ] {
-            let other = Listed { path: "a/output4_02.tga".into(), kind };
-            let found = Pairing::new(&[other], &WANTED.map(OsStr::new));
-            assert_eq!((found.taken[0].clone(), found.others[0].reason), (None, reason));
-            let own = Listed { path: "output4_02.tga".into(), kind };
-            assert_eq!(Pairing::new(&[own], &WANTED.map(OsStr::new)).taken[0], Some("output4_02.tga".into()));
-        }
-    }
 }
