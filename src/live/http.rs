@@ -242,4 +242,9 @@ mod tests {
         assert_eq!(parse(&format!("GET / HTTP/1.1\r\n{many}\r\n")), Err(431));
         assert_eq!(parse("GET / HTTP/1.1\r\nHost: a"), Ok(None));
     }
+
+    #[test]
+    fn a_connection_of_an_old_client_closes() {
+        assert!(parse("GET / HTTP/1.0\r\n\r\n").unwrap().unwrap().closes);
+    }
 }

@@ -126,3 +126,47 @@ fn too_long() -> Answer {
 fn no_memory() -> Answer {
     Answer::text(503, "not enough memory: try again, or choose a smaller picture")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MINUTE: Duration = Duration::from_secs(60);
+
+    fn busy(stop: &Stop) -> Result<(), Answer> {
+        while !stop.is_over() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        Ok(())
+    }
+
+    /// Leaves after a moment.
+    fn leaves() -> impl FnMut() -> bool {
+        let mut looks = 0;
+        move || {
+            looks += 1;
+            looks > 2
+        }
+    }
+
+    #[test]
+    fn complete_work_is_kept_after_its_deadline_and_stopped_work_is_not() {
+        let (workers, budget) = (Workers::new(1), Budget { time: Duration::ZERO, bytes: 1 });
+        assert_eq!(workers.run(budget, &mut || false, |_| Ok(7)), Ok(7));
+        assert_eq!(workers.run(budget, &mut || false, busy), Err(too_long()));
+    }
+
+    #[test]
+    fn memory_is_shared_and_one_that_needs_all_of_it_waits_for_all() {
+        let workers = Workers::new(1);
+        let start = |taken: u64, bytes| {
+            lock(&workers.state).taken = taken;
+            let stop = Stop::at(Instant::now() + MINUTE);
+            workers.start(bytes, &stop, &mut leaves()).is_ok()
+        };
+        let huge = 2 * MAX_BYTES;
+        assert!(start(0, huge) && !start(1, huge));
+        assert!(start(huge, FEW_BYTES) && !start(huge, FEW_BYTES + 1));
+        assert!(start(MAX_BYTES / 2, MAX_BYTES / 2) && !start(MAX_BYTES / 2, MAX_BYTES / 2 + 1));
+    }
+}

@@ -6,8 +6,8 @@
 use crate::support::{Folder, finish, outer_folder, program};
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
-use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::render::Request;
+use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::load::load;
 use raytracer::scene::material::Material;
 use raytracer::scene::model::{FaceWeights, Highlight, MeshNormals, Screen};

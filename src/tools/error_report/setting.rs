@@ -161,4 +161,20 @@ mod tests {
         assert_eq!(plain.flags(), ["-adaptive_samples 64 0.5", "-box_filter 0.5"]);
         assert!(Setting { axis: Axis::Octaves(2), ..plain }.flags().is_empty());
     }
+
+    #[test]
+    fn flags_are_those_of_the_edition_and_what_is_its_default_is_none() {
+        let setting = |pattern, bounces, min_weight, edition| {
+            setting(pattern, Effects { bounces, min_weight, ..Effects::default() }, edition)
+        };
+        let flags = |setting: &Setting| setting.flags().join(" ").replace(" -box_filter 0.5", "");
+        use Pattern::{Random, Uniform};
+        assert_eq!(flags(&setting(Random, 0, 0.1, Edition::Aalto)), "-uniform_samples 9");
+        assert_eq!(flags(&setting(Uniform, 0, 0.0, Edition::Aalto)), "-regular_samples 9 -weight 0");
+        let (fewer, usual) =
+            (setting(Uniform, 0, 0.0, Edition::Y2012A5), setting(Uniform, 4, 0.0, Edition::Y2012A5));
+        assert_eq!([flags(&fewer), fewer.label()], ["-uniform_samples 9 -bounces 0"; 2]);
+        assert_eq!(flags(&usual), "-uniform_samples 9");
+        assert_eq!(usual.label(), "-uniform_samples 9 -bounces 4");
+    }
 }
