@@ -285,4 +285,19 @@ mod tests {
             assert_eq!((found.taken, found.others), (vec![None; 5], vec![expected]), "{file}");
         }
     }
+
+    #[test]
+    fn only_regular_files_are_taken_under_other_names() {
+        for (kind, reason) in [
+            (Kind::Link, Reason::Link),
+            (Kind::Special, Reason::Special),
+            (Kind::UnlistedFolder, Reason::Unlisted),
+        ] {
+            let other = Listed { path: "a/output4_02.tga".into(), kind };
+            let found = Pairing::new(&[other], &WANTED.map(OsStr::new));
+            assert_eq!((found.taken[0].clone(), found.others[0].reason), (None, reason));
+            let own = Listed { path: "output4_02.tga".into(), kind };
+            assert_eq!(Pairing::new(&[own], &WANTED.map(OsStr::new)).taken[0], Some("output4_02.tga".into()));
+        }
+    }
 }
