@@ -226,18 +226,6 @@ mod tests {
     }
 
     #[test]
-    fn all_parts_have_their_lines() {
-        let text = "Sphere {\n  radius }\n}";
-        let mut both = expected().with_hint("try 1").in_text(Path::new("a.txt"), text);
-        let mesh = Position { line: 1, column: 3 };
-        both.places.push(Place { file: "m.obj".into(), at: Some(mesh), excerpt: with_caret("v x", mesh) });
-        let wanted = "a.txt:2:10: error: expected a number, found `}`\n    \
-                      2 |   radius }\n      |          ^\n  m.obj:1:3:\n    1 | v x\n      |   ^\n  hint: try 1";
-        assert_eq!(both.to_string(), wanted);
-        assert_eq!(both.headline(), wanted.lines().next().unwrap());
-    }
-
-    #[test]
     fn a_place_may_be_a_position_or_a_file_alone() {
         assert_eq!(expected().headline(), "line 2, column 10: error: expected a number, found `}`");
         let whole = Diagnostic::error("it is closed").in_text(Path::new("s\u{1b}.txt"), "text");

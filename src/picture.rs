@@ -311,23 +311,4 @@ mod tests {
             assert!(matches!(Picture::new(width, height), Err(BadSize { .. })));
         }
     }
-
-    #[test]
-    fn a_picture_knows_its_size_and_nothing_lies_beside_it() {
-        let picture = Picture::from_rgb(3, 2, (0..18).collect());
-        assert_eq!((picture.width(), picture.height()), (3, 2));
-        assert_eq!((picture.get(2, 1), picture.get(3, 1)), (Some([6, 7, 8]), None));
-    }
-
-    #[test]
-    fn impossible_sizes_are_told_apart() {
-        let message = |width, height| Picture::new(width, height).unwrap_err().to_string();
-        assert_eq!(message(0, 5), "a picture needs at least one pixel each way");
-        assert_eq!(message(5, 0), message(0, 5));
-        let size = u32::MAX;
-        assert_eq!(
-            message(size, size),
-            format!("no memory for a picture of {size} x {size} pixels, at least 18.4 EB")
-        );
-    }
 }

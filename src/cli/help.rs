@@ -148,13 +148,6 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_has_three_numbers_of_cells() {
-        for text in [text(&["--help".into()], WIDTH), about("grid", WIDTH), about("cells", WIDTH)] {
-            assert!(text.as_ref().is_ok_and(|text| text.contains("-grid <nx> <ny> <nz>")), "{text:?}");
-        }
-    }
-
-    #[test]
     fn the_usual_flags_are_ten_on_one_screen() {
         let text = usual(WIDTH);
         assert_eq!(text.lines().filter(|line| line.starts_with("  -")).count(), 10);

@@ -175,28 +175,6 @@ mod tests {
     }
 
     #[test]
-    fn the_shells_of_a_system_read_the_lines_as_they_stand() {
-        let words = ["C:/my tracers/rt", "-input", "it's.txt", "-output", "a b.tga"];
-        let merge = |shell| {
-            command_of_merge(words[0].as_ref(), ["a b.partial.tga", "a b.tga"].map(Path::new), None, shell)
-        };
-        assert_eq!(
-            [rest_of(&words, Shell::Posix), merge(Shell::Posix)],
-            [
-                "'C:/my tracers/rt' -input 'it'\\''s.txt' -output 'a b.rest.tga' -region 0 7 9 2",
-                "'C:/my tracers/rt' -merge 'a b.partial.tga' 'a b.rest.tga' -output 'a b.tga'",
-            ]
-        );
-        assert_eq!(
-            [rest_of(&words, Shell::Windows), merge(Shell::Windows)],
-            [
-                r#"& "C:\my tracers\rt" -input "it's.txt" -output "a b.rest.tga" -region 0 7 9 2"#,
-                r#"& "C:\my tracers\rt" -merge "a b.partial.tga" "a b.rest.tga" -output "a b.tga""#,
-            ]
-        );
-    }
-
-    #[test]
     fn the_part_and_the_rest_become_the_picture() {
         let merge = |region| {
             command_of_merge("rt".as_ref(), ["a.partial.tga", "a.tga"].map(Path::new), region, Shell::Posix)

@@ -108,22 +108,6 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
     #[test]
-    fn the_line_tells_the_share_the_row_the_time_and_the_speed() {
-        let text = |done, rows, rays, seconds| {
-            rows_text("rendering", render::Progress { done, rows, rays }, Duration::from_secs(seconds))
-        };
-        assert_eq!(
-            text(1480, 4000, 260_400_000, 21),
-            "rendering  37 %  row 1480/4000  0:21 of about 0:56  12.4 Mrays/s"
-        );
-        assert_eq!(text(4000, 4000, 0, 3700), "rendering 100 %  row 4000/4000  1:01:40 of about 1:01:40");
-        assert_eq!(
-            text(1, 30_000, 4, 61),
-            "rendering   0 %  row 1/30000  1:01 of about 508:20:00  0.0 Mrays/s"
-        );
-    }
-
-    #[test]
     fn the_line_is_for_terminals_unless_it_is_asked_for() {
         use ShowProgress::{Always, Never, OnTerminal};
         for (wish, on_terminal, elsewhere) in
@@ -150,5 +134,21 @@ mod tests {
             assert_eq!(count(Some(Style { delay: Duration::from_secs(3600), ..style }), start), 0);
         }
         assert_eq!(count(None, now), 0);
+    }
+
+    #[test]
+    fn the_line_tells_the_share_the_row_the_time_and_the_speed() {
+        let text = |done, rows, rays, seconds| {
+            rows_text("rendering", render::Progress { done, rows, rays }, Duration::from_secs(seconds))
+        };
+        assert_eq!(
+            text(1480, 4000, 260_400_000, 21),
+            "rendering  37 %  row 1480/4000  0:21 of about 0:56  12.4 Mrays/s"
+        );
+        assert_eq!(text(4000, 4000, 0, 3700), "rendering 100 %  row 4000/4000  1:01:40 of about 1:01:40");
+        assert_eq!(
+            text(1, 30_000, 4, 61),
+            "rendering   0 %  row 1/30000  1:01 of about 508:20:00  0.0 Mrays/s"
+        );
     }
 }

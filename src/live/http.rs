@@ -223,26 +223,6 @@ mod tests {
     }
 
     #[test]
-    fn a_head_has_what_decides() {
-        let text = "POST /a?b=c HTTP/1.1\r\nHost: localhost:7\r\nORIGIN: http://localhost:7\r\nX-Key: 00ff\r\n\
-                    Content-Length: 12\r\nAccept: */*\r\n\r\n";
-        let head = parse(text).unwrap().unwrap();
-        let text = |text: &str| Some(text.to_owned());
-        let expected = Head {
-            is_post: true,
-            path: "/a".into(),
-            query: "b=c".into(),
-            host: text("localhost:7"),
-            origin: text("http://localhost:7"),
-            key: text("00ff"),
-            length: Some(12),
-            closes: false,
-        };
-        assert_eq!(head, expected);
-        assert!(parse("GET / HTTP/1.0\r\n\r\n").unwrap().unwrap().closes);
-    }
-
-    #[test]
     fn what_can_be_read_in_two_ways_is_refused() {
         for (headers, status) in [
             ("Host: a\r\nHost: b", 400),
@@ -261,5 +241,10 @@ mod tests {
         let many = "a: b\r\n".repeat(MAX_HEADERS + 1);
         assert_eq!(parse(&format!("GET / HTTP/1.1\r\n{many}\r\n")), Err(431));
         assert_eq!(parse("GET / HTTP/1.1\r\nHost: a"), Ok(None));
+    }
+
+    #[test]
+    fn a_connection_of_an_old_client_closes() {
+        assert!(parse("GET / HTTP/1.0\r\n\r\n").unwrap().unwrap().closes);
     }
 }

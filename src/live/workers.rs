@@ -150,35 +150,10 @@ mod tests {
     }
 
     #[test]
-    fn work_ends_when_its_client_leaves_and_frees_its_memory() {
-        let (workers, budget) = (Workers::new(1), Budget { time: MINUTE, bytes: 1 });
-        assert_eq!(workers.run(budget, &mut leaves(), busy), Err(too_long()));
-        let state = lock(&workers.state);
-        assert_eq!((state.taken, state.idle.len()), (0, 1));
-    }
-
-    #[test]
     fn complete_work_is_kept_after_its_deadline_and_stopped_work_is_not() {
         let (workers, budget) = (Workers::new(1), Budget { time: Duration::ZERO, bytes: 1 });
         assert_eq!(workers.run(budget, &mut || false, |_| Ok(7)), Ok(7));
         assert_eq!(workers.run(budget, &mut || false, busy), Err(too_long()));
-    }
-
-    #[test]
-    fn short_work_waits_for_no_long_one() {
-        let (workers, end) = (Workers::new(1), Stop::at(Instant::now() + MINUTE));
-        let run_long = || workers.run(Budget { time: MINUTE, bytes: 1 }, &mut || end.is_over(), busy);
-        thread::scope(|scope| {
-            let long: Vec<_> = (0..9).map(|_| scope.spawn(run_long)).collect();
-            while lock(&workers.state).taken < 9 {
-                thread::sleep(Duration::from_millis(1));
-            }
-            let short = Budget { time: MINUTE, bytes: 0 };
-            assert!((0..3).all(|_| workers.run(short, &mut || false, |_| Ok(())).is_ok()));
-            assert_eq!(lock(&workers.state).taken, 9);
-            end.cancel();
-            assert!(long.into_iter().all(|long| long.join().unwrap() == Err(too_long())));
-        });
     }
 
     #[test]

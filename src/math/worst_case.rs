@@ -1,5 +1,4 @@
-//! Searches for inputs whose rounding errors come close to an error bound, for tests that the bound is needed. The
-//! result does not depend on the machine.
+//! Random numbers for tests. They do not depend on the machine.
 
 use glam::DVec3;
 
@@ -33,54 +32,4 @@ impl Rng {
     pub fn vector(&mut self) -> DVec3 {
         DVec3::new(self.signed(), self.signed(), self.signed())
     }
-}
-
-/// The numbers of an input, three at a time.
-pub type Input<const N: usize> = [DVec3; N];
-
-/// Returns a copy in which one coordinate, or all three of one vector, are changed by a random amount.
-fn changed<const N: usize>(mut input: Input<N>, rng: &mut Rng) -> Input<N> {
-    let vector = &mut input[rng.below(N as u64)];
-    let size = libm::exp10(-17.0 * rng.unit());
-    match rng.below(3) {
-        0 => *vector += size * rng.vector(),
-        1 => vector[rng.below(3)] += size * rng.signed(),
-        _ => {
-            let x = &mut vector[rng.below(3)];
-            *x = f64::from_bits((x.to_bits() as i64 + rng.below(17) as i64 - 8) as u64);
-        }
-    }
-    input
-}
-
-/// Climbs from a random input to ever larger values, in `steps` steps. The value is `None` for an input that does not
-/// count. Returns the largest value and its input.
-pub fn climb<const N: usize>(
-    seed: u64,
-    steps: usize,
-    start: impl Fn(&mut Rng) -> Input<N>,
-    value: impl Fn(&Input<N>) -> Option<f64>,
-) -> (f64, Input<N>) {
-    let rng = &mut Rng(seed);
-    let mut input = start(rng);
-    let mut best = value(&input);
-    for _ in 0..steps {
-        let next = if best.is_none() { start(rng) } else { changed(input, rng) };
-        let found = value(&next);
-        if found.is_some() && found >= best {
-            (input, best) = (next, found);
-        }
-    }
-    (best.unwrap_or(0.0), input)
-}
-
-/// Returns the largest result of [`climb`] from several starts.
-pub fn search<const N: usize>(
-    starts: u64,
-    steps: usize,
-    start: impl Fn(&mut Rng) -> Input<N>,
-    value: impl Fn(&Input<N>) -> Option<f64>,
-) -> (f64, Input<N>) {
-    let climbed = (0..starts).map(|seed| climb(seed, steps, &start, &value));
-    climbed.max_by(|(x, _), (y, _)| x.total_cmp(y)).expect("a start")
 }

@@ -318,12 +318,6 @@ fn a_row_that_is_not_taken_ends_the_render() {
 }
 
 #[test]
-fn a_stopped_render_says_why() {
-    assert_eq!(Stopped::Cancelled { rows: 7 }.to_string(), "stopped after 7 rows");
-    assert_eq!(Stopped::Output.to_string(), "the rows are not taken any more");
-}
-
-#[test]
 fn the_counts_of_every_strip_are_added_up_once() {
     for (sampler, filter, samples) in
         [(Sampler::CENTER, Filter::PIXEL, 1), (jittered(3), Filter::Tent { radius: 1.4 }, 3)]

@@ -312,12 +312,4 @@ mod tests {
             assert_eq!(at(text), column, "{text}");
         }
     }
-
-    #[test]
-    fn editions_have_names() {
-        for (edition, name) in Edition::ALL.into_iter().zip(Edition::NAMES) {
-            assert_eq!((edition.name(), Edition::named(name)), (name, Some(edition)));
-        }
-        assert_eq!(Edition::named("2005"), None);
-    }
 }

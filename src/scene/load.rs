@@ -347,24 +347,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn words_of_other_encodings_are_refused() {
-        let message = refuse(&[("a.txt", b"# ok \xe9\nGroup { \xc3\xa9 \xc3\xa9\xe9 }\n")]);
-        let hint = "a.txt:2:12: error: the scene is not UTF-8 text\n  hint: save the file as UTF-8";
-        assert!(message.ends_with(hint), "{message}");
-        let words = |wide: fn(u16) -> [u8; 2], mark: &[u8]| {
-            let bytes: Vec<u8> = CAMERA.encode_utf16().flat_map(wide).collect();
-            refuse(&[("a.txt", &[mark, &bytes].concat())])
-        };
-        for message in [
-            words(u16::to_le_bytes, b"\xff\xfe"),
-            words(u16::to_be_bytes, b"\xfe\xff"),
-            words(u16::to_le_bytes, b""),
-            words(u16::to_be_bytes, b""),
-        ] {
-            assert!(message.contains("a.txt:1:1: error: the scene is not UTF-8 text"), "{message}");
-            assert!(message.ends_with("hint: this looks like UTF-16; save the file as UTF-8"), "{message}");
-        }
-    }
 }

@@ -411,14 +411,6 @@ mod tests {
     }
 
     #[test]
-    fn no_truncation_panics() {
-        let text = format!("{SQUARE}vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 -2\nf 1 2 3 4\nv 1 1 1 1 1 1\n");
-        for end in 0..text.len() {
-            let _ = parse_obj(&text.as_bytes()[..end]);
-        }
-    }
-
-    #[test]
     fn the_error_names_the_first_face_with_a_missing_vertex() {
         for (corner, line) in [("6", 7), ("0", 7), ("-6", 7), ("-5", 9), ("5", 9), ("1", 9)] {
             let text = format!("{SQUARE}v 0 2 0\nf 1/1 -5 5//1\nf 2 3 {corner}\n#\nf 1 2 7\nf 1 2 8\n");

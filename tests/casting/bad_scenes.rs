@@ -92,12 +92,6 @@ fn of_objects(n: usize, object: impl Fn(usize) -> String) -> World {
     world(&(0..n).map(object).collect::<Vec<_>>(), &[])
 }
 
-fn sizes() -> impl Iterator<Item = usize> {
-    let is_long = std::env::var("HARD_CASES").is_ok_and(|tier| tier == "long");
-    let most = if is_long { 1_000_000 } else { 100_000 };
-    [100, 110, 200, 300, 600, 1000, 10_000, 100_000, 1_000_000].into_iter().filter(move |&n| n <= most)
-}
-
 /// The numbers of rays for a small picture and for a large one.
 const RAYS: [usize; 2] = [10_000, 100_000_000];
 
@@ -115,7 +109,18 @@ fn assert_bounded(name: &str, count: usize, size: StructureSize) {
 
 #[test]
 fn sizes_are_bounded_by_the_number_of_primitives() {
-    for n in sizes() {
+    check_sizes(&[100, 110, 200, 300, 600, 1000, 10_000]);
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
+fn sizes_are_bounded_by_a_large_number_of_primitives() {
+    let is_long = std::env::var("HARD_CASES").is_ok_and(|tier| tier == "long");
+    check_sizes(if is_long { &[100_000, 1_000_000] } else { &[100_000] });
+}
+
+fn check_sizes(sizes: &[usize]) {
+    for &n in sizes {
         for (name, scene) in SCENES {
             let world = scene(n);
             let count = world.finite_count();
@@ -145,9 +150,20 @@ fn rays_at(world: &World, count: usize) -> impl Iterator<Item = Ray> {
 }
 
 #[test]
+fn some_rays_hit_every_bad_scene_where_testing_everything_hits_it() {
+    check_hits(&[(100, 100), (300, 50), (1000, 30)]);
+}
+
+#[test]
+#[ignore = "slow: half a minute"]
 fn every_bad_scene_is_hit_where_testing_everything_hits_it() {
+    check_hits(&[(100, 300), (300, 300), (1000, 300), (3000, 50)]);
+}
+
+/// Tries scenes of these numbers of primitives, each with a number of rays.
+fn check_hits(sizes: &[(usize, usize)]) {
     SCENES.par_iter().for_each(|(name, scene)| {
-        for (n, count) in [(100, 300), (300, 300), (1000, 300), (3000, 50)] {
+        for &(n, count) in sizes {
             let world = scene(n);
             let everything = Caster::new(&world, None).unwrap();
             let [few, many] = RAYS;

@@ -9,7 +9,7 @@ use crate::support::record::{Basis, Record};
 use crate::support::rng::Rng;
 use crate::support::scenes::world_of_mesh;
 use crate::support::textbook_grid::TextbookGrid;
-use crate::support::{failed_ray, rays};
+use crate::support::{failed_ray, is_whole, rays};
 use glam::DVec3;
 use raytracer::caster::lattice::Lattice;
 use raytracer::caster::{Caster, RayOrigin};
@@ -71,7 +71,8 @@ pub fn conclude(case: u32, name: &str, n: u64, [ours, in_f64, in_f32, hits]: Cou
     }
     .write();
     assert_eq!(ours, 0);
-    assert!(in_f64 + in_f32 > 0 && hits > 0, "the case tests nothing");
+    // The textbook's method is wrong so rarely in a flat mesh that a sample does not show it.
+    assert!((in_f64 + in_f32 > 0 || !is_whole()) && hits > 0, "the case tests nothing");
 }
 
 pub fn sum<const N: usize>(counts: impl IntoIterator<Item = [u64; N]>) -> [u64; N] {

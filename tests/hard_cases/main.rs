@@ -1,9 +1,9 @@
 //! Numerical hard cases, compared with exact references. Every case also runs the textbook's method on the
 //! same input and asserts that it fails, so that a case which tests nothing is noticed.
 //!
-//! The ordinary tier runs with the ordinary test command. The long tier has many more rays: `HARD_CASES=long
-//! cargo test --test hard_cases`. If `ACCURACY_DIR` is set to a folder, every case writes its measurements
-//! there for `docs/accuracy.md`.
+//! The ordinary test command tries a sample of each case. `HARD_CASES=ordinary cargo test --test hard_cases` tries all
+//! inputs of the ordinary tier, and `HARD_CASES=long` the many more rays of the long one. If `ACCURACY_DIR` is set to a
+//! folder, every case writes its measurements there for `docs/accuracy.md`, by default those of the ordinary tier.
 
 mod coincident_surfaces;
 mod critical_angle;

@@ -139,7 +139,18 @@ fn shaded(light: &str, shading: &[String]) -> Renderer {
 /// The error is the one that is asked for where few samples see what makes it: shadows of dots, light
 /// through a sieve, in bytes and in floats, where a lamp is brighter than white.
 #[test]
+fn some_small_shadows_are_seen() {
+    cast_small_shadows(3);
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
 fn small_shadows_are_seen() {
+    cast_small_shadows(1);
+}
+
+/// Tries every `step`th scene.
+fn cast_small_shadows(step: usize) {
     let at = |k: usize, step: f64| (0.5 + k as f64 * step).fract();
     let dot = |k: usize| {
         let [x, z] = [6.4 * at(k, 0.754_877_666) - 3.2, 6.0 * at(k, 0.569_840_291) - 4.2];
@@ -162,7 +173,10 @@ fn small_shadows_are_seen() {
         ("sieve", sun, &sieve, false),
         ("dots below a lamp", lamp, &dots, true),
         ("sieve below a lamp", lamp, &sieve, true),
-    ] {
+    ]
+    .into_iter()
+    .step_by(step)
+    {
         let renderer = shaded(light, shading);
         let prepared = renderer.prepare(&jittered(40, 1, 1)).expect("a list");
         let effects = Effects { shadows: Shadows::Opaque, ..Effects::default() };
@@ -199,11 +213,21 @@ fn statistics(numbers: &[f64]) -> [f64; 2] {
     [mean, squares / (count - 1.0) / count]
 }
 
-/// Over many seeds the pictures have all the light that those of jittered samples have: of dots and needles smaller than
-/// a pixel, which samples find by chance, and of a lamp that is seen in mirrors and of highlights, which are found in no
-/// other way.
 #[test]
 fn no_light_is_lost_or_won() {
+    sum_light(8);
+}
+
+#[test]
+#[ignore = "slow: a quarter of a minute"]
+fn no_light_is_lost_or_won_over_many_seeds() {
+    sum_light(40);
+}
+
+/// Over this number of seeds the pictures have all the light that those of jittered samples have: of dots and needles
+/// smaller than a pixel, which samples find by chance, and of a lamp that is seen in mirrors and of highlights, which are
+/// found in no other way.
+fn sum_light(seeds: u32) {
     let at = |k: usize| {
         let part = |step: f64| 3.6 * (0.5 + k as f64 * step).fract() - 1.8;
         [part(0.754_877_666), part(0.569_840_291)]
@@ -232,7 +256,7 @@ fn no_light_is_lost_or_won() {
     for (name, renderer, bounces) in scenes {
         let means = |request: &dyn Fn(u32) -> Request| -> [f64; 2] {
             let effects = Effects { bounces, ..Effects::default() };
-            let requests = (1..=40).map(|seed| Request { effects, ..request(seed) });
+            let requests = (1..=seeds).map(|seed| Request { effects, ..request(seed) });
             let means: Vec<f64> = requests.map(|request| mean(&rendered(&renderer, &request).0)).collect();
             statistics(&means)
         };

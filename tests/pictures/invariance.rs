@@ -52,6 +52,12 @@ fn same_pictures_with(flags: &str, variants: &[&str], step: usize) {
 }
 
 #[test]
+fn some_plain_pictures_stay_the_same() {
+    same_pictures_with("-bounces 0", &GRIDS, 6);
+}
+
+#[test]
+#[ignore = "slow: ten seconds"]
 fn plain_pictures_stay_the_same() {
     same_pictures_with("-bounces 0", &GRIDS, 1);
 }
@@ -62,7 +68,7 @@ fn with_secondary_rays(step: usize) {
 
 #[test]
 fn some_pictures_with_shadows_and_secondary_rays_stay_the_same() {
-    with_secondary_rays(3);
+    with_secondary_rays(8);
 }
 
 #[test]
@@ -78,7 +84,7 @@ fn with_random_samples(step: usize) {
 
 #[test]
 fn some_pictures_with_random_samples_stay_the_same() {
-    with_random_samples(3);
+    with_random_samples(8);
 }
 
 #[test]
@@ -89,7 +95,7 @@ fn pictures_with_random_samples_stay_the_same() {
 
 #[test]
 fn some_pictures_with_adaptive_samples_stay_the_same() {
-    with_adaptive_samples(5);
+    with_adaptive_samples(12);
 }
 
 #[test]

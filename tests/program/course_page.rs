@@ -1,4 +1,4 @@
-//! The lists of the course's pictures in `docs/accuracy.md`. `BLESS=1` writes them.
+//! The lists of the course's pictures in `docs/accuracy.md`. `BLESS=1`, with `--ignored`, writes them.
 
 use crate::course::command_lines;
 use crate::support::{Folder, course, finish, program};
@@ -99,6 +99,7 @@ fn lists(compared: &[(String, Comparison)]) -> String {
 }
 
 #[test]
+#[ignore = "slow: ten seconds"]
 fn the_course_page_s_lists_are_true() {
     let Some(course) = course() else { return };
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(PAGE);

@@ -6,13 +6,13 @@
 use crate::support::{Folder, finish, outer_folder, program};
 use raytracer::image_io::read_picture;
 use raytracer::picture::Picture;
+use raytracer::render::Request;
 use raytracer::render::renderer::{Meshes, Renderer};
-use raytracer::render::{Layer, Request};
 use raytracer::scene::load::load;
 use raytracer::scene::material::Material;
 use raytracer::scene::model::{FaceWeights, Highlight, MeshNormals, Screen};
 use raytracer::scene::{Light, Scene};
-use raytracer::tools::causes::{Mistake, Original};
+use raytracer::tools::causes::Original;
 use raytracer::trace::{Effects, Shadows};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -101,53 +101,6 @@ fn find_mistakes(step: usize) {
         let found = original.explain(&wrong).to_string();
         assert!(found.contains(cause), "{name}: {found}");
     }
-}
-
-/// Returns the mistake with this text.
-fn named(text: &str) -> Mistake {
-    Mistake::all().find(|mistake| mistake.to_string().trim_start() == text).expect("a known mistake")
-}
-
-/// The mistakes that show in the distances and normals of 2019, whose greys and colours are its own.
-#[test]
-fn mistakes_in_depths_and_normals_are_found() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions/mirrors_2019.txt");
-    let renderer = Renderer::new(load(&path).expect("a scene"), Meshes::Kept).expect("a scene");
-    let one_pixel_right = named("with rays one pixel further to the right");
-    let near_white = named("with depths that are white where they are near, instead of black");
-    for (layer, causes) in [
-        (Layer::Depth { near: 3.0, far: 9.0 }, vec![one_pixel_right.clone(), near_white.clone()]),
-        (
-            Layer::Normals,
-            vec![
-                one_pixel_right.clone(),
-                named("with the absolute values of normals instead of (N + 1) / 2"),
-                named("with the normals of the faces"),
-                named("with normals transformed by the matrix instead of its inverse transpose"),
-            ],
-        ),
-    ] {
-        let request = Request { layers: vec![layer], ..Request::new([60, 40]) };
-        let original = Original::new(&renderer, &request).expect("memory");
-        let right = original.own();
-        for cause in causes {
-            let wrong = original.picture(std::slice::from_ref(&cause)).expect("a mistake that shows");
-            let found = original.explain(&wrong).to_string();
-            assert_eq!(found, format!("equals this program's picture{cause} (0 pixels differ)"));
-            assert_ne!(wrong, right);
-        }
-        // The shifted picture is the other one, one column further on.
-        let moved = original.picture(std::slice::from_ref(&one_pixel_right)).expect("a picture");
-        let rows = |picture: &Picture| -> Vec<Vec<u8>> {
-            picture.pixels().chunks_exact(3 * 60).map(<[u8]>::to_vec).collect()
-        };
-        let pairs = rows(&moved).into_iter().zip(rows(&right));
-        let differing: usize =
-            pairs.map(|(m, r)| (0..3 * 59).filter(|&i| m[i].abs_diff(r[i + 3]) > 1).count()).sum();
-        assert!(differing < 40 * 3 * 59 / 50, "{differing}");
-    }
-    let colors = Original::new(&renderer, &Request::new([9, 9])).expect("memory");
-    assert_eq!(colors.picture(&[near_white]), Some(colors.own()));
 }
 
 /// The folder of the editions.

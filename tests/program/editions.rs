@@ -1,7 +1,6 @@
 //! The later editions of the course: their words, flags, warnings and messages.
 
-use crate::support::{CAMERA, Folder, finish, program, says, sphere};
-use std::path::Path;
+use crate::support::{CAMERA, Folder, says, sphere};
 
 const EYE: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 40 }\n";
 
@@ -218,16 +217,6 @@ fn statistics_name_another_edition_than_that_of_2004() {
     assert_eq!([named(&sphere(), ""), named(&sphere(), "-edition 2004")], [None, None]);
 }
 
-#[test]
-fn help_tells_the_defaults_of_editions() {
-    let help = |flag: &str| {
-        let text = Folder::new().run(&format!("-help {flag}")).ok().stdout;
-        text.split_whitespace().collect::<Vec<_>>().join(" ")
-    };
-    assert!(help("bounces").contains("Default: 0; in the edition 2012a5, 4."));
-    assert!(help("weight").contains("Default: 0; in Aalto's edition, 0.1."));
-}
-
 /// Warnings know what the edition's pictures mean.
 #[test]
 fn warnings_of_editions() {
@@ -301,44 +290,6 @@ fn words_that_leave_the_edition_open_are_a_warning_with_the_flags() {
             let named = folder.run(&format!("-input s.txt -size 9 9 {picture} -edition 2012a5")).ok();
             assert_eq!(named.stderr, "");
         }
-    }
-}
-
-/// A scene that 2004 reads is one of 2004, whatever later editions would make of it and whatever is written.
-#[test]
-fn scenes_of_2004_are_not_doubted() {
-    let scene = |material: &str, object: &str| {
-        format!(
-            "{EYE}Lights {{ numLights 1 DirectionalLight {{ direction 0 -1 -1 color 1 1 1 }} }}
-            Materials {{ numMaterials 1 Material {{ {material} }} }}
-            Group {{ numObjects 1 MaterialIndex 0 {object} }}"
-        )
-    };
-    let ball = "Sphere { center 0 0 0 radius 1 }";
-    for (text, flags) in [
-        (scene("diffuseColor .9 .8 .7", ball), "-output o.tga"),
-        (scene("diffuseColor .9 .8 .7", ball), "-output o.png -normals o.bmp"),
-        (scene("diffuseColor .9 .8 .7", ball), "-stats"),
-        (scene("exponent 5", ball), "-output o.png"),
-        (scene("", "Box { min -1 -1 -1 max 1 1 1 }"), "-output o.png"),
-        (sphere(), "-output o.png"),
-    ] {
-        let stderr = Folder::with_scene(&text).run(&format!("-input s.txt -size 9 9 {flags}")).ok().stderr;
-        assert_eq!(stderr, "", "{text} {flags}");
-    }
-}
-
-/// A text that ended no edition's reading: its block is another one's.
-#[test]
-fn a_block_of_another_edition_ends_reading() {
-    let folder = Folder::with_scene("OrthographicCamera {");
-    for flags in ["-edition 2019", "-edition 2012a4", "-edition 2012a5", "-jitter", "-filter"] {
-        let message = folder.run(&format!("-input s.txt -output o.tga {flags}")).message(1);
-        assert!(message.starts_with("s.txt:1:1: error: expected a camera, `Background`"), "{message}");
-        assert!(
-            message.ends_with("is a word of other editions: `-edition 2004`, `-edition aalto`\n"),
-            "{message}"
-        );
     }
 }
 
@@ -422,42 +373,9 @@ fn a_scene_of_all_editions_looks_different_in_each() {
     assert_eq!(bytes("-edition 2012a4"), bytes("-edition 2012a5"));
 }
 
-/// What `-pixel` says is said in the language of the scene.
+/// By the law of the later editions a surface that faces away from the light has a highlight, too.
 #[test]
-fn the_words_of_a_pixel_are_those_of_its_edition() {
-    let pixel = |name: &str, flags: &str| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/editions").join(name);
-        let mut run = program(Path::new("."), flags.split_whitespace());
-        run.arg("-input").arg(path);
-        finish(&mut run).ok().stdout
-    };
-    for (name, flags, said) in [
-        (
-            "screen_2012a4.txt",
-            "-size 60 40 -pixel 15 20",
-            "156862751) of the texture tiles.bmp, specular (0.6, 0.6, 0.6) with shininess 30\n",
-        ),
-        ("screen_2012a4.txt", "-size 60 40 -pixel 15 20", "no refracted ray: the material is opaque\n"),
-        (
-            "glass_2012a5.txt",
-            "-size 60 40 -pixel 22 18",
-            "diffuse (0.05, 0.05, 0.05), specular (0.9, 0.9, 0.9) with index of refraction 1.5\n",
-        ),
-        (
-            "glass_2012a5.txt",
-            "-size 60 40 -pixel 32 20",
-            "0647727153) of the noise, specular (0.1, 0.1, 0.1)\n",
-        ),
-        ("mirrors_2019.txt", "-size 60 40 -pixel 0 0", "sees nothing but the face back of the cube map\n"),
-        ("mirrors_2019.txt", "-size 60 40 -pixel 20 38 -bounces 1", "no reflected ray: no specular colour\n"),
-        // The picture has three times the width and height.
-        ("glass_2012a5.txt", "-size 20 20 -jitter -pixel 59 59", "PIXEL (59, 59)"),
-    ] {
-        let text = pixel(name, flags);
-        assert!(text.contains(said), "{name} {flags}\n{text}");
-        assert!(!text.contains("reflective colour") && !text.contains("transparent"), "{text}");
-    }
-    // By the law of the later editions a surface that faces away from the light has a highlight, too.
+fn a_pixel_is_explained_by_the_law_of_its_edition() {
     let behind = later("diffuseColor .5 .5 .5 specularColor .6 .6 .6 shininess 0", "", "");
     let folder = Folder::with_scene(&behind.replace("position 0 0 5", "position 0 0 -5"));
     let text = folder.run("-input s.txt -size 9 9 -pixel 4 4").ok().stdout;

@@ -1,64 +1,10 @@
-//! Scenes with several errors: reading ends at the first.
+//! Errors in the files that a scene names, and in the name of the scene.
 
-use crate::support::{CAMERA, Folder, unmark};
-use raytracer::scene::parser;
+use crate::support::{CAMERA, Folder};
 use std::fs::File;
 use std::path::MAIN_SEPARATOR;
 
 const WHITE: &str = "Materials { numMaterials 1 Material { } }\n";
-const BALL: &str = "Sphere { center 0 0 0 radius 1 }";
-
-/// Checks where a scene has its first error, which `@` marks.
-fn check(marked: &str) {
-    let (text, line, column) = unmark(marked);
-    let error = parser::parse(&text).map(|_| ()).expect_err(marked);
-    let at = error.position().expect("a position");
-    assert_eq!((at.line as usize, at.column as usize), (line, column), "{marked}\n{error}");
-}
-
-#[test]
-fn the_first_of_several_errors_is_reported() {
-    for rest in [
-        "Lights { numLights 2 DirectionalLight { direction @0 0 0 color 2e30 0 0 } } Group { numObjects 0 }",
-        "Lights { numLights 1 DirectionalLight { direction 0 0 1 color @2e30 0 0 } } Group { numObjects -1 }",
-        "Materials { numMaterials 2 Material { exponent @-1 indexOfRefraction 0 } Noise { materialIndex 7 } }",
-        "Background { @colour 0 0 0 } Group { numObjects -1 }",
-        "@Ligths { numLights 1 } Background { colour 0 0 0 }",
-        "Group { numObjects 0 } @Materials { numMaterials 1 Material { exponent -1 } }",
-        "Lights { numLights 1 PointLight { position 0 0 0 color 1 1 1\n@Group { numObjects 0 }",
-    ] {
-        check(&format!("{CAMERA}{rest}"));
-    }
-    check("PerspectiveCamera { center 0 0 0 direction @0 0 0 up 0 1 0 angle 190 } Group { numObjects 0 }");
-    for objects in [
-        "Sphere { center 0 0 0 @raduis 1 } Sphre { }",
-        "Transform { Rotate { @0 0 0 1 } Matrix { 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2 } Sphere { } }",
-        "Transform { Matrix { 1 0 0 0 0 1 0 0 0 0 1 0 @7 0 0 2 } Sphere { } }",
-        "TriangleMesh { obj_file @a.ply } MaterialIndex 7",
-        "TriangleMesh { obj_file @\"my cube.obj\" }",
-        "MaterialIndex @7 TriangleMesh { obj_file a.ply }",
-        "Sphere { center 0 0 0 radius 1\n@Sphere { center 0 0 0 radius 1 } }",
-        "Transform { Scale 1 1 1@",
-    ] {
-        check(&format!("{CAMERA}{WHITE}Group {{ numObjects 1 MaterialIndex 0 {objects}"));
-    }
-    check(&format!("{CAMERA}Group {{ numObjects 2 @{BALL} {BALL} }}"));
-}
-
-#[test]
-fn a_wrong_number_names_the_count() {
-    let text =
-        |number: u32| format!("{CAMERA}{WHITE}Group {{ numObjects {number} MaterialIndex 0 {BALL} {BALL} }}");
-    let error = |number| parser::parse(&text(number)).map(|_| ()).unwrap_err().message;
-    assert_eq!(error(0), "`numObjects` announces 0, but 2 found");
-    assert_eq!(error(1), "`numObjects` announces 1, but 2 found");
-    assert_eq!(error(5), "`numObjects` announces 5, but only 2 found");
-    // Another material, and then an object: only the object is too many.
-    let empty = "Group { numObjects 0 }";
-    check(&format!(
-        "{CAMERA}{WHITE}Group {{ numObjects 1 MaterialIndex 0 {empty} MaterialIndex 0 @{empty} }}"
-    ));
-}
 
 /// The error in a mesh file shows the mesh's own line.
 #[test]

@@ -1,7 +1,7 @@
 //! Picture files: their bytes, and the files on disk after writing them succeeds or fails.
 
 use raytracer::diagnostic::Diagnostic;
-use raytracer::image_io::{Format, OutputFile, read_picture};
+use raytracer::image_io::{OutputFile, read_picture};
 use raytracer::picture::Picture;
 use std::fs;
 use std::path::Path;
@@ -75,25 +75,6 @@ fn all_formats_of_bytes_come_back_as_written() {
     }
     assert_eq!(read_picture(&folder.path().join("a.png")).unwrap().get(0, 0), Some([255, 0, 0]));
     assert_eq!(fs::read(folder.path().join("a.png")).unwrap()[..4], *b"\x89PNG");
-}
-
-#[test]
-fn format_is_the_end_of_the_name() {
-    let rows = [("a.tga", Some(Format::Tga)), (".PNG", Some(Format::Png)), ("tga", None), ("a.tga/", None)];
-    for (name, format) in rows {
-        assert_eq!(Format::of(Path::new(name)), format, "{name}");
-    }
-}
-
-#[test]
-fn nothing_is_on_disk_before_writing_and_only_the_picture_after() {
-    let folder = tempdir().unwrap();
-    let output = OutputFile::prepare(&folder.path().join("a.tga")).unwrap();
-    assert!(names(&folder).is_empty());
-    output.write(&sample()).unwrap();
-    assert_eq!(names(&folder), ["a.tga"]);
-    drop(OutputFile::prepare(&folder.path().join("b.tga")).unwrap());
-    assert_eq!(names(&folder), ["a.tga"]);
 }
 
 #[test]

@@ -311,4 +311,8 @@ fn the_names_of_all_mistakes_are_listed() {
         (mistake.kind().to_owned(), value["name"].as_str().expect("a name").to_owned())
     };
     assert_eq!(listed.collect::<BTreeSet<_>>(), Mistake::all().map(name).collect::<BTreeSet<_>>());
+    let page = include_str!("../../docs/check-your-own.md");
+    for (kind, name) in Mistake::all().map(name) {
+        assert!(page.contains(&format!("\n| {kind} | `{name}` | ")), "{name}");
+    }
 }

@@ -4,7 +4,6 @@
 mod broken_rules;
 mod cases;
 mod causes;
-mod coincident_surfaces;
 mod command_line;
 mod convert;
 mod comparison;
@@ -28,7 +27,6 @@ mod grade;
 mod image_files;
 mod json;
 mod json_form;
-mod known_bugs;
 mod little_memory;
 #[cfg(feature = "gui")]
 mod live;

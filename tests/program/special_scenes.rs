@@ -14,14 +14,6 @@ fn a_triangle_under_a_singular_transform_is_still_a_triangle() {
 }
 
 #[test]
-fn a_picture_may_have_fewer_rows_than_there_are_threads() {
-    let folder = Folder::with_scene(&sphere());
-    let row = folder.render("-size 9 1 -threads 64");
-    assert_eq!(row, folder.render("-size 9 1 -threads 1"));
-    assert!(row.at(4, 0) > row.at(0, 0));
-}
-
-#[test]
 fn planes_alone_render_with_a_grid() {
     let folder = Folder::with_scene(&scene(1, "Plane { normal 0 1 1 offset 0 }"));
     let plain = folder.render("-size 8 8");

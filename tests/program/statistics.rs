@@ -167,18 +167,6 @@ fn cells_traversed_are_the_steps_to_a_next_cell() {
     }
 }
 
-#[test]
-fn a_grid_saves_tests_and_changes_no_ray() {
-    let spheres: String =
-        (0..25).map(|n| format!("Sphere {{ center {} {} 0 radius .3 }}\n", n % 5 - 2, n / 5 - 2)).collect();
-    let folder = scene(2, "reflectiveColor .4 .4 .4", 25, &spheres);
-    let flags = "-size 40 40 -shadows -bounces 2";
-    let [brute, grid] = ["", "-grid 10 10 2"].map(|grid| count(&folder, &format!("{flags} {grid}")));
-    assert_eq!(brute.intersections, 25 * (brute.rays + brute.shadow_rays));
-    assert_eq!((grid.rays, grid.shadow_rays), (brute.rays, brute.shadow_rays));
-    assert!(grid.intersections < brute.intersections / 4, "{grid:?}");
-}
-
 /// The rows of the table in docs/performance.md of rays and tests: the number of a scene, the flags, the rays and the
 /// tests.
 fn documented_rows() -> Vec<(&'static str, &'static str, u64, u64)> {

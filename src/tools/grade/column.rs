@@ -311,53 +311,8 @@ fn other_size(own @ [width, height]: [u32; 2], right @ [right_width, right_heigh
 mod tests {
     use super::*;
     use crate::picture::Picture;
-    use crate::tools::compare::Tolerance;
 
     const EXACT: Rule = Rule::Equal;
-
-    fn picture(level: u8) -> Pixels {
-        Pixels::Bytes(Picture::from_rgb(1, 1, vec![level; 3]))
-    }
-
-    fn graded(reference: &Pixels, submissions: impl IntoIterator<Item = Submission>, rule: Rule) -> Column {
-        let reference = Reference::of_file(reference.clone());
-        let mut grader = ColumnGrader::new(&reference, rule, true, None).unwrap();
-        submissions.into_iter().for_each(|submission| grader.add(submission).unwrap());
-        let names = grader.places.len();
-        grader.finish("a".into(), vec![Remark::default(); names]).unwrap()
-    }
-
-    #[test]
-    fn each_submission_has_its_verdict_and_equal_pictures_are_judged_once() {
-        let handed_in = [5, 7, 5, 6, 0].map(|level| Submission::Picture(picture(level)));
-        let sizes = [[2, 2], [3, 1]].map(|[width, height]| Picture::new(width, height).unwrap());
-        let sizes = sizes.map(|picture| Submission::Picture(Pixels::Bytes(picture)));
-        let rest = [Submission::Missing, Submission::Unusable("why".into())];
-        let rule = Rule::Tolerance(Tolerance { levels: 5.0, pixels: 0 });
-        let column = graded(&picture(0), handed_in.into_iter().chain(rest).chain(sizes), rule);
-        let verdicts: Vec<CellWord> = column.cells.iter().map(Cell::verdict).collect();
-        use CellWord::{Failed, Missing, Passed, Unusable};
-        let expected = [Passed, Failed, Passed, Failed, Passed, Missing, Unusable, Unusable, Unusable];
-        assert_eq!(verdicts, expected);
-        let reasons: Vec<Option<String>> = column.cells.iter().map(Cell::reason).collect();
-        assert!(reasons[0].is_none() && reasons[1].is_some(), "{reasons:?}");
-        assert_eq!(reasons[6].as_deref(), Some("why"));
-        let size = "its size is 2 x 2 pixels instead of 1 x 1: it is twice the size";
-        assert_eq!(reasons[7].as_deref(), Some(size));
-        assert!(matches!(column.cells[2], Cell::Different { picture: 0, .. }));
-    }
-
-    #[test]
-    fn a_picture_with_a_nan_equals_itself() {
-        let numbers = |number: f64| {
-            Pixels::Numbers(FloatPicture { size: [1, 1], colors: vec![crate::picture::Color::splat(number)] })
-        };
-        let submissions = [f64::NAN, 1.0].map(|number| Submission::Picture(numbers(number)));
-        let column = graded(&numbers(f64::NAN), submissions, EXACT);
-        assert!(matches!(column.cells[0], Cell::Equal));
-        let Cell::Different { difference, .. } = &column.cells[1] else { panic!("{column:?}") };
-        assert_eq!(difference.largest(), f64::INFINITY);
-    }
 
     #[test]
     #[ignore = "slow: a quarter of a minute"]

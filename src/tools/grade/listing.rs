@@ -287,16 +287,6 @@ mod tests {
     }
 
     #[test]
-    fn of_several_files_for_a_picture_the_nearest_is_taken() {
-        let found = pairing(&["OUTPUT4_02.TGA", "old/output4_02.tga", "output4_02.jpg", "output4_02.png"]);
-        assert_eq!(found.taken[0], Some("output4_02.png".into()));
-        assert!(found.others.iter().all(|other| other.reason == Reason::OtherIsGraded));
-        assert_eq!(found.others.len(), 3);
-        let named = "OUTPUT4_02.TGA, old/output4_02.tga and 1 more: another file is graded";
-        assert_eq!(found.meant_for(0).as_deref(), Some(named));
-    }
-
-    #[test]
     fn only_regular_files_are_taken_under_other_names() {
         for (kind, reason) in [
             (Kind::Link, Reason::Link),

@@ -1,5 +1,6 @@
 //! The scenes in `scenes/` and, if `COURSE_DIR` is set, those of the course; also scaled and translated.
 
+use super::is_whole;
 use super::meshes::bunny;
 use super::scenes::world_of_mesh;
 use glam::{DAffine3, DVec3};
@@ -61,17 +62,21 @@ const MIXED: &str = "
         MaterialIndex 3 Triangle { vertex0 -4 -1 -3 vertex1 4 -1 -3 vertex2 0 5 -4 }
         MaterialIndex 0 Sphere { center 1.2 -0.6 2.2 radius 0.35 } }";
 
-/// All available scenes.
+/// All available scenes, or one of four in a sample, the first of which has all primitives and textures.
 pub fn scenes() -> Vec<Named> {
-    let mut all = own_scenes();
+    let mut all = every_own_scene();
     if let Some(course) = std::env::var_os("COURSE_DIR") {
         all.extend(in_folder(&PathBuf::from(course).join("scenes")));
     }
-    all
+    all.into_iter().step_by(if is_whole() { 1 } else { 4 }).collect()
 }
 
-/// The scenes of this project.
+/// The scenes of this project, or one of four in a sample.
 pub fn own_scenes() -> Vec<Named> {
+    every_own_scene().into_iter().step_by(if is_whole() { 1 } else { 4 }).collect()
+}
+
+fn every_own_scene() -> Vec<Named> {
     let mixed = parse(MIXED).unwrap_or_else(|e| panic!("{e:?}"));
     let meshes = mixed.meshes.iter().map(|_| bunny("1k")).collect();
     let mut all = vec![Named::new("mixed".into(), mixed, meshes)];

@@ -10,6 +10,14 @@ pub fn measure<const N: usize, const M: usize>(
     inputs: u64,
     one: impl Fn(u64) -> ([u64; N], [f64; M]) + Sync,
 ) -> ([u64; N], [f64; M]) {
+    measured(inputs, &one)
+}
+
+/// The loop over the inputs, which is compiled once for all cases with as many results.
+fn measured<const N: usize, const M: usize>(
+    inputs: u64,
+    one: &(dyn Fn(u64) -> ([u64; N], [f64; M]) + Sync),
+) -> ([u64; N], [f64; M]) {
     let none = || ([0; N], [0.0; M]);
     let merged = |(a, x): ([u64; N], [f64; M]), (b, y): ([u64; N], [f64; M])| {
         let sums = std::array::from_fn(|i| a[i] + b[i]);

@@ -1,4 +1,4 @@
-//! Shared by all cases: random numbers, the two tiers, exact arithmetic, the textbook's methods and the
+//! Shared by all cases: random numbers, the tiers, exact arithmetic, the textbook's methods and the
 //! records.
 
 pub mod all_scenes;
@@ -24,13 +24,22 @@ pub mod textbook_offsets;
 #[cfg(feature = "fast")]
 pub mod views;
 
-/// The number of rays, or of other inputs, of a case: the first argument in the ordinary tier, and the second
-/// in the long one. If `HARD_CASES` is a number, it is an upper bound on the long tier.
+/// Without `HARD_CASES`, one of this many inputs of the ordinary tier is tried.
+pub const SAMPLE: usize = 8;
+
+/// Returns true if all inputs of the ordinary tier are tried: `HARD_CASES` is set, or the measurements are recorded.
+pub fn is_whole() -> bool {
+    ["HARD_CASES", "ACCURACY_DIR"].iter().any(|name| std::env::var_os(name).is_some())
+}
+
+/// The number of rays, or of other inputs, of a case: the first argument in the ordinary tier, the second in the long
+/// one, and a part of the first in a sample. If `HARD_CASES` is a number, it is an upper bound on the long tier.
 pub fn rays(ordinary: u64, long: u64) -> u64 {
     match std::env::var("HARD_CASES") {
         Ok(tier) if tier == "long" => long,
         Ok(most) => most.parse().map_or(ordinary, |most| long.min(most)),
-        Err(_) => ordinary,
+        Err(_) if is_whole() => ordinary,
+        Err(_) => ordinary.div_ceil(SAMPLE as u64),
     }
 }
 

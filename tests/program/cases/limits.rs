@@ -3,15 +3,11 @@
 use super::Case;
 
 pub const CASES: &[Case] = &[
-    (
-        "r -input s.txt -size 65535 65535 -cost_map rays o.tga",
-        1,
-        "error: not enough memory: at least 34.4 GB are needed",
-    ),
+    ("r -input s.txt -size 65535 65535 -cost_map rays o.tga", 1, "error: not enough memory"),
     (
         "(ulimit -v 4000000; r -input s.txt -size 65535 65535 -cost_map rays o.tga)",
         1,
-        "error: not enough memory: at least 34.4 GB are needed",
+        "error: not enough memory",
     ),
     (
         "(ulimit -v 400000; r -input s.txt -size 65535 65535 -compare b.tga)",
@@ -26,17 +22,17 @@ pub const CASES: &[Case] = &[
     (
         "(ulimit -v 400000; r -input s.txt -grid 1000 1000 1000 -output o.tga)",
         1,
-        "error: the grid does not fit into memory: use fewer cells; the entries of its cells alone are ",
+        "error: the grid does not fit into memory",
     ),
     (
         "(ulimit -v 400000; r -input s.txt -grid 1290 1290 1290 -output o.tga)",
         1,
-        "error: the grid does not fit into memory: use fewer cells; the entries of its cells alone are ",
+        "error: the grid does not fit into memory",
     ),
     (
         "(ulimit -v 400000; r -input s.txt -grid 1000 1000 1000 -visualize_grid -output o.tga)",
         1,
-        "error: the grid does not fit into memory: use fewer cells; the entries of its cells alone are ",
+        "error: the grid does not fit into memory",
     ),
     (
         "(ulimit -v 400000; r -input s.txt -size 1 5000 -threads 4096 -output o.tga)",
@@ -47,7 +43,7 @@ pub const CASES: &[Case] = &[
     (
         "(ulimit -v 400000; r -input s.txt -size 65535 65535 -gaussian_filter 1000 -jittered_samples 2 -threads 2 -output o.tga)",
         1,
-        "error: not enough memory: at least 50.3 GB are needed",
+        "error: not enough memory",
     ),
     ("(ulimit -v 400000; r -input deep.txt -size 3 3 -output o.tga)", 0, ""),
     ("(ulimit -s 256; r -input deep.txt -size 3 3 -output o.tga)", 0, ""),
