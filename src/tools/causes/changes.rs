@@ -92,6 +92,10 @@ pub fn spread_beyond_borders(point: DVec2, size: DVec2) -> DVec2 {
     point * size / (size - 1.0).max(DVec2::ONE) - point
 }
 
+pub fn drop_shadows(request: &mut Request, _: &Scene) {
+    request.effects.shadows = Shadows::None;
+}
+
 pub fn replace_shadows(request: &mut Request, one: Shadows, other: Shadows) {
     if request.effects.shadows == one {
         request.effects.shadows = other;
@@ -124,6 +128,10 @@ pub fn each_phong(scene: &mut Scene, change: impl Fn(&mut Phong)) {
             change(phong);
         }
     }
+}
+
+pub fn drop_highlights(scene: &mut Scene) {
+    each_phong(scene, |phong| phong.specular = Color::ZERO);
 }
 
 /// A scene without lights has a rule of its own for even lighting. This breaks that rule, too.
@@ -235,15 +243,10 @@ pub fn invert_matrix(texture: &mut Texture) {
 /// Changes the number of octaves of noise.
 pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
     for material in &mut scene.materials {
-        if let Material::Texture(texture) = material {
-            match &mut texture.pattern {
-                Pattern::Checkerboard => {}
-                Pattern::Noise { octaves }
-                | Pattern::Marble { octaves, .. }
-                | Pattern::Wood { octaves, .. } => {
-                    *octaves = change(*octaves);
-                }
-            }
+        if let Material::Texture(Texture { pattern, .. }) = material
+            && let Some(octaves) = pattern.octaves_mut()
+        {
+            *octaves = change(*octaves);
         }
     }
 }
@@ -300,29 +303,22 @@ pub fn each_group(scene: &mut Scene, change: fn(&mut Vec<ObjectId>)) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Object(ObjectId),
-    /// The first triangle of an object.
-    FirstTriangle(ObjectId),
-    /// The last triangle of an object.
-    LastTriangle(ObjectId),
-    /// The first triangles of all meshes.
-    FirstTriangles,
-    /// The last triangles of all meshes.
-    LastTriangles,
+    /// The first or the last triangle of an object, or of each mesh.
+    Triangle {
+        of: Option<ObjectId>,
+        is_last: bool,
+    },
     Light(usize),
 }
 
 impl Part {
-    /// Returns the triangle of this object that is left out, as an index from the start of its primitives.
-    pub fn triangle(self, object: &PlacedObject, scene: &Scene) -> Option<u32> {
-        let last = object.primitives.len().checked_sub(1)? as u32;
-        let is_mesh = matches!(scene.objects[object.id], Object::Mesh { .. });
-        match self {
-            Self::FirstTriangle(id) if id == object.id => Some(0),
-            Self::LastTriangle(id) if id == object.id => Some(last),
-            Self::FirstTriangles if is_mesh => Some(0),
-            Self::LastTriangles if is_mesh => Some(last),
-            _ => None,
-        }
+    /// Returns the primitive of this object that is left out of the world.
+    pub fn hidden(self, object: &PlacedObject, scene: &Scene) -> Option<u32> {
+        let Self::Triangle { of, is_last } = self else { return None };
+        let is_mesh = || matches!(scene.objects[object.id], Object::Mesh { .. });
+        let mut triangles =
+            object.primitives.clone().filter(|_| of.map_or_else(is_mesh, |id| id == object.id));
+        if is_last { triangles.next_back() } else { triangles.next() }
     }
 }
 
@@ -335,7 +331,7 @@ pub fn leave_out(scene: &mut Scene, part: Part) {
             *color = Color::ZERO;
         }
         // Triangles are left out of the world.
-        Part::FirstTriangle(_) | Part::LastTriangle(_) | Part::FirstTriangles | Part::LastTriangles => {}
+        Part::Triangle { .. } => {}
     }
 }
 

@@ -4,10 +4,10 @@
 //! the object that is seen, without a light, without shadows, without highlights.
 
 use super::Original;
-use super::changes::Part;
+use super::changes::{Part, drop_highlights, drop_shadows};
 use super::made::MadePixel;
-use super::mistakes::Mistake;
-use super::regions::{largest_region, window_around};
+use super::mistakes::{Make, Mistake};
+use super::regions::{largest_region, neighbours, window_around};
 use super::speckles::unlike_neighbours;
 use super::variant::{Rough, Variant, colors_at};
 use crate::picture::Window;
@@ -211,8 +211,8 @@ impl Region<'_> {
         let is_it = |at: &usize| self.object_at(*at) == Some(id);
         let in_region = self.pixels.iter().copied().filter(is_it).count();
         let in_picture = (0..self.picture.len()).filter(is_it).count();
-        let without = Mistake::without("object_missing", "", String::new(), Part::Object(id));
-        if in_region as f64 >= MOST * in_picture as f64 && self.is_right_with(&[without]) {
+        let without = Make::Without(Part::Object(id));
+        if in_region as f64 >= MOST * in_picture as f64 && self.is_right_with(without) {
             return What::Missing { object };
         }
         if is_outline {
@@ -256,9 +256,9 @@ impl Region<'_> {
         Some(self.seen[at]?.object)
     }
 
-    /// Returns true if these mistakes make most of the region right.
-    fn is_right_with(&self, mistakes: &[Mistake]) -> bool {
-        let Some(colors) = self.colors_with(mistakes, &self.sample) else { return false };
+    /// Returns true if this change makes most of the region right.
+    fn is_right_with(&self, change: Make) -> bool {
+        let Some(colors) = self.colors_with(change, &self.sample) else { return false };
         let is_right = |(at, pixel): (&usize, &Rgb)| {
             let levels = |own| largest_channel_difference(self.picture[*at], own);
             let (before, after) = (levels(self.own[*at]), levels(*pixel));
@@ -268,8 +268,8 @@ impl Region<'_> {
         right as f64 >= MOST * self.sample.len() as f64
     }
 
-    fn colors_with(&self, mistakes: &[Mistake], pixels: &[usize]) -> Option<Vec<Rgb>> {
-        let variant = Variant::new(self.original, mistakes)?;
+    fn colors_with(&self, change: Make, pixels: &[usize]) -> Option<Vec<Rgb>> {
+        let variant = Variant::new(self.original, &[Mistake::unnamed(change)])?;
         let colors = variant
             .with_painter(Rough::default(), |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
         Some(colors.into_iter().map(|color| MadePixel::new(color).bytes).collect())
@@ -293,37 +293,23 @@ impl Region<'_> {
             return None;
         }
         let lights = &self.original.renderer().scene.positions.lights;
-        let without = |light: &usize| {
-            self.is_right_with(&[Mistake::without("light_missing", "", String::new(), Part::Light(*light))])
-        };
+        let without = |light: &usize| self.is_right_with(Make::Without(Part::Light(*light)));
         if let Some(light) = (0..lights.len()).find(without) {
             return Some(Some(line(lights, light)));
         }
-        let no_shadows = Mistake::all().find(|mistake| mistake.name == "no_shadows")?;
-        self.is_right_with(&[no_shadows]).then(|| (lights.len() == 1).then(|| line(lights, 0)))
+        self.is_right_with(Make::Request(drop_shadows)).then(|| (lights.len() == 1).then(|| line(lights, 0)))
     }
 
     /// Returns true if the object is wrong only where it has a highlight.
     fn is_highlight(&self, id: usize, wrong: &[usize]) -> bool {
         let on_object: Vec<usize> =
             (0..self.picture.len()).step_by(7).filter(|&at| self.object_at(at) == Some(id)).collect();
-        let Some(no_highlights) = Mistake::all().find(|mistake| mistake.name == "no_highlights") else {
-            return false;
-        };
-        let Some(plain) = self.colors_with(&[no_highlights], &on_object) else { return false };
+        let Some(plain) = self.colors_with(Make::Scene(drop_highlights), &on_object) else { return false };
         let is_plain = |(at, plain): &(&usize, &Rgb)| self.own[**at] == **plain;
         let outside: Vec<usize> = on_object.iter().zip(&plain).filter(is_plain).map(|(&at, _)| at).collect();
         let wrong_outside = outside.iter().filter(|at| wrong.binary_search(at).is_ok()).count();
         outside.len() < on_object.len() && wrong_outside as f64 <= FEW * outside.len() as f64
     }
-}
-
-/// Returns the pixels that touch a pixel of a picture of this size, and the pixel.
-fn neighbours(at: usize, [width, height]: [usize; 2]) -> impl Iterator<Item = usize> {
-    let (x, y) = (at % width, at / width);
-    let columns = x.saturating_sub(1)..(x + 2).min(width);
-    let rows = y.saturating_sub(1)..(y + 2).min(height);
-    rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
 }
 
 fn most_frequent<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Option<T> {
@@ -332,6 +318,7 @@ fn most_frequent<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Option<T> {
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(item, _)| item)
 }
 
-fn line(positions: &[Position], index: usize) -> u32 {
+/// Returns the line of the object or the light with this index.
+pub fn line(positions: &[Position], index: usize) -> u32 {
     positions.get(index).copied().unwrap_or_default().line
 }

@@ -124,7 +124,7 @@ pub(super) const TABLE: &[Mistake] = &[
         |request, scene| set_half_tangent(request, scene, |angle| libm::tan(0.5 * angle.to_degrees()))),
     row("stretched", "", "stretched to the picture's shape, as if its width equalled its height", Points(stretched)),
     row("aspect_inverted", "", "with height / width in place of width / height", Points(wrongly_stretched)),
-    request("no_shadows", "", "without -shadows", |request, _| request.effects.shadows = Shadows::None),
+    request("no_shadows", "", "without -shadows", drop_shadows),
     request("shadows", "", "with -shadows", |request, _| replace_shadows(request, Shadows::None, Shadows::Opaque)),
     request("opaque_shadows", "", "with -shadows in place of -transparent_shadows",
         |request, _| replace_shadows(request, Shadows::Transparent, Shadows::Opaque)),
@@ -156,7 +156,7 @@ pub(super) const TABLE: &[Mistake] = &[
     rule("attenuation", "twice", "with lights that are attenuated twice", Rule::AttenuationTwice),
     scene("lights_times_pi", "", "with lights multiplied by pi", multiply_lights_by_pi),
     scene("lights_reversed", "", "with directional lights from the other side", reverse_lights),
-    scene("no_highlights", "", "without highlights", |scene| each_phong(scene, |phong| phong.specular = Color::ZERO)),
+    scene("no_highlights", "", "without highlights", drop_highlights),
     scene("no_diffuse", "", "without diffuse light", |scene| each_phong(scene, |phong| phong.diffuse = Color::ZERO)),
     scene("highlights_white", "", "with white highlights in place of coloured ones", |scene| each_phong(scene, whiten_highlight)),
     scene("highlights_white", "everywhere", "with white highlights on all materials", |scene| each_phong(scene, |phong| phong.specular = Color::ONE)),
@@ -173,8 +173,8 @@ pub(super) const TABLE: &[Mistake] = &[
     scene("object_missing", "last of each group", "without the last object of each group", |scene| each_group(scene, |children| {
         children.pop();
     })),
-    row("triangles_missing", "last of each mesh", "without the last triangle of each mesh", Make::Without(Part::LastTriangles)),
-    row("triangles_missing", "first of each mesh", "without the first triangle of each mesh", Make::Without(Part::FirstTriangles)),
+    row("triangles_missing", "last of each mesh", "without the last triangle of each mesh", Make::Without(Part::Triangle { of: None, is_last: true })),
+    row("triangles_missing", "first of each mesh", "without the first triangle of each mesh", Make::Without(Part::Triangle { of: None, is_last: false })),
     scene("checkerboard_swapped", "", "with the other parity of checkerboards", swap_checkerboards),
     scene("textures_swapped", "", "with the two materials of textures swapped", swap_children),
     scene("texture_matrix", "missing", "without the transforms of textures", |scene| each_texture(scene, drop_matrix)),
@@ -349,14 +349,15 @@ impl Mistake {
         Self { name: "unset".into(), detail: shown.into(), text: text.into(), make: Make::Unset(unset) }
     }
 
-    /// Returns a mistake that leaves out a part of a scene.
-    pub(super) fn without(
-        name: &'static str,
-        detail: impl Into<Cow<'static, str>>,
-        text: String,
-        part: Part,
-    ) -> Self {
+    /// Returns a mistake that leaves out a part of a scene: this thing in this line.
+    pub(super) fn without(name: &'static str, thing: &str, line: u32, part: Part) -> Self {
+        let (detail, text) = (format!("line {line}"), format!("without {thing} in line {line}"));
         Self { name: name.into(), detail: detail.into(), text: text.into(), make: Make::Without(part) }
+    }
+
+    /// Returns a change that is tried and never named.
+    pub(super) fn unnamed(make: Make) -> Self {
+        row("", "", "", make)
     }
 
     /// Returns true if the mistake is made in the finished picture, without rendering.

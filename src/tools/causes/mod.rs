@@ -41,11 +41,11 @@ use crate::scene::model::Shows;
 use crate::tools::compare::{color_of, colors};
 use crate::world::Objects;
 use changes::Part;
-use difference_kind::difference_kind;
+use difference_kind::{difference_kind, line};
 use glam::DVec2;
 use made::Made;
 use mistakes::Make;
-use search::{Candidate, MIN_VISIBLE, Search, most_likely, part};
+use search::{Candidate, Likely, MIN_VISIBLE, Search, most_likely, part};
 use speckles::speckles;
 use std::ops::ControlFlow;
 use std::rc::Rc;
@@ -125,22 +125,18 @@ impl<'a> Original<'a> {
         rounding::rest(colors(picture), &made, variant.as_ref()).unexplained.len() as u64
     }
 
-    /// Finds why each picture differs from this program's, like [`explain`](Self::explain).
-    pub fn explain_all(&self, pictures: &[Picture]) -> Vec<Finding> {
-        pictures.iter().map(|picture| self.explain(picture)).collect()
-    }
-
     /// Finds why a picture differs from this program's. It must have the original's size.
     pub fn explain(&self, picture: &Picture) -> Finding {
         let (picture, size) = (colors(picture), self.colors.size);
         let own = Rc::new(Made::new(self.colors.clone()));
         let before = rounding::rest(picture, &own, Variant::new(self, &[]).as_ref());
         if before.differing == 0 {
-            return self.equal(&Candidate::unchanged(own, before), &[], size);
+            return equal(&Candidate::unchanged(own, before), &[], size);
         }
+        let rounding = || Finding::Rounding { rest: Rounded::new(&before, size[0]) };
         let is_visible = before.unexplained.len() >= MIN_VISIBLE;
         if before.unexplained.is_empty() && before.visible.len() < MIN_VISIBLE {
-            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
+            return rounding();
         }
 
         // Try each mistake.
@@ -156,11 +152,10 @@ impl<'a> Original<'a> {
         let (likely, tried) = self.likely(&search, &[], &all);
         let candidates = self.judged(&search, most_likely(likely, rays));
         if let Some(best) = best_of(&candidates, |candidate| candidate.is_all(&before)) {
-            return self.equal(best, &candidates, size);
+            return equal(best, &candidates, size);
         }
-
         if !is_visible {
-            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
+            return rounding();
         }
 
         // Try each mistake together with those that explain the most.
@@ -173,54 +168,28 @@ impl<'a> Original<'a> {
             pairs.extend(found.into_iter().filter(|pair| pair.rest.unexplained.len() < least));
         }
         if let Some(best) = best_of(&pairs, |pair| pair.is_all(&before)) {
-            return self.equal(best, &[], size);
+            return equal(best, &[], size);
         }
         let most_left = MAX_LEFT * before.unexplained.len() as f64;
         let is_nearly_all = |candidate: &Candidate| candidate.rest.unexplained.len() as f64 <= most_left;
         let [single, pair] = [&candidates, &pairs].map(|all| best_of(all, is_nearly_all));
         if let Some(best) = pair.or(single) {
-            return self.equal(best, &candidates, size);
+            return equal(best, &candidates, size);
         }
-        if let Some(found) = speckles(self, picture, &before.unexplained) {
+        let speckles = speckles(self, picture, &before.unexplained);
+        if let Some(found) = speckles.or_else(|| part(&search, &candidates)) {
             return found;
         }
-        if let Some(Candidate { mistakes, share, .. }) = part(&search, &candidates) {
-            return Finding::Part { cause: mistakes[0].clone(), share: *share };
-        }
         if 2 * before.unexplained.len() <= before.visible.len() {
-            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
+            return rounding();
         }
         let difference = difference_kind(self, picture, &before.unexplained).map(Box::new);
         Finding::Unknown { tried, difference }
     }
 
-    /// Returns the finding that a candidate is all that is wrong, with the others that give the same picture.
-    fn equal(&self, best: &Candidate, candidates: &[Candidate], size: [usize; 2]) -> Finding {
-        let rest = Rounded::new(&best.rest, size[0]);
-        let is_same = |other: &&Candidate| {
-            let is_new = !other.mistakes[0].is_akin(&best.mistakes[0]);
-            is_new && other.mistakes.len() == 1 && other.made.is_like(&best.made)
-        };
-        let mut same: Vec<Mistake> = vec![];
-        for other in candidates.iter().filter(is_same).map(|other| &other.mistakes[0]) {
-            if best.mistakes.len() == 1 && !same.iter().any(|named| named.is_akin(other)) {
-                same.push(other.clone());
-            }
-        }
-        let [cause, also @ ..] = best.mistakes.as_slice() else {
-            return Finding::Equal { cause: Mistake::unchanged(), also: vec![], same, rest };
-        };
-        Finding::Equal { cause: cause.clone(), also: also.to_vec(), same, rest }
-    }
-
     /// Tries each of these mistakes together with `ground`, by a sample of pixels. Returns the likely ones, and how many
     /// could be made.
-    fn likely(
-        &self,
-        search: &Search,
-        ground: &[Mistake],
-        all: &[Mistake],
-    ) -> (Vec<(usize, Vec<Mistake>)>, usize) {
+    fn likely(&self, search: &Search, ground: &[Mistake], all: &[Mistake]) -> (Vec<Likely>, usize) {
         let changes: Vec<Mistake> = match ground.is_empty() {
             true => Mistake::all().filter(|mistake| matches!(mistake.make, Make::Colors(_))).collect(),
             false => vec![],
@@ -271,36 +240,25 @@ impl<'a> Original<'a> {
         let mut placed: Vec<_> = objects.iter().collect();
         // Objects that are not seen may be missing in mirrors and among shadows.
         placed.sort_by_key(|object| (!is_seen(object.primitives.clone()), object.id));
-        let line = |id: usize| scene.positions.objects.get(id).copied().unwrap_or_default().line;
         let mut parts = vec![];
         for object in placed.into_iter().filter(|object| !object.primitives.is_empty()).take(MAX_PARTS) {
             let (id, range, kind) = (object.id, object.primitives.clone(), scene.objects[object.id].name());
-            let (detail, place) = (format!("line {}", line(id)), format!("{kind} in line {}", line(id)));
-            let without = |name, what: &str, part| {
-                Mistake::without(name, detail.clone(), format!("without {what}the {place}"), part)
-            };
+            let line = line(&scene.positions.objects, id);
+            let without =
+                |name, what: &str, part| Mistake::without(name, &format!("{what}the {kind}"), line, part);
+            let triangle = |is_last| Part::Triangle { of: Some(id), is_last };
             parts.push(without("object_missing", "", Part::Object(id)));
             let has_several = range.len() > 1 && !matches!(scene.objects[id], Object::Box { .. });
             if has_several && is_seen(range.end - 1..range.end) {
-                parts.push(without("last_triangle_missing", "the last triangle of ", Part::LastTriangle(id)));
+                parts.push(without("last_triangle_missing", "the last triangle of ", triangle(true)));
             }
             if has_several && is_seen(range.start..range.start + 1) {
-                parts.push(without(
-                    "first_triangle_missing",
-                    "the first triangle of ",
-                    Part::FirstTriangle(id),
-                ));
+                parts.push(without("first_triangle_missing", "the first triangle of ", triangle(false)));
             }
         }
         for light in 0..scene.lights.len().min(MAX_PARTS) {
-            let at = scene.positions.lights.get(light).copied().unwrap_or_default();
-            let text = format!("without the light in line {}", at.line);
-            parts.push(Mistake::without(
-                "light_missing",
-                format!("line {}", at.line),
-                text,
-                Part::Light(light),
-            ));
+            let line = line(&scene.positions.lights, light);
+            parts.push(Mistake::without("light_missing", "the light", line, Part::Light(light)));
         }
         parts
     }
@@ -339,6 +297,25 @@ fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> O
     meant.min_by_key(|candidate| (candidate.left(), candidate.mistakes.len()))
 }
 
+/// Returns the finding that a candidate is all that is wrong, with the others that give the same picture.
+fn equal(best: &Candidate, candidates: &[Candidate], size: [usize; 2]) -> Finding {
+    let rest = Rounded::new(&best.rest, size[0]);
+    let is_same = |other: &&Candidate| {
+        let is_new = !other.mistakes[0].is_akin(&best.mistakes[0]);
+        is_new && other.mistakes.len() == 1 && other.made.is_like(&best.made)
+    };
+    let mut same: Vec<Mistake> = vec![];
+    for other in candidates.iter().filter(is_same).map(|other| &other.mistakes[0]) {
+        if best.mistakes.len() == 1 && !same.iter().any(|named| named.is_akin(other)) {
+            same.push(other.clone());
+        }
+    }
+    let [cause, also @ ..] = best.mistakes.as_slice() else {
+        return Finding::Equal { cause: Mistake::unchanged(), also: vec![], same, rest };
+    };
+    Finding::Equal { cause: cause.clone(), also: also.to_vec(), same, rest }
+}
+
 /// Returns the candidates to which others may be added.
 fn grounds(candidates: &[Candidate]) -> Vec<&Candidate> {
     let mut grounds: Vec<&Candidate> =
@@ -373,7 +350,7 @@ pub fn explain_finished(
         let picture = colors(picture);
         let before = rounding::rest(picture, &base, None);
         let search = Search::new(picture, base.clone(), size, &before, 1);
-        let likely = every.iter().filter_map(|mistakes| search.likely_finished(mistakes, &own));
+        let likely = every.iter().filter_map(|mistakes| search.likely_finished(mistakes.clone(), &own));
         let judge = |mistakes: Vec<Mistake>| {
             let mut made = own.clone();
             Finish::new(&mistakes).apply(&mut made);
@@ -385,18 +362,9 @@ pub fn explain_finished(
         let is_all = |candidate: &Candidate| {
             candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left
         };
-        match best_of(&candidates, is_all) {
-            Some(best) => Finding::Equal {
-                cause: best.mistakes[0].clone(),
-                also: best.mistakes[1..].to_vec(),
-                same: vec![],
-                rest: Rounded::new(&best.rest, size[0]),
-            },
-            None => match part(&search, &candidates) {
-                Some(part) => Finding::Part { cause: part.mistakes[0].clone(), share: part.share },
-                None => Finding::Unknown { tried: all.len(), difference: None },
-            },
-        }
+        let best = best_of(&candidates, is_all).map(|best| equal(best, &[], size));
+        let found = best.or_else(|| part(&search, &candidates));
+        found.unwrap_or(Finding::Unknown { tried: all.len(), difference: None })
     };
     pictures.iter().map(explain).collect()
 }

@@ -13,7 +13,7 @@ use crate::render::{Layer, Request};
 use crate::scene::Camera;
 use crate::tools::compare::color_of;
 use crate::trace::Shadows;
-use crate::world::{Objects, PlacedObject};
+use crate::world::Objects;
 use glam::DVec2;
 
 /// Numbers that differ in a tracer in single precision.
@@ -169,15 +169,14 @@ impl<'o> Variant<'o> {
 
     /// Returns true if triangles are left out of the world.
     fn hides_triangles(&self) -> bool {
-        !matches!(self.without, None | Some(Part::Object(_) | Part::Light(_)))
+        matches!(self.without, Some(Part::Triangle { .. }))
     }
 
     /// Returns the primitives that are left out of the world, in ascending order.
     fn hidden(&self, objects: &Objects) -> Vec<u32> {
         let Some(part) = self.without else { return vec![] };
         let scene = &self.original.renderer().scene;
-        let of = |object: &PlacedObject| Some(object.primitives.start + part.triangle(object, scene)?);
-        let mut hidden: Vec<u32> = objects.iter().filter_map(of).collect();
+        let mut hidden: Vec<u32> = objects.iter().filter_map(|object| part.hidden(object, scene)).collect();
         hidden.sort_unstable();
         hidden
     }

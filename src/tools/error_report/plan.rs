@@ -7,7 +7,7 @@ use crate::render::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::Scene;
-use crate::scene::material::{Material, Paint, Pattern as TexturePattern, Texture};
+use crate::scene::material::{Material, Paint, Texture};
 use crate::tools::causes::has_secondary_rays;
 use crate::trace::Effects;
 use crate::world::World;
@@ -111,12 +111,7 @@ fn octaves_of(material: &mut Material) -> Option<&mut u32> {
     else {
         return None;
     };
-    match pattern {
-        TexturePattern::Noise { octaves }
-        | TexturePattern::Marble { octaves, .. }
-        | TexturePattern::Wood { octaves, .. } => Some(octaves),
-        TexturePattern::Checkerboard => None,
-    }
+    pattern.octaves_mut()
 }
 
 /// Returns the scene with each noise limited to `most` octaves.

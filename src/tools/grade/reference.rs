@@ -84,7 +84,7 @@ impl<'r> Reference<'r> {
     pub fn explain(&self, wrong: &[&Pixels]) -> Vec<Option<Finding>> {
         let bytes: Vec<Picture> = wrong.iter().map(|picture| picture.bytes().into_owned()).collect();
         let found = match &self.original {
-            Some(original) => original.explain_all(&bytes),
+            Some(original) => bytes.iter().map(|picture| original.explain(picture)).collect(),
             None => explain_finished(&self.pixels.bytes(), self.colors.as_deref(), &bytes),
         };
         let has_cause = |picture: &Pixels, found: &Finding| match (&self.pixels, picture) {
