@@ -133,10 +133,10 @@ pub enum Pixels {
 
 impl Pixels {
     /// Returns the width and height in pixels.
-    pub fn size(&self) -> [u32; 2] {
+    pub fn size(&self) -> [usize; 2] {
         match self {
-            Self::Bytes(picture) => [picture.width, picture.height],
-            Self::Numbers(picture) => picture.size.map(|n| n as u32),
+            Self::Bytes(picture) => picture.size(),
+            Self::Numbers(picture) => picture.size,
         }
     }
 
@@ -204,6 +204,11 @@ impl Picture {
     pub fn from_rgb(width: u32, height: u32, pixels: Vec<u8>) -> Self {
         debug_assert_eq!(Some(pixels.len()), byte_count(width, height));
         Self { width, height, pixels }
+    }
+
+    /// Returns the width and height in pixels.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width as usize, self.height as usize]
     }
 
     /// The width in pixels.

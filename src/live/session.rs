@@ -97,7 +97,7 @@ impl Session {
         // A page renders no part of a picture, standard output has another reader, and a pipe would wait for one.
         let may_write =
             |output: &&Output| !output.is_standard_output() && output.file.is_file() && line.region.is_none();
-        let size = reference.as_ref().map_or([0; 2], |reference| picture_size(&reference.picture));
+        let size = reference.as_ref().map_or([0; 2], |reference| reference.picture.size());
         let cores = || thread::available_parallelism().map_or(1, usize::from);
         Ok(Self {
             input: input.to_owned(),
@@ -196,7 +196,7 @@ impl Session {
         let counts = costs.iter().flat_map(|map| map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
         let meta = json!({
-            "size": picture_size(&picture),
+            "size": picture.size(),
             "shows": view.sketch.unwrap_or_else(|| view.options.picture_size()),
             "milliseconds": start.elapsed().as_secs_f64() * 1000.0,
             "nans": nans,
@@ -264,7 +264,7 @@ impl Session {
         let most = self.most[0];
         // Up to four channels of two bytes.
         let picture = read_picture_from(Path::new(&name), file, 8 * (most as u64).pow(2))?;
-        let [width, height] = picture_size(&picture);
+        let [width, height] = picture.size();
         if width.max(height) > most {
             let reason =
                 format!("a page shows pictures of at most {most} pixels a side, not {width} x {height}");
@@ -279,10 +279,10 @@ impl Session {
     fn compare(&self, view: &View, stop: &Stop) -> Found {
         let (reference, own) = self.pair(view, stop)?;
         let picture = &reference.picture;
-        let compared = Comparison::new_unless(picture, &own.picture, &|| stop.is_over())?;
+        let compared = Comparison::within(picture, &own.picture, stop)?;
         let (shown, amplification) = DifferencePicture::of_bytes(picture, &own.picture)?;
         let meta = json!({
-            "size": picture_size(picture), "block": compared.to_string(), "largest": compared.largest,
+            "size": picture.size(), "block": compared.to_string(), "largest": compared.largest,
             "amplification": amplification,
         });
         let difference = rgba(&shown);
@@ -297,7 +297,7 @@ impl Session {
         let request = view.request(Layer::Color);
         let (reference, own) = self.pair(view, stop)?;
         let (picture, own) = (&reference.picture, &own.picture);
-        let differs = picture_size(picture) == picture_size(own) && picture.pixels() != own.pixels();
+        let differs = picture.size() == own.size() && picture.pixels() != own.pixels();
         let can_try = differs && request.camera_rays() <= MAX_CAUSE_RAYS;
         let watch = |progress: Progress| stop.watch(progress);
         let original = || Original::watched(&view.scene.renderer, &request, &watch);
@@ -335,7 +335,7 @@ fn description(OpenScene { revision, choice, renderer, .. }: &OpenScene) -> Valu
 }
 
 fn summary(reference: &Reference) -> Value {
-    json!({ "name": reference.name, "size": picture_size(&reference.picture) })
+    json!({ "name": reference.name, "size": reference.picture.size() })
 }
 
 /// Reads a question.
@@ -347,10 +347,6 @@ fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Answer> {
 fn bytes_of_scene(text: &str) -> u64 {
     let of_meshes = if text.contains("TriangleMesh") { BYTES_OF_FILES } else { 0 };
     of_meshes + text.len() as u64 * BYTES_PER_CHARACTER
-}
-
-fn picture_size(picture: &Picture) -> [usize; 2] {
-    [picture.width() as usize, picture.height() as usize]
 }
 
 fn clipped(size: [usize; 2]) -> [usize; 2] {

@@ -3,7 +3,7 @@
 use crate::base::escape::quoted;
 use crate::base::memory;
 use crate::diagnostic::Diagnostic;
-use crate::image_io::load_pixels;
+use crate::image_io::{Wanted, load_pixels};
 use crate::picture::CHANNELS;
 use crate::tools::grade::{Kind, Listed, NotGraded, Pairing, Reason, Submission};
 use std::ffi::{OsStr, OsString};
@@ -94,17 +94,17 @@ impl Folder {
     /// Reads the file of a name that is taken for a wanted picture, which has this width and height. A link is not read,
     /// because it may lead to another name's picture. Too little memory for a picture of this size is an error, and not a
     /// fault of the picture.
-    pub fn submission(&self, row: usize, index: usize, size: [u32; 2]) -> Result<Submission, Diagnostic> {
+    pub fn submission(&self, row: usize, index: usize, size: [usize; 2]) -> Result<Submission, Diagnostic> {
         let Some(taken) = &self.pairings[row].taken[index] else { return Ok(Submission::Missing) };
         let path = self.path.join(&self.names[row]).join(taken);
         if fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink()) {
             return Ok(Submission::Unusable(Reason::Link.words().into()));
         }
-        let bytes = size.iter().map(|&side| u64::from(side)).product::<u64>() * CHANNELS as u64;
+        let bytes = (size[0] * size[1] * CHANNELS) as u64;
         memory::ask(bytes)
             .map_err(|error| Diagnostic::error(format!("cannot read {}: {error}", quoted(&path))))?;
         // The report has the path already.
-        Ok(match load_pixels(&path) {
+        Ok(match load_pixels(&path, Wanted::Numbers) {
             Ok((picture, _)) => Submission::Picture(picture),
             Err(reason) => Submission::Unusable(reason.in_one_line()),
         })

@@ -5,7 +5,7 @@ use crate::base::escape::quoted;
 use crate::caster::choose::Structure;
 use crate::cli::{self, Command, Options, Output};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{Format, ReadFile, read_pixels};
+use crate::image_io::{Format, ReadFile, Wanted, read_pixels};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::render::{Layer, Request, Tracing, Watch};
 use crate::scene::load::named_files;
@@ -77,7 +77,9 @@ impl Opened<'_> {
     /// Reads or renders the reference. `watch` is called often while it is rendered or searched for mistakes.
     pub fn reference<'r>(&'r self, watch: Watch<'r>) -> Result<Reference<'r>, Diagnostic> {
         let (renderer, options, output) = match self {
-            Self::File(path) => return read_pixels(path).map(|(pixels, _)| Reference::of_file(pixels)),
+            Self::File(path) => {
+                return read_pixels(path, Wanted::Numbers).map(|(pixels, _)| Reference::of_file(pixels));
+            }
             Self::Scene(renderer, options, output) => (renderer, options, output),
         };
         let layers = vec![output.layer];

@@ -1,6 +1,5 @@
 //! The changes that mistakes make to finished pictures, requests and scenes.
 
-use crate::math::rounded::RoundedAffine;
 use crate::picture::{Color, Window};
 use crate::render::Request;
 use crate::scene::material::{Material, Pattern, Phong, Texture};
@@ -54,18 +53,15 @@ pub fn widen(request: &mut Request, scene: &Scene) {
 
 /// Makes the screen this many times as large.
 pub fn zoom(request: &mut Request, scene: &Scene, factor: f64) {
-    match camera(request, scene) {
-        Camera::Orthographic { size, .. } => *size *= factor,
-        Camera::Perspective { angle, .. } => {
-            let half = libm::atan(factor * libm::tan(angle.to_radians() / 2.0));
-            *angle = 2.0 * half.to_degrees();
-        }
+    if let Camera::Orthographic { size, .. } = camera(request, scene) {
+        *size *= factor;
     }
+    set_half_tangent(request, scene, |angle| factor * libm::tan(0.5 * angle));
 }
 
 /// Lets the screen of a perspective camera span another tangent, possibly negative, in place of the one of half the
 /// angle. `tangent` is given the whole angle in radians.
-pub fn set_half_tangent(request: &mut Request, scene: &Scene, tangent: fn(f64) -> f64) {
+pub fn set_half_tangent(request: &mut Request, scene: &Scene, tangent: impl Fn(f64) -> f64) {
     if let Camera::Perspective { angle, .. } = camera(request, scene) {
         *angle = 2.0 * libm::atan(tangent(angle.to_radians())).to_degrees();
     }
@@ -176,10 +172,6 @@ pub fn reverse_lights(scene: &mut Scene) {
     }
 }
 
-pub fn add_ambient_per_light(scene: &mut Scene) {
-    scene.background.ambient *= scene.lights.len().max(1) as f64;
-}
-
 pub fn blacken_background(scene: &mut Scene) {
     scene.background.color = Color::ZERO;
     scene.cube_map = None;
@@ -221,16 +213,12 @@ pub fn whiten_highlight(phong: &mut Phong) {
     }
 }
 
-pub fn each_texture(scene: &mut Scene, change: fn(&mut Texture)) {
+pub fn each_texture(scene: &mut Scene, change: impl Fn(&mut Texture)) {
     for material in &mut scene.materials {
         if let Material::Texture(texture) = material {
             change(texture);
         }
     }
-}
-
-pub fn drop_matrix(texture: &mut Texture) {
-    texture.world_to_texture = RoundedAffine::IDENTITY;
 }
 
 pub fn invert_matrix(texture: &mut Texture) {
@@ -242,19 +230,15 @@ pub fn invert_matrix(texture: &mut Texture) {
 
 /// Changes the number of octaves of noise.
 pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
-    for material in &mut scene.materials {
-        if let Material::Texture(Texture { pattern, .. }) = material
-            && let Some(octaves) = pattern.octaves_mut()
-        {
-            *octaves = change(*octaves);
-        }
-    }
+    each_texture(scene, |texture| {
+        texture.pattern.octaves_mut().into_iter().for_each(|octaves| *octaves = change(*octaves));
+    });
 }
 
-/// Swaps the materials of textures other than checkerboards.
-pub fn swap_children(scene: &mut Scene) {
+/// Swaps the materials of checkerboards, or else of all other textures.
+pub fn swap_children(scene: &mut Scene, of_checkerboards: bool) {
     each_texture(scene, |texture| {
-        if texture.pattern != Pattern::Checkerboard {
+        if (texture.pattern == Pattern::Checkerboard) == of_checkerboards {
             texture.children.swap(0, 1);
         }
     });
@@ -273,14 +257,6 @@ pub fn weigh_faces_otherwise(scene: &mut Scene) {
             FaceWeights::Equal => FaceWeights::Area,
         };
     }
-}
-
-pub fn swap_checkerboards(scene: &mut Scene) {
-    each_texture(scene, |texture| {
-        if texture.pattern == Pattern::Checkerboard {
-            texture.children.swap(0, 1);
-        }
-    });
 }
 
 /// Swaps pairs of neighbours in the order of the cube map's files. They are opposite faces.

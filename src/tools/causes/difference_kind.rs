@@ -12,7 +12,6 @@ use super::speckles::unlike_neighbours;
 use super::variant::{Rough, Variant, colors_at};
 use crate::picture::Window;
 use crate::render::Layer;
-use crate::scene::Position;
 use crate::tools::compare::{Rgb, largest_channel_difference};
 use crate::trace::Shadows;
 use crate::world::Objects;
@@ -238,7 +237,7 @@ impl Region<'_> {
 
     fn named(&self, id: usize) -> NamedObject {
         let scene = &self.original.renderer().scene;
-        NamedObject { name: scene.objects[id].name(), line: line(&scene.positions.objects, id) }
+        NamedObject { name: scene.objects[id].name(), line: scene.positions.object(id).line }
     }
 
     /// Returns true if another object is seen beside a pixel, or if the object there ends.
@@ -292,12 +291,14 @@ impl Region<'_> {
         if self.original.request.effects.shadows == Shadows::None {
             return None;
         }
-        let lights = &self.original.renderer().scene.positions.lights;
+        let positions = &self.original.renderer().scene.positions;
+        let lights = positions.lights.len();
         let without = |light: &usize| self.is_right_with(Make::Without(Part::Light(*light)));
-        if let Some(light) = (0..lights.len()).find(without) {
-            return Some(Some(line(lights, light)));
+        if let Some(light) = (0..lights).find(without) {
+            return Some(Some(positions.light(light).line));
         }
-        self.is_right_with(Make::Request(drop_shadows)).then(|| (lights.len() == 1).then(|| line(lights, 0)))
+        self.is_right_with(Make::Request(drop_shadows))
+            .then(|| (lights == 1).then(|| positions.light(0).line))
     }
 
     /// Returns true if the object is wrong only where it has a highlight.
@@ -316,9 +317,4 @@ fn most_frequent<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Option<T> {
     let mut counts = BTreeMap::new();
     items.for_each(|item| *counts.entry(item).or_insert(0_usize) += 1);
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(item, _)| item)
-}
-
-/// Returns the line of the object or the light with this index.
-pub fn line(positions: &[Position], index: usize) -> u32 {
-    positions.get(index).copied().unwrap_or_default().line
 }

@@ -6,6 +6,7 @@
 use super::changes::*;
 use super::rules::Rule;
 use super::transforms::{combine_nested, each_rotation, reverse_lists, transpose_matrices};
+use crate::math::rounded::RoundedAffine;
 use crate::picture::{Color, Window};
 use crate::render::Request;
 use crate::scene::Scene;
@@ -175,9 +176,10 @@ pub(super) const TABLE: &[Mistake] = &[
     })),
     row("triangles_missing", "last of each mesh", "without the last triangle of each mesh", Make::Without(Part::Triangle { of: None, is_last: true })),
     row("triangles_missing", "first of each mesh", "without the first triangle of each mesh", Make::Without(Part::Triangle { of: None, is_last: false })),
-    scene("checkerboard_swapped", "", "with the other parity of checkerboards", swap_checkerboards),
-    scene("textures_swapped", "", "with the two materials of textures swapped", swap_children),
-    scene("texture_matrix", "missing", "without the transforms of textures", |scene| each_texture(scene, drop_matrix)),
+    scene("checkerboard_swapped", "", "with the other parity of checkerboards", |scene| swap_children(scene, true)),
+    scene("textures_swapped", "", "with the two materials of textures swapped", |scene| swap_children(scene, false)),
+    scene("texture_matrix", "missing", "without the transforms of textures",
+        |scene| each_texture(scene, |texture| texture.world_to_texture = RoundedAffine::IDENTITY)),
     scene("texture_matrix", "inverted", "with the inverse transforms of textures", |scene| each_texture(scene, invert_matrix)),
     scene("octaves", "one fewer", "with one octave of noise fewer", |scene| each_octaves(scene, |octaves| octaves.saturating_sub(1))),
     scene("octaves", "one more", "with one octave of noise more", |scene| each_octaves(scene, |octaves| octaves + 1)),
@@ -210,7 +212,8 @@ pub(super) const TABLE: &[Mistake] = &[
     scene("matrices_transposed", "", "with the matrices of transforms transposed", transpose_matrices),
     scene("rotations", "reversed", "with rotations in the other direction", |scene| each_rotation(scene, |degrees| -degrees)),
     scene("rotations", "in radians", "with the degrees of rotations taken for radians", |scene| each_rotation(scene, f64::to_degrees)),
-    scene("ambient_per_light", "", "with the ambient light once for each light", add_ambient_per_light),
+    scene("ambient_per_light", "", "with the ambient light once for each light",
+        |scene| scene.background.ambient *= scene.lights.len().max(1) as f64),
     scene("exponent", "quartered", "with a quarter of the exponents of highlights", |scene| each_phong(scene, |phong| phong.exponent *= 0.25)),
     scene("exponent", "halved", "with the exponents of highlights halved", |scene| each_phong(scene, |phong| phong.exponent *= 0.5)),
     scene("exponent", "doubled", "with the exponents of highlights doubled", |scene| each_phong(scene, |phong| phong.exponent *= 2.0)),

@@ -41,7 +41,7 @@ use crate::scene::model::Shows;
 use crate::tools::compare::{color_of, colors};
 use crate::world::Objects;
 use changes::Part;
-use difference_kind::{difference_kind, line};
+use difference_kind::difference_kind;
 use glam::DVec2;
 use made::Made;
 use mistakes::Make;
@@ -243,7 +243,7 @@ impl<'a> Original<'a> {
         let mut parts = vec![];
         for object in placed.into_iter().filter(|object| !object.primitives.is_empty()).take(MAX_PARTS) {
             let (id, range, kind) = (object.id, object.primitives.clone(), scene.objects[object.id].name());
-            let line = line(&scene.positions.objects, id);
+            let line = scene.positions.object(id).line;
             let without =
                 |name, what: &str, part| Mistake::without(name, &format!("{what}the {kind}"), line, part);
             let triangle = |is_last| Part::Triangle { of: Some(id), is_last };
@@ -257,7 +257,7 @@ impl<'a> Original<'a> {
             }
         }
         for light in 0..scene.lights.len().min(MAX_PARTS) {
-            let line = line(&scene.positions.lights, light);
+            let line = scene.positions.light(light).line;
             parts.push(Mistake::without("light_missing", "the light", line, Part::Light(light)));
         }
         parts
@@ -333,7 +333,7 @@ pub fn explain_finished(
     rendered: Option<&FloatPicture>,
     pictures: &[Picture],
 ) -> Vec<Finding> {
-    let size = [reference.width() as usize, reference.height() as usize];
+    let size = reference.size();
     let own = rendered.cloned().unwrap_or_else(|| FloatPicture {
         size,
         colors: colors(reference).iter().copied().map(color_of).collect(),

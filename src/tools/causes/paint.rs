@@ -38,13 +38,9 @@ pub struct Painter<'a> {
 
 impl<'a> Painter<'a> {
     /// Returns a painter. Pixels have unspecified colours after the student's patience is over.
-    pub fn new(student: &'a Student, request: &'a Request) -> Self {
+    pub fn new(student: &'a Student, request: &'a Request, moves: &'a [Move]) -> Self {
         let camera = student.renderer.camera(request);
-        Self { student, request, camera, moves: &[], moved: DVec2::ZERO }
-    }
-
-    pub fn with_moves(self, moves: &'a [Move]) -> Self {
-        Self { moves, ..self }
+        Self { student, request, camera, moves, moved: DVec2::ZERO }
     }
 
     /// Returns a painter whose tracer decides by `hits_itself` which rays hit the surface that they leave, and calls
@@ -226,7 +222,7 @@ mod tests {
         let real = prepared.render(request).unwrap().remove(0);
         let caster = prepared.caster(&Endless).unwrap();
         let student = Student::new(&renderer, &caster, request.effects);
-        let painter = Painter::new(&student, request);
+        let painter = Painter::new(&student, request, &[]);
         let painted = painter.picture().unwrap();
         let places: Vec<[usize; 2]> =
             (0..real.size[1]).flat_map(|y| (0..real.size[0]).map(move |x| [x, y])).collect();

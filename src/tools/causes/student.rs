@@ -220,7 +220,10 @@ impl<'a> Student<'a> {
         if self.breaks(Rule::NormalsNeverNormalised) {
             return self.object_radius(primitive).unwrap_or(1.0) * normal / of_object.length();
         }
-        let is_sphere = self.world().is_shape(primitive);
+        let (is_sphere, is_triangle) =
+            (self.world().is_shape(primitive), self.world().is_triangle(primitive));
+        let is_reversed = self.breaks(Rule::SphereNormalsInward) && is_sphere
+            || self.breaks(Rule::WindingReversed) && is_triangle;
         if self.breaks(Rule::NormalsByMatrix) {
             unit(matrix * of_object)
         } else if self.breaks(Rule::NormalsByInverse) {
@@ -231,17 +234,14 @@ impl<'a> Student<'a> {
             normal / of_object.length()
         } else if self.breaks(Rule::SphereNormalsNotNormalised) && is_sphere && is_placed_as_written {
             0.5 * self.world().box_of(primitive).extent().x * normal
-        } else if self.breaks(Rule::SphereNormalsInward) && is_sphere {
+        } else if is_reversed {
             -normal
-        } else if let Primitive::Triangle(triangle) = self.world().primitive(primitive) {
+        } else if self.breaks(Rule::TriangleNormalsNotNormalised)
+            && is_placed_as_written
+            && let Primitive::Triangle(triangle) = self.world().primitive(primitive)
+        {
             let [a, b, c] = self.world().corners(triangle);
-            match () {
-                () if self.breaks(Rule::WindingReversed) => -normal,
-                () if self.breaks(Rule::TriangleNormalsNotNormalised) && is_placed_as_written => {
-                    (b - a).cross(c - a).length() * normal
-                }
-                () => normal,
-            }
+            (b - a).cross(c - a).length() * normal
         } else {
             normal
         }

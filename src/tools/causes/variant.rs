@@ -162,7 +162,7 @@ impl<'o> Variant<'o> {
             };
             let (objects, epsilon) = (Some(&objects), rough.epsilon);
             let student = Student { rules: self.rules, objects, epsilon, patience, ..student };
-            Some(work(&Painter::new(&student, &self.request).with_moves(&self.moves)))
+            Some(work(&Painter::new(&student, &self.request, &self.moves)))
         };
         self.with_prepared(paint)?
     }

@@ -163,8 +163,7 @@ impl Sweep<'_> {
         let prepared = self.prepared(renderer, &setting.request)?;
         let Repeated { colors, rays, times } = self.repeat(setting, &prepared)?;
         let picture = colors.to_picture();
-        let is_over = || patience.is_over();
-        let compare = || Comparison::new_unless(&picture, &reference.picture, &is_over);
+        let compare = || Comparison::within(&picture, &reference.picture, &patience);
         let compared = self.bench.many.install(compare);
         patience.check().map_err(|_| None)?;
         let (flip, off) = compared.map_or((0.0, 0.0), |found| {

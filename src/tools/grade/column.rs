@@ -302,7 +302,7 @@ fn bytes(picture: &Pixels) -> usize {
 }
 
 /// Returns why a picture of another size cannot be compared.
-fn other_size(own @ [width, height]: [u32; 2], right @ [right_width, right_height]: [u32; 2]) -> String {
+fn other_size(own @ [width, height]: [usize; 2], right @ [right_width, right_height]: [usize; 2]) -> String {
     let relation = relation(own, right).map_or(String::new(), |is| format!(": it {is}"));
     format!("its size is {width} x {height} pixels instead of {right_width} x {right_height}{relation}")
 }
