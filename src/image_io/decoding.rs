@@ -4,7 +4,7 @@
 use crate::base::escape::quoted;
 use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, FloatPicture, Picture, Pixels};
+use crate::picture::{CHANNELS, Color, Picture, Pixels};
 use std::error::Error;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
@@ -56,19 +56,10 @@ pub(super) fn black(size: [u32; 2], limit: u64) -> Result<Picture, Diagnostic> {
 
 /// Returns a picture of zeros, to be filled from the numbers of the file. `limit` bounds the bytes that it has as 8-bit
 /// RGB, also if its numbers are kept.
-pub(super) fn zeros(
-    size @ [width, height]: [u32; 2],
-    limit: u64,
-    wanted: Wanted,
-) -> Result<Pixels, Diagnostic> {
-    let pixels = u64::from(width) * u64::from(height);
+pub(super) fn zeros(size: [u32; 2], limit: u64, wanted: Wanted) -> Result<Pixels, Diagnostic> {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
     check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
-    if wanted == Wanted::Bytes {
-        return Ok(Pixels::Bytes(Picture::new(width, height)?));
-    }
-    let mut picture = FloatPicture::with_room(size.map(|n| n as usize))?;
-    picture.colors.resize(pixels as usize, Color::ZERO);
-    Ok(Pixels::Numbers(picture))
+    Ok(Pixels::zeros(size.map(|side| side as usize), wanted == Wanted::Numbers)?)
 }
 
 /// Counts the colours with a channel below 0, above 1 or NaN.

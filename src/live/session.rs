@@ -8,7 +8,7 @@ use super::objects::object_map;
 use super::rays::Rays;
 use super::scenes::{OpenScene, Scenes};
 use super::view::{Painted, View};
-use super::workers::{Budget, Workers};
+use super::workers::Workers;
 use crate::base::escape::quoted;
 use crate::base::memory;
 use crate::base::shell::Shell;
@@ -113,7 +113,7 @@ impl Session {
     /// Answers a question. `has_left` is called often, and returns true if the client no longer waits.
     pub fn answer(&self, path: &str, query: &str, body: &[u8], has_left: &mut dyn FnMut() -> bool) -> Found {
         let mut within = |seconds, bytes, work: &(dyn Fn(&Stop) -> Found + Sync)| {
-            self.workers.run(Budget { time: Duration::from_secs(seconds), bytes }, has_left, work)
+            self.workers.run(Duration::from_secs(seconds), bytes, has_left, work)
         };
         if path == "/start" {
             return Ok(self.start());

@@ -18,14 +18,6 @@ use std::time::{Duration, Instant};
 /// The interval at which a request looks whether its client still waits, and whether there is memory.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// The time and the memory that a request may take.
-#[derive(Clone, Copy)]
-pub struct Budget {
-    /// Includes the time for which it waits for others.
-    pub time: Duration,
-    pub bytes: u64,
-}
-
 pub struct Workers {
     /// The number of threads for each request.
     threads: usize,
@@ -49,11 +41,12 @@ impl Workers {
         Self { threads, budget, state: Mutex::default() }
     }
 
-    /// Waits for memory, runs `work`, and returns its result. `has_left` is called often, and stops the work if it
-    /// returns true.
+    /// Waits for memory, runs `work`, and returns its result. It may take this memory, and this time with the time for
+    /// which it waits for others. `has_left` is called often, and stops the work if it returns true.
     pub fn run<T: Send>(
         &self,
-        Budget { time, mut bytes }: Budget,
+        time: Duration,
+        mut bytes: u64,
         has_left: &mut dyn FnMut() -> bool,
         work: impl FnOnce(&Stop) -> Result<T, Answer> + Send,
     ) -> Result<T, Answer> {
@@ -151,30 +144,29 @@ mod tests {
 
     #[test]
     fn work_ends_when_its_client_leaves_and_frees_its_memory() {
-        let (workers, budget) = (Workers::new(1), Budget { time: MINUTE, bytes: 1 });
-        assert_eq!(workers.run(budget, &mut leaves(), busy), Err(too_long()));
+        let workers = Workers::new(1);
+        assert_eq!(workers.run(MINUTE, 1, &mut leaves(), busy), Err(too_long()));
         let state = lock(&workers.state);
         assert_eq!((state.taken, state.idle.len()), (0, 1));
     }
 
     #[test]
     fn complete_work_is_kept_after_its_deadline_and_stopped_work_is_not() {
-        let (workers, budget) = (Workers::new(1), Budget { time: Duration::ZERO, bytes: 1 });
-        assert_eq!(workers.run(budget, &mut || false, |_| Ok(7)), Ok(7));
-        assert_eq!(workers.run(budget, &mut || false, busy), Err(too_long()));
+        let (workers, time) = (Workers::new(1), Duration::ZERO);
+        assert_eq!(workers.run(time, 1, &mut || false, |_| Ok(7)), Ok(7));
+        assert_eq!(workers.run(time, 1, &mut || false, busy), Err(too_long()));
     }
 
     #[test]
     fn short_work_waits_for_no_long_one() {
         let (workers, end) = (Workers::new(1), Stop::at(Instant::now() + MINUTE));
-        let run_long = || workers.run(Budget { time: MINUTE, bytes: 1 }, &mut || end.is_over(), busy);
+        let run_long = || workers.run(MINUTE, 1, &mut || end.is_over(), busy);
         thread::scope(|scope| {
             let long: Vec<_> = (0..9).map(|_| scope.spawn(run_long)).collect();
             while lock(&workers.state).taken < 9 {
                 thread::sleep(Duration::from_millis(1));
             }
-            let short = Budget { time: MINUTE, bytes: 0 };
-            assert!((0..3).all(|_| workers.run(short, &mut || false, |_| Ok(())).is_ok()));
+            assert!((0..3).all(|_| workers.run(MINUTE, 0, &mut || false, |_| Ok(())).is_ok()));
             assert_eq!(lock(&workers.state).taken, 9);
             end.cancel();
             assert!(long.into_iter().all(|long| long.join().unwrap() == Err(too_long())));
