@@ -165,9 +165,9 @@ fn cause(options: &Options, scene: Option<&Renderer>, a: &Pixels, b: &Pixels) ->
     });
     let found = match original {
         Some(original) => Some(original.explain(&a)),
-        None => explain_finished(&b, None, std::slice::from_ref(&*a))
-            .pop()
-            .filter(|found| !matches!(found, Finding::Unknown { .. })),
+        None => {
+            Some(explain_finished(&b, None, &a)).filter(|found| !matches!(found, Finding::Unknown { .. }))
+        }
     };
     found.filter(|found| !(are_numbers && matches!(found, Finding::Rounding { .. })))
 }

@@ -123,7 +123,9 @@ impl Session {
         }
         if path == "/scene" {
             let typed: Typed = question(body)?;
-            return within(20, bytes_of_scene(&typed.text), &|stop| self.type_in(&typed, stop));
+            let of_meshes = if typed.text.contains("TriangleMesh") { BYTES_OF_FILES } else { 0 };
+            let bytes = of_meshes + typed.text.len() as u64 * BYTES_PER_CHARACTER;
+            return within(20, bytes, &|stop| self.type_in(&typed, stop));
         }
         let Question { view, sketch, pixel } = question(body)?;
         let view = self.view(view, sketch.filter(|_| path == "/picture"))?;
@@ -341,12 +343,6 @@ fn summary(reference: &Reference) -> Value {
 /// Reads a question.
 fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Answer> {
     serde_json::from_slice(body).map_err(|error| Answer::text(400, &format!("not a question: {error}")))
-}
-
-/// Returns the memory in bytes of reading the text of a scene, with the meshes that it names.
-fn bytes_of_scene(text: &str) -> u64 {
-    let of_meshes = if text.contains("TriangleMesh") { BYTES_OF_FILES } else { 0 };
-    of_meshes + text.len() as u64 * BYTES_PER_CHARACTER
 }
 
 fn clipped(size: [usize; 2]) -> [usize; 2] {

@@ -14,7 +14,6 @@ use crate::picture::Window;
 use crate::render::Layer;
 use crate::tools::compare::{Rgb, largest_channel_difference};
 use crate::trace::Shadows;
-use crate::world::Objects;
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -46,6 +45,9 @@ pub struct DifferenceKind {
     pub worst: [usize; 2],
     /// That difference, in levels.
     pub levels: u8,
+    /// The object that differs, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object: Option<NamedObject>,
     /// The subject.
     #[serde(flatten)]
     pub what: What,
@@ -57,45 +59,25 @@ pub struct DifferenceKind {
 pub enum What {
     /// The background.
     Background,
-    /// The outline of an object.
-    Outline {
-        /// The object that is seen.
-        object: NamedObject,
-    },
-    /// An object, in whose place others are seen.
-    Missing {
-        /// The object that is missing.
-        object: NamedObject,
-    },
-    /// The pixels of an object, each in a way of its own.
-    Scattered {
-        /// The object.
-        object: NamedObject,
-    },
-    /// The shadow of a light.
+    /// The outline of the object.
+    Outline,
+    /// The object, in whose place others are seen.
+    Missing,
+    /// The pixels of the object, each in a way of its own.
+    Scattered,
+    /// The shadow of a light on the object.
     Shadow {
-        /// The object on which it falls.
-        object: NamedObject,
         /// The line of the light, unless all lights cast wrong shadows.
         light: Option<u32>,
     },
-    /// The highlights of an object.
-    Highlight {
-        /// The object.
-        object: NamedObject,
-    },
-    /// The diffuse or ambient light of an object.
-    Diffuse {
-        /// The object.
-        object: NamedObject,
-    },
+    /// The highlights of the object.
+    Highlight,
+    /// The diffuse or ambient light of the object.
+    Diffuse,
     /// Reflected or refracted light.
     Secondary,
-    /// Distances or normals of an object.
-    Measure {
-        /// The object.
-        object: NamedObject,
-    },
+    /// Distances or normals of the object.
+    Measure,
 }
 
 /// An object of the scene's text.
@@ -115,25 +97,24 @@ impl fmt::Display for NamedObject {
 
 impl fmt::Display for DifferenceKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.what {
+        let object = self.object.as_ref().map_or(String::new(), ToString::to_string);
+        match self.what {
             What::Background => f.write_str("the background differs"),
-            What::Outline { object } => write!(f, "the outline of {object} is elsewhere"),
-            What::Missing { object } => write!(f, "{object} is missing"),
-            What::Scattered { object } => write!(
+            What::Outline => write!(f, "the outline of {object} is elsewhere"),
+            What::Missing => write!(f, "{object} is missing"),
+            What::Scattered => write!(
                 f,
                 "neighbouring pixels of {object} differ in different ways, as with an epsilon that is too small or \
                  with other random numbers"
             ),
-            What::Shadow { object, light: Some(line) } => {
+            What::Shadow { light: Some(line) } => {
                 write!(f, "the shadow of the light in line {line} differs on {object}")
             }
-            What::Shadow { object, light: None } => write!(f, "shadows differ on {object}"),
-            What::Highlight { object } => write!(f, "the highlights of {object} differ"),
-            What::Diffuse { object } => {
-                write!(f, "the shading of {object} differs, also outside of highlights")
-            }
+            What::Shadow { light: None } => write!(f, "shadows differ on {object}"),
+            What::Highlight => write!(f, "the highlights of {object} differ"),
+            What::Diffuse => write!(f, "the shading of {object} differs, also outside of highlights"),
             What::Secondary => f.write_str("only what is reflected or refracted differs"),
-            What::Measure { object } => write!(f, "the surface of {object} differs"),
+            What::Measure => write!(f, "the surface of {object} differs"),
         }?;
         let Window { x, y, width, height } = self.window;
         let [worst_x, worst_y] = self.worst;
@@ -170,8 +151,6 @@ struct Region<'o> {
 /// picture is reduced.
 pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option<DifferenceKind> {
     let size = original.colors.size;
-    let renderer = original.renderer();
-    let objects = Objects::new(&renderer.scene, renderer.meshes(), renderer.world())?;
     let pixels = largest_region(wrong, size);
     if pixels.is_empty() || original.request.is_reduced {
         return None;
@@ -181,63 +160,54 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
     let worst = pixels.iter().copied().max_by_key(levels)?;
     let seen = |at| {
         let (primitive, t) = original.seen_at(at)?;
-        Some(Seen { object: objects.of(primitive).id, t })
+        Some(Seen { object: original.objects.of(primitive).id, t })
     };
     let seen = (0..picture.len()).into_par_iter().map(seen).collect();
     let sample = pixels.iter().copied().step_by(pixels.len().div_ceil(SAMPLED)).collect();
     let levels = levels(&worst);
     let region = Region { original, picture, own, seen, pixels, sample, size };
+    let at_outlines = region.sample.iter().filter(|&&at| region.is_beside_another(at)).count();
+    let is_outline = at_outlines as f64 >= OUTLINE * region.sample.len() as f64;
+    let shown = |&at: &usize| if is_outline { region.nearest_around(at) } else { region.object_at(at) };
+    let object = most_frequent(region.sample.iter().map(shown)).flatten();
+    let what = object.map_or(What::Background, |id| region.what(id, is_outline, wrong));
+    let scene = &original.renderer().scene;
+    let named =
+        |id: usize| NamedObject { name: scene.objects[id].name(), line: scene.positions.object(id).line };
     Some(DifferenceKind {
         pixels: region.pixels.len(),
         window: window_around(&region.pixels, size[0]),
         worst: [worst % size[0], worst / size[0]],
         levels,
-        what: region.what(wrong),
+        object: object.filter(|_| what != What::Secondary).map(named),
+        what,
     })
 }
 
 impl Region<'_> {
-    /// Returns what differs in the region.
-    fn what(&self, wrong: &[usize]) -> What {
-        let at_outlines = self.sample.iter().filter(|&&at| self.is_beside_another(at)).count();
-        let is_outline = at_outlines as f64 >= OUTLINE * self.sample.len() as f64;
-        let seen = match is_outline {
-            true => most_frequent(self.sample.iter().map(|&at| self.nearest_around(at))),
-            false => most_frequent(self.sample.iter().map(|&at| self.object_at(at))),
-        };
-        let Some(Some(id)) = seen else { return What::Background };
-        let object = self.named(id);
+    /// Returns what differs in the region of this object.
+    fn what(&self, id: usize, is_outline: bool, wrong: &[usize]) -> What {
         let is_it = |at: &usize| self.object_at(*at) == Some(id);
         let in_region = self.pixels.iter().copied().filter(is_it).count();
         let in_picture = (0..self.picture.len()).filter(is_it).count();
         let without = Make::Without(Part::Object(id));
         if in_region as f64 >= MOST * in_picture as f64 && self.is_right_with(without) {
-            return What::Missing { object };
+            What::Missing
+        } else if is_outline {
+            What::Outline
+        } else if unlike_neighbours(self.picture, &self.own, wrong, self.size[0]).among_wrong >= NOISE {
+            What::Scattered
+        } else if self.original.layer() != Layer::Color {
+            What::Measure
+        } else if self.is_secondary(wrong) {
+            What::Secondary
+        } else if let Some(light) = self.shadow() {
+            What::Shadow { light }
+        } else if self.is_highlight(id, wrong) {
+            What::Highlight
+        } else {
+            What::Diffuse
         }
-        if is_outline {
-            return What::Outline { object };
-        }
-        if unlike_neighbours(self.picture, &self.own, wrong, self.size[0]).among_wrong >= NOISE {
-            return What::Scattered { object };
-        }
-        if self.original.layer() != Layer::Color {
-            return What::Measure { object };
-        }
-        if self.is_secondary(wrong) {
-            return What::Secondary;
-        }
-        if let Some(light) = self.shadow() {
-            return What::Shadow { object, light };
-        }
-        match self.is_highlight(id, wrong) {
-            true => What::Highlight { object },
-            false => What::Diffuse { object },
-        }
-    }
-
-    fn named(&self, id: usize) -> NamedObject {
-        let scene = &self.original.renderer().scene;
-        NamedObject { name: scene.objects[id].name(), line: scene.positions.object(id).line }
     }
 
     /// Returns true if another object is seen beside a pixel, or if the object there ends.

@@ -71,6 +71,7 @@ impl Patience for Watched<'_> {
 /// This program's picture, with its renderer and request.
 pub struct Original<'a> {
     prepared: Prepared<'a>,
+    objects: Objects,
     patience: Watched<'a>,
     request: Request,
     colors: FloatPicture,
@@ -92,9 +93,10 @@ impl<'a> Original<'a> {
         if !can_try(renderer, &request) {
             return None;
         }
+        let objects = Objects::new(&renderer.scene, renderer.meshes(), renderer.world())?;
         let prepared = renderer.prepare_within(&request, &Watched(watch)).ok()?;
         let colors = prepared.render_watched(&request, watch).ok()?.0.remove(0);
-        Some(Self { prepared, patience: Watched(watch), request, colors })
+        Some(Self { prepared, objects, patience: Watched(watch), request, colors })
     }
 
     /// Returns true if the watch has cancelled the search.
@@ -224,9 +226,7 @@ impl<'a> Original<'a> {
     /// Returns the parts of the scene that may be missing where these pixels differ: objects, the first and the last
     /// triangles of objects, and lights.
     fn parts(&self, pixels: &[usize]) -> Vec<Mistake> {
-        let renderer = self.renderer();
-        let scene = &renderer.scene;
-        let Some(objects) = Objects::new(scene, renderer.meshes(), renderer.world()) else { return vec![] };
+        let scene = &self.renderer().scene;
         // A reduced picture has other pixels.
         let pixels = if self.request.is_reduced { &[] } else { pixels };
         let mut primitives: Vec<u32> = pixels.iter().filter_map(|&at| Some(self.seen_at(at)?.0)).collect();
@@ -237,7 +237,7 @@ impl<'a> Original<'a> {
                 .get(primitives.partition_point(|&id| id < range.start))
                 .is_some_and(|id| range.contains(id))
         };
-        let mut placed: Vec<_> = objects.iter().collect();
+        let mut placed: Vec<_> = self.objects.iter().collect();
         // Objects that are not seen may be missing in mirrors and among shadows.
         placed.sort_by_key(|object| (!is_seen(object.primitives.clone()), object.id));
         let mut parts = vec![];
@@ -325,46 +325,36 @@ fn grounds(candidates: &[Candidate]) -> Vec<&Candidate> {
     grounds
 }
 
-/// Finds why pictures differ from a finished one, whose scene is not known. `rendered` are its colours, or `None` if
-/// only its bytes are known. Mistakes in converting colours to bytes are then not tried. All pictures have the same
-/// size.
-pub fn explain_finished(
-    reference: &Picture,
-    rendered: Option<&FloatPicture>,
-    pictures: &[Picture],
-) -> Vec<Finding> {
-    let size = reference.size();
+/// Finds why a picture differs from a finished one, whose scene is not known. `rendered` are its colours, or `None` if
+/// only its bytes are known. Mistakes in converting colours to bytes are then not tried. Both have the same size.
+pub fn explain_finished(reference: &Picture, rendered: Option<&FloatPicture>, picture: &Picture) -> Finding {
+    let (size, picture) = (reference.size(), colors(picture));
     let own = rendered.cloned().unwrap_or_else(|| FloatPicture {
         size,
         colors: colors(reference).iter().copied().map(color_of).collect(),
     });
     let base = Rc::new(Made::new(own.clone()));
-    let is_known = |mistake: &Mistake| {
-        mistake.is_of_pixels() && !mistake.is_unchanged() && (rendered.is_some() || !mistake.needs_colors())
-    };
+    let is_known =
+        |mistake: &Mistake| mistake.is_of_pixels() && (rendered.is_some() || !mistake.needs_colors());
     let all: Vec<Mistake> = Mistake::all().filter(is_known).collect();
     let pairs = all.iter().flat_map(|one| all.iter().map(move |other| vec![one.clone(), other.clone()]));
     let pairs = pairs.filter(|pair| !pair[0].is_akin(&pair[1]));
-    let every: Vec<Vec<Mistake>> = all.iter().map(|one| vec![one.clone()]).chain(pairs).collect();
-    let explain = |picture: &Picture| {
-        let picture = colors(picture);
-        let before = rounding::rest(picture, &base, None);
-        let search = Search::new(picture, base.clone(), size, &before, 1);
-        let likely = every.iter().filter_map(|mistakes| search.likely_finished(mistakes.clone(), &own));
-        let judge = |mistakes: Vec<Mistake>| {
-            let mut made = own.clone();
-            Finish::new(&mistakes).apply(&mut made);
-            search.judged(mistakes, Made::new(made), None)
-        };
-        let candidates: Vec<Candidate> =
-            most_likely(likely.collect(), picture.len()).into_iter().filter_map(judge).collect();
-        let most_left = MAX_LEFT * before.unexplained.len() as f64;
-        let is_all = |candidate: &Candidate| {
-            candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left
-        };
-        let best = best_of(&candidates, is_all).map(|best| equal(best, &[], size));
-        let found = best.or_else(|| part(&search, &candidates));
-        found.unwrap_or(Finding::Unknown { tried: all.len(), difference: None })
+    let every = all.iter().map(|one| vec![one.clone()]).chain(pairs);
+    let before = rounding::rest(picture, &base, None);
+    let search = Search::new(picture, base, size, &before, 1);
+    let likely = every.filter_map(|mistakes| search.likely_finished(mistakes, &own));
+    let judge = |mistakes: Vec<Mistake>| {
+        let mut made = own.clone();
+        Finish::new(&mistakes).apply(&mut made);
+        search.judged(mistakes, Made::new(made), None)
     };
-    pictures.iter().map(explain).collect()
+    let candidates: Vec<Candidate> =
+        most_likely(likely.collect(), picture.len()).into_iter().filter_map(judge).collect();
+    let most_left = MAX_LEFT * before.unexplained.len() as f64;
+    let is_all = |candidate: &Candidate| {
+        candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left
+    };
+    let best = best_of(&candidates, is_all).map(|best| equal(best, &[], size));
+    let found = best.or_else(|| part(&search, &candidates));
+    found.unwrap_or(Finding::Unknown { tried: all.len(), difference: None })
 }

@@ -59,8 +59,9 @@ impl<'a> Painter<'a> {
                 let Some((t, surface)) = student.seen(ray) else {
                     return Color::splat(f64::from(rules.has(Rule::DepthInverted)));
                 };
+                let (Projection::Perspective(eye) | Projection::Orthographic(eye)) = self.camera.projection();
                 let t = match rules.has(Rule::DepthAlongAxis) {
-                    true => (surface.position - ray.origin).dot(forward(&self.camera)),
+                    true => (surface.position - ray.origin).dot(eye.direction),
                     false => t,
                 };
                 let grey = measures.depths.grey(t, [near, far]);
@@ -190,12 +191,6 @@ fn blurred(picture: &FloatPicture) -> FloatPicture {
     }
     colors.extend(blur.end().unwrap_or_default());
     FloatPicture { size: reduced(picture.size), colors }
-}
-
-/// Returns the direction at right angles to the picture.
-fn forward(camera: &Camera) -> DVec3 {
-    let (Projection::Perspective(eye) | Projection::Orthographic(eye)) = camera.projection();
-    eye.direction
 }
 
 /// Returns the range extended by the pixels whose samples contribute to it.

@@ -218,7 +218,10 @@ impl<'a> Student<'a> {
         let of_object = matrix.transpose() * normal;
         let is_placed_as_written = matrix == DMat3::IDENTITY;
         if self.breaks(Rule::NormalsNeverNormalised) {
-            return self.object_radius(primitive).unwrap_or(1.0) * normal / of_object.length();
+            let object = self.objects.map(|objects| &self.renderer.scene.objects[objects.of(primitive).id]);
+            // In the sphere's own space.
+            let radius = if let Some(&Object::Sphere { radius, .. }) = object { radius } else { 1.0 };
+            return radius * normal / of_object.length();
         }
         let (is_sphere, is_triangle) =
             (self.world().is_shape(primitive), self.world().is_triangle(primitive));
@@ -244,14 +247,6 @@ impl<'a> Student<'a> {
             (b - a).cross(c - a).length() * normal
         } else {
             normal
-        }
-    }
-
-    /// Returns the radius of a sphere in its own space.
-    fn object_radius(&self, primitive: u32) -> Option<f64> {
-        match self.renderer.scene.objects[self.objects?.of(primitive).id] {
-            Object::Sphere { radius, .. } => Some(radius),
-            _ => None,
         }
     }
 

@@ -251,20 +251,9 @@ impl<'g, 'r> ColumnGrader<'g, 'r> {
         let mut judged: Vec<Judged> = vec![];
         for (picture, difference) in waiting.iter().zip(differences) {
             let verdict = reference.judge(self.rule, picture, &difference);
-            judged.push(Judged { difference, verdict, cause: None });
-        }
-        if self.finds_causes {
-            let (mut failed, mut wrong) = (vec![], vec![]);
-            for (judged, picture) in
-                judged.iter_mut().zip(&waiting).filter(|(judged, _)| !judged.verdict.passes)
-            {
-                failed.push(judged);
-                wrong.push(picture);
-            }
-            if !wrong.is_empty() {
-                let found = reference.explain(&wrong);
-                failed.into_iter().zip(found).for_each(|(judged, found)| judged.cause = found);
-            }
+            let is_explained = self.finds_causes && !verdict.passes;
+            let cause = if is_explained { reference.explain(picture) } else { None };
+            judged.push(Judged { difference, verdict, cause });
         }
         if let Some(page) = &mut self.page {
             page.add_different(reference, &waiting)?;

@@ -1,6 +1,6 @@
 //! A reference, and the verdict on a picture.
 
-use crate::picture::{FloatPicture, Picture, Pixels};
+use crate::picture::{FloatPicture, Pixels};
 use crate::tools::causes::{Finding, MAX_UNEXPLAINED, Original, explain_finished};
 use crate::tools::compare::{Difference, Scale, Tolerance};
 use std::borrow::Cow;
@@ -80,19 +80,15 @@ impl<'r> Reference<'r> {
         Verdict { passes: left <= most, unexplained }
     }
 
-    /// Finds why each of these pictures differs, by its bytes. So a picture of numbers never differs by rounding alone.
-    pub fn explain(&self, wrong: &[&Pixels]) -> Vec<Option<Finding>> {
-        let bytes: Vec<Picture> = wrong.iter().map(|picture| picture.bytes().into_owned()).collect();
+    /// Finds why a picture differs, by its bytes. So a picture of numbers never differs by rounding alone.
+    pub fn explain(&self, picture: &Pixels) -> Option<Finding> {
+        let bytes = picture.bytes();
         let found = match &self.original {
-            Some(original) => bytes.iter().map(|picture| original.explain(picture)).collect(),
+            Some(original) => original.explain(&bytes),
             None => explain_finished(&self.pixels.bytes(), self.colors.as_deref(), &bytes),
         };
-        let has_cause = |picture: &Pixels, found: &Finding| match (&self.pixels, picture) {
-            (Pixels::Numbers(_), Pixels::Numbers(_)) => !matches!(found, Finding::Rounding { .. }),
-            _ => true,
-        };
-        let found = wrong.iter().zip(found);
-        found.map(|(picture, found)| Some(found).filter(|found| has_cause(picture, found))).collect()
+        let are_numbers = matches!((&self.pixels, picture), (Pixels::Numbers(_), Pixels::Numbers(_)));
+        Some(found).filter(|found| !(are_numbers && matches!(found, Finding::Rounding { .. })))
     }
 
     /// Returns the scale on which the reference and this picture are shown, if they are compared by their numbers.
