@@ -311,7 +311,6 @@ impl Options {
         if counts { Tracing::Counted } else { Tracing::Fast }
     }
 
-    /// Prepares the scene for a request.
     pub fn prepare<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Diagnostic> {
         renderer.prepare(request).map_err(|error| match request.structure {
             Structure::Grid(Resolution::Cells(cells)) => {
@@ -355,7 +354,6 @@ impl Options {
         }
     }
 
-    /// Returns the request for the renderer.
     pub fn request(&self) -> Request {
         let has_float_colors = |output: &Output| output.layer == Layer::Color && output.format.is_float();
         Request {

@@ -340,7 +340,6 @@ fn summary(reference: &Reference) -> Value {
     json!({ "name": reference.name, "size": reference.picture.size() })
 }
 
-/// Reads a question.
 fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Answer> {
     serde_json::from_slice(body).map_err(|error| Answer::text(400, &format!("not a question: {error}")))
 }

@@ -17,7 +17,6 @@ use std::path::{Path, PathBuf};
 /// The names and origins of references, in order. Each is made when it is needed.
 pub struct References(Vec<(OsString, Origin)>);
 
-/// The origin of a reference.
 enum Origin {
     File(PathBuf),
     Rendered(Box<Options>, Output),
@@ -55,7 +54,6 @@ impl References {
         })
     }
 
-    /// The names of the pictures, in order.
     pub fn names(&self) -> impl Iterator<Item = &OsStr> {
         self.0.iter().map(|(name, _)| name.as_os_str())
     }
@@ -97,7 +95,6 @@ impl Opened<'_> {
     }
 }
 
-/// The pictures in a folder.
 fn files(folder: &Path) -> Result<Vec<(OsString, Origin)>, Diagnostic> {
     let mut names = entries(folder)?;
     names.retain(|name| Format::of_input(Path::new(name)).is_some());

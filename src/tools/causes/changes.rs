@@ -228,7 +228,6 @@ pub fn invert_matrix(texture: &mut Texture) {
     }
 }
 
-/// Changes the number of octaves of noise.
 pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
     each_texture(scene, |texture| {
         texture.pattern.octaves_mut().into_iter().for_each(|octaves| *octaves = change(*octaves));

@@ -31,11 +31,8 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// How a ray leaves a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Departure {
-    /// Mirrored.
     Reflected,
-    /// Through the surface.
     Refracted,
-    /// Towards a light.
     Shadow,
     /// Towards a light, after crossing a transparent surface.
     Onwards,

@@ -19,7 +19,6 @@ pub struct EdgeMap {
 }
 
 impl EdgeMap {
-    /// Finds the edges.
     pub fn new(picture: &Picture) -> Self {
         let [width, height] = picture.size();
         let mut map = Self { width, height, is_edge: vec![false; width * height] };

@@ -23,7 +23,6 @@ const ADAPTIVE_MOST: u32 = 256;
 const EFFECTS_SAMPLES: u32 = 64;
 const STRUCTURE_SAMPLES: u32 = 4;
 
-/// The usual filters.
 const FILTERS: [Filter; 4] = [
     Filter::PIXEL,
     Filter::Tent { radius: 1.0 },
@@ -104,7 +103,6 @@ fn octaves(scene: &Scene, own: &Setting) -> Vec<Setting> {
     powers_below(most).map(setting).collect()
 }
 
-/// Returns the octaves of a material's noise.
 fn octaves_of(material: &mut Material) -> Option<&mut u32> {
     let (Material::Texture(Texture { pattern, .. }) | Material::Painted(_, Paint::Pattern(pattern, _))) =
         material

@@ -107,7 +107,6 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    /// Renders the reference for a filter.
     fn reference(&mut self, filter: Filter) -> Result<Reference, Ended> {
         let own = Request { adaptive: None, filter, ..self.own.request.clone() };
         let [first, second] = reference::samplers(own.sampler.rng());

@@ -12,11 +12,9 @@ const MOST_UNEXPLAINED: u64 = MAX_UNEXPLAINED as u64;
 /// The condition on which a picture passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// The pictures are equal.
     Equal,
     /// Rounding of single precision explains all differing pixels but two. Where no scene is known, the pictures are equal.
     Rounding,
-    /// The difference is within a tolerance.
     Tolerance(Tolerance),
 }
 
