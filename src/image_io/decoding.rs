@@ -4,7 +4,7 @@
 use crate::base::escape::quoted;
 use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, Picture, Pixels};
+use crate::picture::{CHANNELS, Color, Pixels};
 use std::error::Error;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
@@ -47,11 +47,6 @@ pub(super) fn undecoded(error: io::Error, too_early: Diagnostic) -> Diagnostic {
         ErrorKind::Other | ErrorKind::InvalidData | ErrorKind::InvalidInput => refused(&error),
         _ => error.into(),
     }
-}
-
-/// Returns a black picture, to be filled from the file.
-pub(super) fn black(size: [u32; 2], limit: u64) -> Result<Picture, Diagnostic> {
-    zeros(size, limit, Wanted::Bytes).map(Pixels::into_bytes)
 }
 
 /// Returns a picture of zeros, to be filled from the numbers of the file. `limit` bounds the bytes that it has as 8-bit

@@ -4,7 +4,7 @@
 
 use super::cannot;
 use super::decoding::{
-    Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, refused, too_short, undecoded,
+    Remarks, Wanted, check_bytes, level, no_pixels, open_regular, refused, too_short, undecoded, zeros,
 };
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
 use super::{exr, netpbm};
@@ -150,7 +150,7 @@ fn decoded<D: ImageDecoder>(
     if color_type == ColorType::Rgb8 {
         return Ok((Picture::from_rgb(width, height, samples), 0));
     }
-    let mut picture = black(size, limit)?;
+    let mut picture = zeros(size, limit, Wanted::Bytes)?.into_bytes();
     to_rgb(color_type, &samples, picture.pixels_mut());
     Ok((picture, transparent(color_type, &samples)))
 }
