@@ -239,8 +239,8 @@ impl Region<'_> {
 
     fn colors_with(&self, change: Make, pixels: &[usize]) -> Option<Vec<Rgb>> {
         let variant = Variant::new(self.original, &[Mistake::unnamed(change)])?;
-        let colors = variant
-            .with_painter(Rough::default(), |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
+        let colors =
+            variant.with_painter(Rough::NONE, |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
         Some(colors.into_iter().map(|color| MadePixel::new(color).bytes).collect())
     }
 

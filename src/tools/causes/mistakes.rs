@@ -21,7 +21,7 @@ use std::fmt;
 #[derive(Clone, Debug)]
 pub struct Mistake {
     /// The name in JSON documents, which mistakes of one kind in different degrees share.
-    pub name: Cow<'static, str>,
+    pub name: &'static str,
     /// The degree, or an empty string.
     pub detail: Cow<'static, str>,
     text: Cow<'static, str>,
@@ -55,7 +55,7 @@ use Make::{Colors, Flip, Points};
 
 /// Builds a row of the table.
 const fn row(name: &'static str, detail: &'static str, text: &'static str, make: Make) -> Mistake {
-    Mistake { name: Cow::Borrowed(name), detail: Cow::Borrowed(detail), text: Cow::Borrowed(text), make }
+    Mistake { name, detail: Cow::Borrowed(detail), text: Cow::Borrowed(text), make }
 }
 
 /// Builds a row that breaks a rule.
@@ -348,13 +348,13 @@ impl Mistake {
         };
         let [red, green, blue] = unset.color;
         let text = format!("with {shown} left at ({red}, {green}, {blue}), as if never set");
-        Self { name: "unset".into(), detail: shown.into(), text: text.into(), make: Make::Unset(unset) }
+        Self { name: "unset", detail: shown.into(), text: text.into(), make: Make::Unset(unset) }
     }
 
     /// Returns a mistake that leaves out a part of a scene: this thing in this line.
     pub(super) fn without(name: &'static str, thing: &str, line: u32, part: Part) -> Self {
         let (detail, text) = (format!("line {line}"), format!("without {thing} in line {line}"));
-        Self { name: name.into(), detail: detail.into(), text: text.into(), make: Make::Without(part) }
+        Self { name, detail: detail.into(), text: text.into(), make: Make::Without(part) }
     }
 
     /// Returns a change that is tried and never named.
@@ -369,7 +369,7 @@ impl Mistake {
 
     /// Returns true if the mistake cannot be made in a picture whose bytes alone are known.
     pub(super) fn needs_colors(&self) -> bool {
-        matches!(&*self.name, "rounded" | "rounded_up" | "wrapped" | "times256" | "tone_mapped")
+        matches!(self.name, "rounded" | "rounded_up" | "wrapped" | "times256" | "tone_mapped")
             || self.name == "gamma" && self.detail != "2.2 of bytes"
     }
 
@@ -420,7 +420,7 @@ impl Serialize for Mistake {
             #[serde(skip_serializing_if = "str::is_empty")]
             detail: &'m str,
         }
-        let name = (!self.is_unchanged()).then_some(&*self.name);
+        let name = (!self.is_unchanged()).then_some(self.name);
         Named { kind: self.kind(), name, detail: &self.detail }.serialize(serializer)
     }
 }

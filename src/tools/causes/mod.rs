@@ -45,7 +45,7 @@ use difference_kind::difference_kind;
 use glam::DVec2;
 use made::Made;
 use mistakes::Make;
-use search::{Candidate, Likely, MIN_VISIBLE, Search, most_likely, part};
+use search::{Candidate, MIN_VISIBLE, Search, part};
 use speckles::speckles;
 use std::ops::ControlFlow;
 use std::rc::Rc;
@@ -143,7 +143,6 @@ impl<'a> Original<'a> {
 
         // Try each mistake.
         let rays_per_pixel = Variant::new(self, &[]).map_or(1, |variant| variant.rays_per_pixel());
-        let rays = rays_per_pixel * picture.len();
         let search = Search::new(picture, own, size, &before, rays_per_pixel);
         let unset = unset_pixels(picture, size, &before.unexplained);
         let unset = unset.map(|unset| Mistake::unset(unset, size));
@@ -151,8 +150,7 @@ impl<'a> Original<'a> {
         // A camera of the other handedness turns the picture, too.
         let table = Mistake::all().filter(|mistake| mistake.name != "turned");
         let all: Vec<Mistake> = unset.into_iter().chain(parts).chain(table).collect();
-        let (likely, tried) = self.likely(&search, &[], &all);
-        let candidates = self.judged(&search, most_likely(likely, rays));
+        let (candidates, tried) = self.candidates(&search, &[], &all);
         if let Some(best) = best_of(&candidates, |candidate| candidate.is_all(&before)) {
             return equal(best, &candidates, size);
         }
@@ -164,9 +162,8 @@ impl<'a> Original<'a> {
         let mut pairs = vec![];
         for ground in grounds(&candidates) {
             let search = Search::new(picture, ground.made.clone(), size, &ground.rest, rays_per_pixel);
-            let (likely, _) = self.likely(&search, &ground.mistakes, &all);
+            let (found, _) = self.candidates(&search, &ground.mistakes, &all);
             let least = ground.rest.unexplained.len() / 2;
-            let found = self.judged(&search, most_likely(likely, rays));
             pairs.extend(found.into_iter().filter(|pair| pair.rest.unexplained.len() < least));
         }
         if let Some(best) = best_of(&pairs, |pair| pair.is_all(&before)) {
@@ -189,9 +186,9 @@ impl<'a> Original<'a> {
         Finding::Unknown { tried, difference }
     }
 
-    /// Tries each of these mistakes together with `ground`, by a sample of pixels. Returns the likely ones, and how many
-    /// could be made.
-    fn likely(&self, search: &Search, ground: &[Mistake], all: &[Mistake]) -> (Vec<Likely>, usize) {
+    /// Judges each of these mistakes together with `ground`: by a sample of pixels, and the likely ones by the whole
+    /// picture. Returns those that are accepted, and how many could be made.
+    fn candidates(&self, search: &Search, ground: &[Mistake], all: &[Mistake]) -> (Vec<Candidate>, usize) {
         let changes: Vec<Mistake> = match ground.is_empty() {
             true => Mistake::all().filter(|mistake| matches!(mistake.make, Make::Colors(_))).collect(),
             false => vec![],
@@ -210,17 +207,12 @@ impl<'a> Original<'a> {
             tried += 1;
             likely.extend(search.likely(&variant, &mistakes, &changes));
         }
-        (likely, tried)
-    }
-
-    /// Judges mistakes by the whole picture.
-    fn judged(&self, search: &Search, likely: Vec<Vec<Mistake>>) -> Vec<Candidate> {
         let judge = |mistakes: Vec<Mistake>| {
             let variant = Variant::new(self, &mistakes)?;
             let made = Made::new(variant.picture()?);
             search.judged(mistakes, made, Some(&variant))
         };
-        likely.into_iter().filter_map(judge).collect()
+        (search.most_likely(likely).into_iter().filter_map(judge).collect(), tried)
     }
 
     /// Returns the parts of the scene that may be missing where these pixels differ: objects, the first and the last
@@ -349,7 +341,7 @@ pub fn explain_finished(reference: &Picture, rendered: Option<&FloatPicture>, pi
         search.judged(mistakes, Made::new(made), None)
     };
     let candidates: Vec<Candidate> =
-        most_likely(likely.collect(), picture.len()).into_iter().filter_map(judge).collect();
+        search.most_likely(likely.collect()).into_iter().filter_map(judge).collect();
     let most_left = MAX_LEFT * before.unexplained.len() as f64;
     let is_all = |candidate: &Candidate| {
         candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left

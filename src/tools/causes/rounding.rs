@@ -92,12 +92,12 @@ impl Rest {
         if pixels.len() > SAMPLED {
             let step = pixels.len() / SAMPLED;
             let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
-            let left = views.unexplained(&sample, Rough::default());
+            let left = views.unexplained(&sample, Rough::NONE);
             if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
                 return pixels;
             }
         }
-        let mut left = views.unexplained(&pixels, Rough::default());
+        let mut left = views.unexplained(&pixels, Rough::NONE);
         if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
             return left;
         }
@@ -153,7 +153,7 @@ impl Views<'_> {
     fn unexplained(&self, pixels: &[usize], rough: Rough) -> Vec<usize> {
         let left = self.variant.with_painter(rough, |painter| {
             let mut left = pixels.to_vec();
-            for [x, y] in moves(rough != Rough::default()) {
+            for [x, y] in moves(rough != Rough::NONE) {
                 let views = colors_at(painter, self.variant, &left, DVec2::new(x, y));
                 let pairs = left.iter().zip(views);
                 left = pairs.filter(|(at, view)| !self.explains(**at, *view)).map(|(&at, _)| at).collect();

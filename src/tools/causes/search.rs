@@ -80,6 +80,8 @@ pub struct Search<'p> {
     sample: Vec<usize>,
     /// The number of wrong pixels in the sample.
     wrong: usize,
+    /// The number of camera rays of a picture.
+    rays: usize,
 }
 
 /// Counts of pixels.
@@ -132,7 +134,7 @@ impl<'p> Search<'p> {
         let mut sample = scattered(&wrong, most(WRONG));
         let wrong = sample.len();
         sample.extend(scattered(&right, most(RIGHT)));
-        Self { picture, base, size, is_wrong, level, sample, wrong }
+        Self { picture, base, size, is_wrong, level, sample, wrong, rays: rays_per_pixel * picture.len() }
     }
 
     /// Returns the wrong pixels in the sample.
@@ -170,7 +172,7 @@ impl<'p> Search<'p> {
     /// Judges the variant's mistakes by the sample, alone and with each of these changes of the finished picture.
     /// Returns those that are likely.
     pub fn likely(&self, variant: &Variant, mistakes: &[Mistake], changes: &[Mistake]) -> Vec<Likely> {
-        let found = variant.with_painter(Rough::default(), |painter| {
+        let found = variant.with_painter(Rough::NONE, |painter| {
             // Few pixels are enough where each needs many rays.
             let first = (FIRST_RAYS / variant.rays_per_pixel()).clamp(MIN_FIRST, FIRST).min(self.wrong);
             let colors = colors_at(painter, variant, &self.sample[..first], DVec2::ZERO);
@@ -213,6 +215,16 @@ impl<'p> Search<'p> {
         let finish = Finish::new(mistakes);
         let pairs = self.sample.iter().zip(colors);
         self.counts(pairs.map(|(&at, &color)| (at, MadePixel::new(finish.color(color, at, self.size)))))
+    }
+
+    /// Sorts likely mistakes, the best ones first, and drops those that a better one leads.
+    pub fn most_likely(&self, mut likely: Vec<Likely>) -> Vec<Vec<Mistake>> {
+        likely.sort_by_key(|(left, mistakes)| (*left, mistakes.len()));
+        let best = likely.first().map_or(0, |(left, _)| *left);
+        let bound = MIN_LEAD * best as f64 + 8.0;
+        let kept = likely.into_iter().take_while(|(left, _)| *left as f64 <= bound);
+        let most = (MOST_LIKELY_RAYS / self.rays).clamp(2, MOST_LIKELY);
+        kept.map(|(_, mistakes)| mistakes).take(most).collect()
     }
 
     /// Judges mistakes by the whole picture. Returns `None` if they are refuted.
@@ -263,16 +275,6 @@ impl Candidate {
     pub fn left(&self) -> (usize, usize) {
         (self.rest.unexplained.len(), self.rest.differing)
     }
-}
-
-/// Sorts likely mistakes, the best ones first, and drops those that a better one leads. A picture has this number of
-/// camera rays.
-pub fn most_likely(mut likely: Vec<Likely>, rays: usize) -> Vec<Vec<Mistake>> {
-    likely.sort_by_key(|(left, mistakes)| (*left, mistakes.len()));
-    let best = likely.first().map_or(0, |(left, _)| *left);
-    let bound = MIN_LEAD * best as f64 + 8.0;
-    let kept = likely.into_iter().take_while(|(left, _)| *left as f64 <= bound);
-    kept.map(|(_, mistakes)| mistakes).take((MOST_LIKELY_RAYS / rays).clamp(2, MOST_LIKELY)).collect()
 }
 
 /// Returns the mistake of which a part of the difference consists, if there is one: a single mistake that is not merely

@@ -25,10 +25,9 @@ pub struct Rough {
     pub weight: f64,
 }
 
-impl Default for Rough {
-    fn default() -> Self {
-        Self { epsilon: None, weight: 1.0 }
-    }
+impl Rough {
+    /// The numbers of this program.
+    pub const NONE: Self = Self { epsilon: None, weight: 1.0 };
 }
 
 /// A picture with some mistakes, ready to be rendered.
@@ -127,7 +126,7 @@ impl<'o> Variant<'o> {
                 |prepared: &Prepared| prepared.render_watched(&self.request, self.original.patience.0).ok();
             self.with_prepared(rendered)??.0.remove(0)
         } else {
-            self.with_painter(Rough::default(), |painter| painter.picture().ok())??
+            self.with_painter(Rough::NONE, |painter| painter.picture().ok())??
         };
         if self.original.is_cancelled() {
             return None;

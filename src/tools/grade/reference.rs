@@ -3,7 +3,6 @@
 use crate::picture::{FloatPicture, Pixels};
 use crate::tools::causes::{Finding, MAX_UNEXPLAINED, Original, explain_finished};
 use crate::tools::compare::{Difference, Scale, Tolerance};
-use std::borrow::Cow;
 use std::fmt;
 
 /// The number of pixels that rounding need not explain in a picture that passes.
@@ -32,7 +31,7 @@ impl fmt::Display for Rule {
 pub struct Reference<'r> {
     pub pixels: Pixels,
     /// Its colours, if they are known.
-    colors: Option<Cow<'r, FloatPicture>>,
+    colors: Option<FloatPicture>,
     /// The scene, if its mistakes can be tried.
     original: Option<Original<'r>>,
 }
@@ -54,7 +53,7 @@ impl<'r> Reference<'r> {
     /// A rendered picture, whose file has bytes or numbers.
     pub fn rendered(colors: FloatPicture, has_numbers: bool) -> Self {
         let pixels = in_file(&colors, has_numbers);
-        Self { pixels, colors: Some(Cow::Owned(colors)), original: None }
+        Self { pixels, colors: Some(colors), original: None }
     }
 
     /// A rendered picture of a scene whose mistakes can be tried.
@@ -83,7 +82,7 @@ impl<'r> Reference<'r> {
         let bytes = picture.bytes();
         let found = match &self.original {
             Some(original) => original.explain(&bytes),
-            None => explain_finished(&self.pixels.bytes(), self.colors.as_deref(), &bytes),
+            None => explain_finished(&self.pixels.bytes(), self.colors.as_ref(), &bytes),
         };
         let are_numbers = matches!((&self.pixels, picture), (Pixels::Numbers(_), Pixels::Numbers(_)));
         Some(found).filter(|found| !(are_numbers && matches!(found, Finding::Rounding { .. })))
