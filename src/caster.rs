@@ -84,14 +84,6 @@ impl<'w> Caster<'w> {
         Ok(Self { counts, ..self })
     }
 
-    /// Returns this caster, which searches as long as there is patience.
-    pub fn patient<'a>(&self, patience: &'a dyn Patience) -> Caster<'a>
-    where
-        'w: 'a,
-    {
-        Caster { patience, ..self.clone() }
-    }
-
     /// Returns true if a ray is tested only against some of the primitives: those in the cells or leaves that it meets.
     pub fn is_selective(&self) -> bool {
         self.structure.as_ref().is_some_and(|structure| structure.is_selective())

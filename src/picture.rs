@@ -132,11 +132,22 @@ pub enum Pixels {
 }
 
 impl Pixels {
+    /// Returns a picture of zeros.
+    pub fn zeros(size @ [width, height]: [usize; 2], are_numbers: bool) -> Result<Self, BadSize> {
+        if are_numbers {
+            let mut picture = FloatPicture::with_room(size)?;
+            picture.colors.resize(width * height, Color::ZERO);
+            return Ok(Self::Numbers(picture));
+        }
+        let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
+        Picture::new(side(width), side(height)).map(Self::Bytes)
+    }
+
     /// Returns the width and height in pixels.
-    pub fn size(&self) -> [u32; 2] {
+    pub fn size(&self) -> [usize; 2] {
         match self {
-            Self::Bytes(picture) => [picture.width, picture.height],
-            Self::Numbers(picture) => picture.size.map(|n| n as u32),
+            Self::Bytes(picture) => picture.size(),
+            Self::Numbers(picture) => picture.size,
         }
     }
 
@@ -148,15 +159,19 @@ impl Pixels {
         }
     }
 
-    /// Sets pixels from this column and row on, counted from the top left.
-    pub fn set(&mut self, [x, y]: [usize; 2], colors: &[Color]) {
-        let start = y * self.size()[0] as usize + x;
+    /// Sets pixels from this column and row on, counted from the top left. Returns the number of colours with a NaN that
+    /// become black.
+    pub fn set(&mut self, [x, y]: [usize; 2], colors: &[Color]) -> u64 {
+        let start = y * self.size()[0] + x;
         match self {
             Self::Bytes(picture) => {
                 let bytes = &mut picture.pixels[start * CHANNELS..][..colors.len() * CHANNELS];
-                truncate_to_bytes::<RED_FIRST>(colors, bytes);
+                truncate_to_bytes::<RED_FIRST>(colors, bytes)
             }
-            Self::Numbers(picture) => picture.colors[start..][..colors.len()].copy_from_slice(colors),
+            Self::Numbers(picture) => {
+                picture.colors[start..][..colors.len()].copy_from_slice(colors);
+                0
+            }
         }
     }
 
@@ -204,6 +219,11 @@ impl Picture {
     pub fn from_rgb(width: u32, height: u32, pixels: Vec<u8>) -> Self {
         debug_assert_eq!(Some(pixels.len()), byte_count(width, height));
         Self { width, height, pixels }
+    }
+
+    /// Returns the width and height in pixels.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width as usize, self.height as usize]
     }
 
     /// The width in pixels.

@@ -123,9 +123,8 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Command, Diagno
         let grading = Grading { folder, references, student, report, json, tolerance, threads, progress };
         return Ok(Command::Grade(grading));
     }
-    let region = || flags.region.as_deref().map(region).transpose();
     let source = match (flags.merge.clone(), flags.convert.clone()) {
-        (Some(parts), _) => Some(Source::Parts(parts, region()?)),
+        (Some(parts), _) => Some(Source::Parts(parts, flags.region.as_deref().map(region).transpose()?)),
         (None, picture) => picture.map(Source::Picture),
     };
     if let Some(source) = source {

@@ -254,19 +254,21 @@ impl Options {
         if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
             return fail("-visualize_grid needs a grid, as in '-grid 20 20 20'");
         }
-        if self.comparison.as_ref().is_some_and(Comparison::needs_scene) && self.compared_layer().is_none() {
-            return fail(
-                "-compare and -reference compare one picture, and several are written: give -output too, which is \
-                 compared then, or write only one of them",
-            );
-        }
-        if self.comparison.as_ref().is_some_and(Comparison::needs_scene)
-            && matches!(self.compared_layer(), Some(Layer::Cost(_)))
-        {
-            return fail(
-                "-compare and -reference do not compare a cost map, which shows work in false colours beside a scale: \
-                 give -output too, which is compared then, or leave out -cost_map",
-            );
+        let needs_scene = self.comparison.as_ref().is_some_and(Comparison::needs_scene);
+        match self.compared_layer() {
+            None if needs_scene => {
+                return fail(
+                    "-compare and -reference compare one picture, and several are written: give -output too, which is \
+                     compared then, or write only one of them",
+                );
+            }
+            Some(Layer::Cost(_)) if needs_scene => {
+                return fail(
+                    "-compare and -reference do not compare a cost map, which shows work in false colours beside a \
+                     scale: give -output too, which is compared then, or leave out -cost_map",
+                );
+            }
+            _ => {}
         }
         if self.written().filter(|file| *file == Path::new("-")).count() > 1 {
             return fail("only one of the pictures and -json can go to standard output");
@@ -309,7 +311,6 @@ impl Options {
         if counts { Tracing::Counted } else { Tracing::Fast }
     }
 
-    /// Prepares the scene for a request.
     pub fn prepare<'r>(&self, renderer: &'r Renderer, request: &Request) -> Result<Prepared<'r>, Diagnostic> {
         renderer.prepare(request).map_err(|error| match request.structure {
             Structure::Grid(Resolution::Cells(cells)) => {
@@ -353,7 +354,6 @@ impl Options {
         }
     }
 
-    /// Returns the request for the renderer.
     pub fn request(&self) -> Request {
         let has_float_colors = |output: &Output| output.layer == Layer::Color && output.format.is_float();
         Request {

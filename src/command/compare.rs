@@ -9,7 +9,7 @@ use crate::base::escape::quoted;
 use crate::base::memory;
 use crate::cli::{self, Options};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{Format, OutputFile, Remarks, read_pixels};
+use crate::image_io::{Format, OutputFile, Remarks, Wanted, read_pixels};
 use crate::picture::Pixels;
 use crate::render::Request;
 use crate::render::renderer::Renderer;
@@ -132,13 +132,13 @@ impl<'o> Pair<'o> {
     }
 
     /// The error of pictures with these widths and heights.
-    fn cannot_compare(&self, sizes: [[u32; 2]; 2]) -> Diagnostic {
+    fn cannot_compare(&self, sizes: [[usize; 2]; 2]) -> Diagnostic {
         let Self { options, wanted, .. } = self;
         let name = |path: &Option<_>| path.as_ref().map_or("the rendered picture".into(), quoted);
         let [one, other] = [&wanted.picture, &wanted.reference].map(name);
         let problem = sizes_differ(sizes[0], sizes[1]).message;
         let error = Diagnostic::error(format!("cannot compare {one} with {other}: {problem}"));
-        let is_of_pixels = rendered_size(options) == Some(options.size.map(|n| n as u32));
+        let is_of_pixels = rendered_size(options) == Some(options.size);
         let [width, height] = if wanted.picture.is_some() { sizes[0] } else { sizes[1] };
         match wanted.needs_scene() && is_of_pixels {
             true => error.with_hint(format!("-size {width} {height} renders that size")),
@@ -153,7 +153,7 @@ impl<'o> Pair<'o> {
 fn cause(options: &Options, scene: Option<&Renderer>, a: &Pixels, b: &Pixels) -> Option<Finding> {
     /// The colours and bytes of two pictures and the bytes of several wrong ones, with something to spare.
     const BYTES_PER_PIXEL: u64 = 128;
-    memory::ask(a.size().map(u64::from).iter().product::<u64>() * BYTES_PER_PIXEL).ok()?;
+    memory::ask(a.size().iter().product::<usize>() as u64 * BYTES_PER_PIXEL).ok()?;
     let are_numbers = matches!((a, b), (Pixels::Numbers(_), Pixels::Numbers(_)));
     let (size, a, b) = (a.size(), a.bytes(), b.bytes());
     if a == b {
@@ -165,22 +165,22 @@ fn cause(options: &Options, scene: Option<&Renderer>, a: &Pixels, b: &Pixels) ->
     });
     let found = match original {
         Some(original) => Some(original.explain(&a)),
-        None => explain_finished(&b, None, std::slice::from_ref(&*a))
-            .pop()
-            .filter(|found| !matches!(found, Finding::Unknown { .. })),
+        None => {
+            Some(explain_finished(&b, None, &a)).filter(|found| !matches!(found, Finding::Unknown { .. }))
+        }
     };
     found.filter(|found| !(are_numbers && matches!(found, Finding::Rounding { .. })))
 }
 
 /// Width and height of the rendered picture that is compared, in pixels.
-fn rendered_size(options: &Options) -> Option<[u32; 2]> {
+fn rendered_size(options: &Options) -> Option<[usize; 2]> {
     let layer = options.compared_layer()?;
-    Some(options.request().layer_size(&layer).map(|n| n as u32))
+    Some(options.request().layer_size(&layer))
 }
 
 /// Reads a picture for a comparison.
 fn read(path: &Path, options: &Options, log: &Log) -> Result<Pixels, Diagnostic> {
-    let (picture, remarks) = read_pixels(path)?;
+    let (picture, remarks) = read_pixels(path, Wanted::Numbers)?;
     let clamped = if options.compares_numbers() { 0 } else { remarks.clamped };
     tell(&Remarks { clamped, ..remarks }, path, "compared", log);
     Ok(picture)

@@ -8,7 +8,7 @@ use super::signals::Signals;
 use super::{End, Outcome, refused};
 use crate::cli::{Converting, Source};
 use crate::image_io::{
-    Content, Merge, OutputFile, ReadFile, Rows, check_distinct, convert, read_remarked_picture,
+    Content, Merge, OutputFile, ReadFile, Rows, Wanted, check_distinct, convert, read_pixels,
 };
 use crate::render::Progress;
 
@@ -26,9 +26,9 @@ pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome
             // Only one row at a time is in memory.
             Ok(rows) => convert(rows, file, output.format)?,
             Err(_) => {
-                let (read, remarks) = read_remarked_picture(picture)?;
+                let (read, remarks) = read_pixels(picture, Wanted::Bytes)?;
                 tell(&remarks, picture, "converted", log);
-                file.picture(output.format, &read)?
+                file.picture(output.format, &read.bytes())?
             }
         },
         Source::Parts(parts, region) => {

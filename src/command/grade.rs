@@ -13,7 +13,7 @@ use crate::base::escape::escape;
 use crate::cli::{self, Grading};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{OutputFile, check_distinct};
-use crate::tools::grade::{Column, ColumnGrader, Page, Remark, Rule, Table, csv, document, summary};
+use crate::tools::grade::{Column, ColumnGrader, Page, Rule, Table, csv, document, summary};
 use folder::{Folder, entries};
 use references::References;
 use std::ffi::OsStr;
@@ -130,7 +130,9 @@ impl Class<'_> {
             Ok(reference) => reference,
             Err(error) => {
                 self.page.iter_mut().for_each(Page::add_ungraded);
-                return Ok(Column::ungraded(shown, without_places(&error), folder.names.len()));
+                // In one line.
+                let problem = if error.places.is_empty() { error.in_one_line() } else { error.headline() };
+                return Ok(Column::ungraded(shown, problem, folder.names.len()));
             }
         };
         let page = self.page.as_mut();
@@ -138,16 +140,10 @@ impl Class<'_> {
         let mut remarks = vec![];
         for row in 0..folder.names.len() {
             grader.add(folder.submission(row, index, reference.pixels.size())?)?;
-            let (found_as, others) = (folder.other_name(row, index, name), folder.meant_for(row, index));
-            remarks.push(Remark { found_as, others });
+            remarks.push(folder.remark(row, index, name));
         }
         grader.finish(shown, remarks)
     }
-}
-
-/// Returns an error in one line.
-fn without_places(error: &Diagnostic) -> String {
-    if error.places.is_empty() { error.in_one_line() } else { error.headline() }
 }
 
 /// Tells in a line for each name which of its pictures were found under other names.

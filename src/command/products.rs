@@ -1,10 +1,9 @@
 //! Takes the rows of each layer, for a file, a picture in memory, or a cost map.
 
 use super::parts::{part, window};
-use crate::base::memory::with_room;
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, PictureWriter};
-use crate::picture::{CHANNELS, Color, FloatPicture, Picture, Pixels, RED_FIRST, truncate_to_bytes};
+use crate::picture::{Color, Pixels};
 use crate::render::renderer::Prepared;
 use crate::render::{Cost, Layer, Request, Window};
 use crate::tools::explain::CostMap;
@@ -28,10 +27,8 @@ pub struct Products<'r> {
 enum Product {
     /// A picture file, written row by row.
     File(Box<PictureWriter>),
-    /// Width and height in pixels, and the bytes of a picture.
-    Kept([usize; 2], Vec<u8>),
-    /// The numbers of a picture.
-    KeptNumbers(FloatPicture),
+    /// A picture, and the number of its rows so far.
+    Kept(Pixels, usize),
     /// The file that gets the map of the costs.
     Costs(OutputFile, Format, Cost),
 }
@@ -56,10 +53,9 @@ impl<'r> Products<'r> {
     ) -> Result<Self, Diagnostic> {
         let mut files = files.into_iter();
         let begin = |&layer: &Layer| {
-            let size @ [width, height] = request.layer_size(&layer);
+            let size = request.layer_size(&layer);
             Ok(match (files.next(), layer) {
-                (None, _) if keeps_numbers => Product::KeptNumbers(FloatPicture::with_room(size)?),
-                (None, _) => Product::Kept(size, with_room(width * height * CHANNELS)?),
+                (None, _) => Product::Kept(Pixels::zeros(size, keeps_numbers)?, 0),
                 (Some((file, format)), Layer::Cost(cost)) => Product::Costs(file, format, cost),
                 (Some((file, format)), layer) => {
                     let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
@@ -84,12 +80,10 @@ impl<'r> Products<'r> {
         }
         match &mut self.layers[layer] {
             Product::File(writer) => writer.row(row)?,
-            Product::Kept(_, bytes) => {
-                let before = bytes.len();
-                bytes.resize(before + row.len() * CHANNELS, 0);
-                truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
+            Product::Kept(picture, rows) => {
+                picture.set([0, *rows], row);
+                *rows += 1;
             }
-            Product::KeptNumbers(picture) => picture.colors.extend_from_slice(row),
             // Costs have no rows.
             Product::Costs(..) => {}
         }
@@ -136,13 +130,10 @@ impl<'r> Products<'r> {
         for product in self.layers {
             match product {
                 Product::File(writer) => finished.files.push(writer.complete()?),
-                Product::Kept([width, height], bytes) => {
-                    let picture = Picture::from_rgb(width as u32, height as u32, bytes);
-                    finished.picture = Some(Pixels::Bytes(picture));
-                }
-                Product::KeptNumbers(picture) => {
+                Product::Kept(Pixels::Numbers(picture), _) => {
                     finished.picture = Some(Pixels::Numbers(picture.in_single_precision()));
                 }
+                Product::Kept(picture, _) => finished.picture = Some(picture),
                 Product::Costs(file, format, cost) => {
                     let counts = std::mem::take(&mut counts);
                     let map = CostMap::new(cost, counts, self.prepared, self.request);

@@ -27,7 +27,6 @@ pub struct Report<'r> {
     pub statistics: Option<stats::Report>,
     /// The times of all renderings, if there are several.
     pub repeats: Option<Repeats>,
-    /// The costs of a cost map's pixels.
     pub costs: Option<CostMap>,
     /// The rays behind the pixel in question.
     pub pixel: Option<PixelTree>,

@@ -4,11 +4,12 @@
 use crate::base::escape::quoted;
 use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{CHANNELS, Color, FloatPicture, Picture, Pixels};
+use crate::picture::{CHANNELS, Color, Pixels};
 use std::error::Error;
 use std::fs::{self, File};
+use std::io::{self, ErrorKind};
+use std::iter;
 use std::path::Path;
-use std::{io, iter};
 
 /// Facts that a user should know about a picture that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,10 +22,12 @@ pub struct Remarks {
     pub has_line_end: bool,
 }
 
-/// The form in which the numbers of a file are wanted.
+/// The form in which the numbers of PFM and OpenEXR files are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wanted {
+pub enum Wanted {
+    /// Cut to bytes, as the colours of a rendering are.
     Bytes,
+    /// As they are.
     Numbers,
 }
 
@@ -36,33 +39,22 @@ pub(super) fn open_regular(path: &Path) -> Result<File, Diagnostic> {
     }
 }
 
-/// Returns an error of reading, with other words for a file that ends too early.
-pub(super) fn or_too_early(error: io::Error, too_early: Diagnostic) -> Diagnostic {
-    if error.kind() == io::ErrorKind::UnexpectedEof { too_early } else { error.into() }
-}
-
-/// Returns a black picture, to be filled from the file.
-pub(super) fn black(size @ [width, height]: [u32; 2], limit: u64) -> Result<Picture, Diagnostic> {
-    let pixels = u64::from(width) * u64::from(height);
-    check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
-    Ok(Picture::new(width, height)?)
+/// Returns the error of a file that its decoder does not read. `too_early` is the error of one that ends too early.
+pub(super) fn undecoded(error: io::Error, too_early: Diagnostic) -> Diagnostic {
+    match error.kind() {
+        ErrorKind::UnexpectedEof => too_early,
+        // The crates' own errors.
+        ErrorKind::Other | ErrorKind::InvalidData | ErrorKind::InvalidInput => refused(&error),
+        _ => error.into(),
+    }
 }
 
 /// Returns a picture of zeros, to be filled from the numbers of the file. `limit` bounds the bytes that it has as 8-bit
 /// RGB, also if its numbers are kept.
-pub(super) fn zeros(
-    size @ [width, height]: [u32; 2],
-    limit: u64,
-    wanted: Wanted,
-) -> Result<Pixels, Diagnostic> {
-    if wanted == Wanted::Bytes {
-        return black(size, limit).map(Pixels::Bytes);
-    }
-    let pixels = u64::from(width) * u64::from(height);
+pub(super) fn zeros(size: [u32; 2], limit: u64, wanted: Wanted) -> Result<Pixels, Diagnostic> {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
     check_bytes(size, pixels.saturating_mul(CHANNELS as u64), limit)?;
-    let mut picture = FloatPicture::with_room(size.map(|n| n as usize))?;
-    picture.colors.resize(pixels as usize, Color::ZERO);
-    Ok(Pixels::Numbers(picture))
+    Ok(Pixels::zeros(size.map(|side| side as usize), wanted == Wanted::Numbers)?)
 }
 
 /// Counts the colours with a channel below 0, above 1 or NaN.

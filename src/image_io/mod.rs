@@ -15,15 +15,13 @@ mod reader;
 mod rows;
 mod writer;
 
-pub use decoding::Remarks;
+pub use decoding::{Remarks, Wanted};
 pub use distinct_files::{ReadFile, Written, check_distinct};
 pub use format::{Content, Format};
 pub use merge::Merge;
 pub use output::{CompleteFile, NAMING, OutputFile, put_in_place};
 pub use part::Part;
-pub use reader::{
-    load_picture, load_pixels, read_picture, read_picture_from, read_pixels, read_remarked_picture,
-};
+pub use reader::{load_pixels, read_picture, read_picture_from, read_pixels};
 pub use rows::{PartFile, Rows};
 pub use writer::{Exceptional, PictureWriter, convert, part_beside};
 

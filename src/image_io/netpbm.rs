@@ -5,7 +5,7 @@
 //! of the file. If the rest is longer, its pixels may be shifted, and the file is refused unless line feeds written as
 //! CR LF explain every byte.
 
-use super::decoding::{Remarks, Wanted, beyond_bytes, black, level, no_pixels, too_short, zeros};
+use super::decoding::{Remarks, Wanted, beyond_bytes, level, no_pixels, too_short, zeros};
 use super::format::{BYTE_ORDER_MARK, CUT_HEADER, OTHER_TEXT};
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
@@ -75,7 +75,7 @@ pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, R
     if header.bits == 32 {
         return text.numbers(&header, zeros(header.size, limit, wanted)?);
     }
-    let picture = black(header.size, limit)?;
+    let picture = zeros(header.size, limit, Wanted::Bytes)?.into_bytes();
     let (picture, remarks) =
         if is_plain { text.plain(&header, picture)? } else { text.raw(&header, picture)? };
     Ok((Pixels::Bytes(picture), remarks))

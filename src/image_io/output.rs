@@ -84,7 +84,7 @@ impl OutputFile {
 
     /// Returns the file with this picture.
     pub fn picture(self, format: Format, picture: &Picture) -> Result<CompleteFile, Diagnostic> {
-        let size = [picture.width(), picture.height()].map(|side| side as usize);
+        let size = picture.size();
         let mut writer = self.begin(format, size, Content::Colors, None)?;
         picture.pixels().chunks_exact(size[0] * CHANNELS).try_for_each(|row| writer.row_of_bytes(row))?;
         writer.complete()

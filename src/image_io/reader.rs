@@ -4,7 +4,7 @@
 
 use super::cannot;
 use super::decoding::{
-    Remarks, Wanted, black, check_bytes, level, no_pixels, open_regular, refused, too_short,
+    Remarks, Wanted, check_bytes, level, no_pixels, open_regular, refused, too_short, undecoded, zeros,
 };
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
 use super::{exr, netpbm};
@@ -15,7 +15,7 @@ use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{ColorType, ImageDecoder, Limits};
-use std::io::{Cursor, ErrorKind, Read};
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 /// Upper bound on the length of a file, in bytes.
@@ -42,17 +42,12 @@ const MAX_PIXELS_PER_BYTE: u64 = 1032 * 8;
 /// against the file's length before memory is allocated for it, and a picture of more than 512 MiB is an
 /// error.
 pub fn read_picture(path: &Path) -> Result<Picture, Diagnostic> {
-    read_remarked_picture(path).map(|(picture, _)| picture)
+    read_pixels(path, Wanted::Bytes).map(|(picture, _)| picture.into_bytes())
 }
 
 /// Reads a picture like [`read_picture`], with remarks.
-pub fn read_remarked_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
-    load_picture(path).map_err(|reason| cannot("read", path, reason))
-}
-
-/// Reads a picture like [`read_picture`], with remarks. The numbers of PFM and OpenEXR files stay numbers.
-pub fn read_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
-    load_pixels(path).map_err(|reason| cannot("read", path, reason))
+pub fn read_pixels(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
+    load_pixels(path, wanted).map_err(|reason| cannot("read", path, reason))
 }
 
 /// Reads a picture like [`read_picture`] from the bytes of a file with this name. One that takes more than `limit`
@@ -62,18 +57,8 @@ pub fn read_picture_from(name: &Path, bytes: &[u8], limit: u64) -> Result<Pictur
     Ok(decoded.0.into_bytes())
 }
 
-/// Reads a picture like [`read_remarked_picture`]. The message of an error does not name the file.
-pub fn load_picture(path: &Path) -> Result<(Picture, Remarks), Diagnostic> {
-    let (picture, remarks) = load(path, Wanted::Bytes)?;
-    Ok((picture.into_bytes(), remarks))
-}
-
 /// Reads a picture like [`read_pixels`]. The message of an error does not name the file.
-pub fn load_pixels(path: &Path) -> Result<(Pixels, Remarks), Diagnostic> {
-    load(path, Wanted::Numbers)
-}
-
-fn load(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
+pub fn load_pixels(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
     if length > LONGEST_FILE {
@@ -86,14 +71,11 @@ fn load(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
 
 fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
     let format = identify(name, bytes)?;
-    if has_no_pixels(format, bytes) {
-        return Err(no_pixels());
-    }
     let max_pixels = MAX_PIXELS_PER_BYTE * bytes.len() as u64;
+    check_stated_size(format, bytes, max_pixels, limit)?;
     let (picture, transparent) = match format {
         Format::Tga => decoded(TgaDecoder::new(tga(bytes)?), max_pixels, limit)?,
         Format::Png => {
-            check_png_size(bytes, max_pixels, limit)?;
             let mut limits = Limits::no_limits();
             limits.max_alloc = Some(MAX_PNG_EXTRA_BYTES);
             decoded(PngDecoder::with_limits(Cursor::new(bytes), limits), max_pixels, limit)?
@@ -108,18 +90,28 @@ fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixe
     Ok((Pixels::Bytes(picture), remarks))
 }
 
-/// Returns true if a header of a format that the image crate reads has a width or height of 0, which the crate would
-/// refuse in its own words.
-fn has_no_pixels(format: Format, bytes: &[u8]) -> bool {
+/// Refuses a file whose header states a size that the image crate would refuse in its own words: without pixels, or, in
+/// a PNG file, with more than the file or the limit allows, and so with long rows.
+fn check_stated_size(format: Format, bytes: &[u8], max_pixels: u64, limit: u64) -> Result<(), Diagnostic> {
     let sides = match format {
         Format::Tga => [12..14, 14..16],
         Format::Png if bytes.get(12..16) == Some(b"IHDR") => [16..20, 20..24],
         // The oldest headers have 12 bytes.
         Format::Bmp if bytes.get(14) == Some(&12) => [18..20, 20..22],
         Format::Bmp => [18..22, 22..26],
-        Format::Png | Format::Ppm | Format::Pfm | Format::Exr => return false,
+        Format::Png | Format::Ppm | Format::Pfm | Format::Exr => return Ok(()),
     };
-    sides.into_iter().any(|side| bytes.get(side).is_some_and(|side| side.iter().all(|&byte| byte == 0)))
+    // The highest byte comes first in PNG files alone, and only their sizes are used.
+    let number = |bytes: &[u8]| bytes.iter().fold(0, |number, &byte| number << 8 | u32::from(byte));
+    let size = sides.map(|side| bytes.get(side).map(number));
+    if size.contains(&Some(0)) {
+        return Err(no_pixels());
+    }
+    let (Format::Png, [Some(width), Some(height)]) = (format, size) else { return Ok(()) };
+    match u64::from(width) * u64::from(height) {
+        pixels if pixels > max_pixels => Err(too_short([width, height])),
+        pixels => check_bytes([width, height], pixels, limit),
+    }
 }
 
 /// Returns a TGA file for the image crate, which decodes all unknown types as grey, and expects the number of alpha
@@ -137,20 +129,6 @@ fn tga(bytes: &[u8]) -> Result<impl Read, Diagnostic> {
     Ok(Cursor::new(header).chain(rest))
 }
 
-/// Refuses a PNG file whose header states a size that the file or the limit does not allow. The decoder would refuse a
-/// long row in its own words.
-fn check_png_size(bytes: &[u8], max_pixels: u64, limit: u64) -> Result<(), Diagnostic> {
-    let Some((&[.., a, b, c, d], rest)) = bytes.split_first_chunk::<20>() else { return Ok(()) };
-    let Some(&height) = rest.first_chunk() else { return Ok(()) };
-    let size = [[a, b, c, d], height].map(u32::from_be_bytes);
-    let is_header = bytes.get(12..16) == Some(b"IHDR");
-    match u64::from(size[0]) * u64::from(size[1]) {
-        pixels if is_header && pixels > max_pixels => Err(too_short(size)),
-        pixels if is_header => check_bytes(size, pixels, limit),
-        _ => Ok(()),
-    }
-}
-
 /// Decodes a picture of at most `max_pixels` pixels, which is what the file's length allows. Returns also how many of
 /// them are not opaque.
 fn decoded<D: ImageDecoder>(
@@ -158,7 +136,7 @@ fn decoded<D: ImageDecoder>(
     max_pixels: u64,
     limit: u64,
 ) -> Result<(Picture, u64), Diagnostic> {
-    let decoder = decoder.map_err(|error| undecoded(error, Diagnostic::error(CUT_HEADER)))?;
+    let decoder = decoder.map_err(|error| refused_by_image(error, Diagnostic::error(CUT_HEADER)))?;
     let (width, height) = decoder.dimensions();
     let (size, color_type, length) = ([width, height], decoder.color_type(), decoder.total_bytes());
     match u64::from(width) * u64::from(height) {
@@ -168,11 +146,11 @@ fn decoded<D: ImageDecoder>(
     }
     let mut samples = with_room(length as usize)?;
     samples.resize(length as usize, 0);
-    decoder.read_image(&mut samples).map_err(|error| undecoded(error, too_short(size)))?;
+    decoder.read_image(&mut samples).map_err(|error| refused_by_image(error, too_short(size)))?;
     if color_type == ColorType::Rgb8 {
         return Ok((Picture::from_rgb(width, height, samples), 0));
     }
-    let mut picture = black(size, limit)?;
+    let mut picture = zeros(size, limit, Wanted::Bytes)?.into_bytes();
     to_rgb(color_type, &samples, picture.pixels_mut());
     Ok((picture, transparent(color_type, &samples)))
 }
@@ -188,10 +166,10 @@ fn transparent(color_type: ColorType, samples: &[u8]) -> u64 {
     pixels.filter(|pixel| pixel[alpha..].iter().any(|&byte| byte != u8::MAX)).count() as u64
 }
 
-/// Returns the error of a file that a decoder refuses. `too_early` is the error of one that ends too early.
-fn undecoded(error: image::ImageError, too_early: Diagnostic) -> Diagnostic {
+/// Returns the error of a file that the image crate refuses, like [`undecoded`].
+fn refused_by_image(error: image::ImageError, too_early: Diagnostic) -> Diagnostic {
     match error {
-        image::ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => too_early,
+        image::ImageError::IoError(error) => undecoded(error, too_early),
         image::ImageError::Limits(_) => {
             let most = Bytes(MAX_PNG_EXTRA_BYTES);
             let problem = format!("a row of its pixels or its metadata take more than {most}");

@@ -1,13 +1,13 @@
 //! The rows of TGA and PNG files as this program writes them, one by one, and the part of a picture that they state.
 
 use super::cannot;
-use super::decoding::{open_regular, or_too_early, refused, too_short};
+use super::decoding::{open_regular, too_short, undecoded};
 use super::format::{CUT_HEADER, Format, START, TGA_HEADER, identify};
 use super::part::{PNG_COMMENT, Part};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Window};
 use std::fs::File;
-use std::io::{self, BufReader, ErrorKind, Read, Seek};
+use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// The file of a part, encoded as this program does.
@@ -83,10 +83,7 @@ impl Rows {
                 path,
                 Diagnostic::error("it is not encoded like a part written by `-region`"),
             )),
-            Err(error) if format == Format::Png && error.kind() != ErrorKind::UnexpectedEof => {
-                Err(cannot("read", path, refused(&error)))
-            }
-            Err(error) => Err(cannot("read", path, or_too_early(error, Diagnostic::error(CUT_HEADER)))),
+            Err(error) => Err(cannot("read", path, undecoded(error, Diagnostic::error(CUT_HEADER)))),
         }
     }
 
@@ -106,13 +103,7 @@ impl Rows {
                 read.map_err(io::Error::from)
             }
         };
-        read.map_err(|error| {
-            let fault = match self.decoder {
-                Decoder::Png(_) if error.kind() != ErrorKind::UnexpectedEof => refused(&error),
-                _ => or_too_early(error, too_short(self.size)),
-            };
-            cannot("read", &self.path, fault)
-        })
+        read.map_err(|error| cannot("read", &self.path, undecoded(error, too_short(self.size))))
     }
 }
 

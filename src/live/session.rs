@@ -8,7 +8,7 @@ use super::objects::object_map;
 use super::rays::Rays;
 use super::scenes::{OpenScene, Scenes};
 use super::view::{Painted, View};
-use super::workers::{Budget, Workers};
+use super::workers::Workers;
 use crate::base::escape::quoted;
 use crate::base::memory;
 use crate::base::shell::Shell;
@@ -97,7 +97,7 @@ impl Session {
         // A page renders no part of a picture, standard output has another reader, and a pipe would wait for one.
         let may_write =
             |output: &&Output| !output.is_standard_output() && output.file.is_file() && line.region.is_none();
-        let size = reference.as_ref().map_or([0; 2], |reference| picture_size(&reference.picture));
+        let size = reference.as_ref().map_or([0; 2], |reference| reference.picture.size());
         let cores = || thread::available_parallelism().map_or(1, usize::from);
         Ok(Self {
             input: input.to_owned(),
@@ -113,7 +113,7 @@ impl Session {
     /// Answers a question. `has_left` is called often, and returns true if the client no longer waits.
     pub fn answer(&self, path: &str, query: &str, body: &[u8], has_left: &mut dyn FnMut() -> bool) -> Found {
         let mut within = |seconds, bytes, work: &(dyn Fn(&Stop) -> Found + Sync)| {
-            self.workers.run(Budget { time: Duration::from_secs(seconds), bytes }, has_left, work)
+            self.workers.run(Duration::from_secs(seconds), bytes, has_left, work)
         };
         if path == "/start" {
             return Ok(self.start());
@@ -123,7 +123,9 @@ impl Session {
         }
         if path == "/scene" {
             let typed: Typed = question(body)?;
-            return within(20, bytes_of_scene(&typed.text), &|stop| self.type_in(&typed, stop));
+            let of_meshes = if typed.text.contains("TriangleMesh") { BYTES_OF_FILES } else { 0 };
+            let bytes = of_meshes + typed.text.len() as u64 * BYTES_PER_CHARACTER;
+            return within(20, bytes, &|stop| self.type_in(&typed, stop));
         }
         let Question { view, sketch, pixel } = question(body)?;
         let view = self.view(view, sketch.filter(|_| path == "/picture"))?;
@@ -196,7 +198,7 @@ impl Session {
         let counts = costs.iter().flat_map(|map| map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
         let meta = json!({
-            "size": picture_size(&picture),
+            "size": picture.size(),
             "shows": view.sketch.unwrap_or_else(|| view.options.picture_size()),
             "milliseconds": start.elapsed().as_secs_f64() * 1000.0,
             "nans": nans,
@@ -264,7 +266,7 @@ impl Session {
         let most = self.most[0];
         // Up to four channels of two bytes.
         let picture = read_picture_from(Path::new(&name), file, 8 * (most as u64).pow(2))?;
-        let [width, height] = picture_size(&picture);
+        let [width, height] = picture.size();
         if width.max(height) > most {
             let reason =
                 format!("a page shows pictures of at most {most} pixels a side, not {width} x {height}");
@@ -279,10 +281,10 @@ impl Session {
     fn compare(&self, view: &View, stop: &Stop) -> Found {
         let (reference, own) = self.pair(view, stop)?;
         let picture = &reference.picture;
-        let compared = Comparison::new_unless(picture, &own.picture, &|| stop.is_over())?;
+        let compared = Comparison::within(picture, &own.picture, stop)?;
         let (shown, amplification) = DifferencePicture::of_bytes(picture, &own.picture)?;
         let meta = json!({
-            "size": picture_size(picture), "block": compared.to_string(), "largest": compared.largest,
+            "size": picture.size(), "block": compared.to_string(), "largest": compared.largest,
             "amplification": amplification,
         });
         let difference = rgba(&shown);
@@ -297,7 +299,7 @@ impl Session {
         let request = view.request(Layer::Color);
         let (reference, own) = self.pair(view, stop)?;
         let (picture, own) = (&reference.picture, &own.picture);
-        let differs = picture_size(picture) == picture_size(own) && picture.pixels() != own.pixels();
+        let differs = picture.size() == own.size() && picture.pixels() != own.pixels();
         let can_try = differs && request.camera_rays() <= MAX_CAUSE_RAYS;
         let watch = |progress: Progress| stop.watch(progress);
         let original = || Original::watched(&view.scene.renderer, &request, &watch);
@@ -335,22 +337,11 @@ fn description(OpenScene { revision, choice, renderer, .. }: &OpenScene) -> Valu
 }
 
 fn summary(reference: &Reference) -> Value {
-    json!({ "name": reference.name, "size": picture_size(&reference.picture) })
+    json!({ "name": reference.name, "size": reference.picture.size() })
 }
 
-/// Reads a question.
 fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Answer> {
     serde_json::from_slice(body).map_err(|error| Answer::text(400, &format!("not a question: {error}")))
-}
-
-/// Returns the memory in bytes of reading the text of a scene, with the meshes that it names.
-fn bytes_of_scene(text: &str) -> u64 {
-    let of_meshes = if text.contains("TriangleMesh") { BYTES_OF_FILES } else { 0 };
-    of_meshes + text.len() as u64 * BYTES_PER_CHARACTER
-}
-
-fn picture_size(picture: &Picture) -> [usize; 2] {
-    [picture.width() as usize, picture.height() as usize]
 }
 
 fn clipped(size: [usize; 2]) -> [usize; 2] {

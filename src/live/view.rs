@@ -10,7 +10,7 @@ use crate::caster::insertion::{bounds_of, most_references};
 use crate::caster::lattice::Lattice;
 use crate::cli::{Options, Output};
 use crate::image_io::{CompleteFile, Content, OutputFile};
-use crate::picture::{CHANNELS, Color, Picture, RED_FIRST, truncate_to_bytes};
+use crate::picture::{Color, Picture, Pixels};
 use crate::render::renderer::Prepared;
 use crate::render::{Cost, Layer, Progress, Request, Stop, TakeRow, Tracing};
 use crate::scene::Camera;
@@ -87,20 +87,19 @@ impl Scenes {
     /// Paints a view, unless it is stopped.
     pub fn paint(&self, view: &View, stop: &Stop) -> Result<Painted, Answer> {
         let layer = view.cost.map_or(Layer::Color, Layer::Cost);
-        let (mut bytes, mut nans) = (vec![], 0);
+        let request = view.request(layer);
+        let mut picture = Pixels::zeros(request.layer_size(&layer), false)?;
+        let (mut rows, mut nans) = (0, 0);
         let mut take_row = |_: usize, row: &[Color]| {
-            let before = bytes.len();
-            bytes.resize(before + row.len() * CHANNELS, 0);
-            nans += truncate_to_bytes::<RED_FIRST>(row, &mut bytes[before..]);
+            nans += picture.set([0, rows], row);
+            rows += 1;
             ControlFlow::Continue(())
         };
         let (ready, counts) = self.render(view, layer, stop, &mut take_row)?;
-        let request = view.request(layer);
         let costs = view.cost.map(|cost| CostMap::new(cost, counts, ready.borrow_dependent(), &request));
-        let [width, height] = request.layer_size(&layer).map(|side| side as u32);
         let picture = match &costs {
             Some(map) => map.draw()?,
-            None => Picture::from_rgb(width, height, bytes),
+            None => picture.into_bytes(),
         };
         Ok(Painted { picture, costs, nans })
     }

@@ -18,14 +18,6 @@ use std::time::{Duration, Instant};
 /// The interval at which a request looks whether its client still waits, and whether there is memory.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// The time and the memory that a request may take.
-#[derive(Clone, Copy)]
-pub struct Budget {
-    /// Includes the time for which it waits for others.
-    pub time: Duration,
-    pub bytes: u64,
-}
-
 pub struct Workers {
     /// The number of threads for each request.
     threads: usize,
@@ -49,11 +41,12 @@ impl Workers {
         Self { threads, budget, state: Mutex::default() }
     }
 
-    /// Waits for memory, runs `work`, and returns its result. `has_left` is called often, and stops the work if it
-    /// returns true.
+    /// Waits for memory, runs `work`, and returns its result. It may take this memory, and this time with the time for
+    /// which it waits for others. `has_left` is called often, and stops the work if it returns true.
     pub fn run<T: Send>(
         &self,
-        Budget { time, mut bytes }: Budget,
+        time: Duration,
+        mut bytes: u64,
         has_left: &mut dyn FnMut() -> bool,
         work: impl FnOnce(&Stop) -> Result<T, Answer> + Send,
     ) -> Result<T, Answer> {
@@ -151,9 +144,9 @@ mod tests {
 
     #[test]
     fn complete_work_is_kept_after_its_deadline_and_stopped_work_is_not() {
-        let (workers, budget) = (Workers::new(1), Budget { time: Duration::ZERO, bytes: 1 });
-        assert_eq!(workers.run(budget, &mut || false, |_| Ok(7)), Ok(7));
-        assert_eq!(workers.run(budget, &mut || false, busy), Err(too_long()));
+        let (workers, time) = (Workers::new(1), Duration::ZERO);
+        assert_eq!(workers.run(time, 1, &mut || false, |_| Ok(7)), Ok(7));
+        assert_eq!(workers.run(time, 1, &mut || false, busy), Err(too_long()));
     }
 
     #[test]

@@ -98,10 +98,17 @@ impl Pattern {
     }
 
     /// Returns the number of octaves of noise.
-    pub fn octaves(self) -> u32 {
+    pub fn octaves(mut self) -> u32 {
+        self.octaves_mut().map_or(0, |octaves| *octaves)
+    }
+
+    /// Returns the number of octaves of noise, to be changed.
+    pub fn octaves_mut(&mut self) -> Option<&mut u32> {
         match self {
-            Self::Checkerboard => 0,
-            Self::Noise { octaves } | Self::Marble { octaves, .. } | Self::Wood { octaves, .. } => octaves,
+            Self::Checkerboard => None,
+            Self::Noise { octaves } | Self::Marble { octaves, .. } | Self::Wood { octaves, .. } => {
+                Some(octaves)
+            }
         }
     }
 }

@@ -74,6 +74,21 @@ pub struct Positions {
     pub objects: Vec<Position>,
 }
 
+impl Positions {
+    /// Returns the position of a light, by its index.
+    pub fn light(&self, index: usize) -> Position {
+        self.lights.get(index).copied().unwrap_or_default()
+    }
+
+    pub fn material(&self, id: MaterialId) -> Position {
+        self.materials.get(id).copied().unwrap_or_default()
+    }
+
+    pub fn object(&self, id: ObjectId) -> Position {
+        self.objects.get(id).copied().unwrap_or_default()
+    }
+}
+
 pub type ObjectId = usize;
 
 /// A node of the object tree.

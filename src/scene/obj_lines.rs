@@ -31,8 +31,13 @@ pub fn files_of(words: &[&[u8]]) -> Vec<NamedFile> {
         b"call" | b"shadow_obj" | b"trace_obj" => ("mesh", &words[1..words.len().min(2)]),
         _ => return vec![],
     };
-    let whole = (names.len() > 1).then(|| names.join(&b' '));
-    let names = names.iter().map(|name| name.to_vec()).chain(whole);
+    named(kind, names, names)
+}
+
+/// Returns the files that these words may name: each one of `single`, or all of them with blanks between.
+fn named(kind: &'static str, single: &[&[u8]], all: &[&[u8]]) -> Vec<NamedFile> {
+    let whole = (all.len() > 1).then(|| all.join(&b' '));
+    let names = single.iter().map(|name| name.to_vec()).chain(whole);
     names.map(|name| (kind, String::from_utf8_lossy(&name).into_owned())).collect()
 }
 
@@ -42,10 +47,7 @@ fn pictures_of(words: &[&[u8]]) -> Vec<NamedFile> {
     if !words[0].starts_with(b"map_") && !KEYWORDS.contains(&words[0]) {
         return vec![];
     }
-    let names = &words[1..];
-    let whole = (names.len() > 1).then(|| names.join(&b' '));
-    let names = names.last().map(|name| name.to_vec()).into_iter().chain(whole);
-    names.map(|name| ("texture", String::from_utf8_lossy(&name).into_owned())).collect()
+    named("texture", &words[words.len().max(2) - 1..], &words[1..])
 }
 
 /// Returns the files that a material library, or else an OBJ text, names.

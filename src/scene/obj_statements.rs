@@ -92,7 +92,6 @@ impl<'a> Statements<'a> {
         Ok(all)
     }
 
-    /// Adds a statement.
     fn add(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
         self.files.extend(files_of(words));
         match words[0] {

@@ -3,9 +3,9 @@
 use crate::base::escape::quoted;
 use crate::base::memory;
 use crate::diagnostic::Diagnostic;
-use crate::image_io::load_pixels;
+use crate::image_io::{Wanted, load_pixels};
 use crate::picture::CHANNELS;
-use crate::tools::grade::{Kind, Listed, NotGraded, Pairing, Reason, Submission};
+use crate::tools::grade::{Kind, Listed, NotGraded, Pairing, Reason, Remark, Submission};
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -44,7 +44,10 @@ impl Folder {
         }
         let mut folder = Self { path: path.to_owned(), names: vec![], pairings: vec![], not_graded: vec![] };
         match student {
-            None => folder.not_graded.extend(others.iter().map(outside)),
+            None => {
+                let outside = |file: &OsString| not_graded(None, file, Reason::OutsideFolders, None);
+                folder.not_graded.extend(others.iter().map(outside));
+            }
             Some(student) => {
                 names.retain(|name| name == student);
                 if names.is_empty() {
@@ -62,22 +65,16 @@ impl Folder {
 
     /// Adds the folder of a name.
     fn add(&mut self, name: OsString, wanted: &[&OsStr]) {
-        let shown = name.to_string_lossy().into_owned();
-        let not_graded = |file: &Path, reason, meant_for| NotGraded {
-            name: Some(shown.clone()),
-            file: file.to_string_lossy().into_owned(),
-            reason,
-            meant_for,
-        };
         let (files, unreadable) = files(&self.path.join(&name));
         let pairing = Pairing::new(&files, wanted);
-        for file in &pairing.others {
-            let meant_for = file.meant_for.map(|index| wanted[index].to_string_lossy().into_owned());
-            self.not_graded.push(not_graded(&file.path, file.reason, meant_for));
-        }
-        for file in unreadable {
-            self.not_graded.push(not_graded(&file, Reason::Unreadable, None));
-        }
+        let others = pairing.others.iter().map(|file| {
+            let meant_for = file.meant_for.map(|index| wanted[index]);
+            not_graded(Some(&name), file.path.as_os_str(), file.reason, meant_for)
+        });
+        let unreadable = unreadable.iter();
+        let unreadable =
+            unreadable.map(|file| not_graded(Some(&name), file.as_os_str(), Reason::Unreadable, None));
+        self.not_graded.extend(others.chain(unreadable));
         self.names.push(name);
         self.pairings.push(pairing);
     }
@@ -94,17 +91,17 @@ impl Folder {
     /// Reads the file of a name that is taken for a wanted picture, which has this width and height. A link is not read,
     /// because it may lead to another name's picture. Too little memory for a picture of this size is an error, and not a
     /// fault of the picture.
-    pub fn submission(&self, row: usize, index: usize, size: [u32; 2]) -> Result<Submission, Diagnostic> {
+    pub fn submission(&self, row: usize, index: usize, size: [usize; 2]) -> Result<Submission, Diagnostic> {
         let Some(taken) = &self.pairings[row].taken[index] else { return Ok(Submission::Missing) };
         let path = self.path.join(&self.names[row]).join(taken);
         if fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink()) {
             return Ok(Submission::Unusable(Reason::Link.words().into()));
         }
-        let bytes = size.iter().map(|&side| u64::from(side)).product::<u64>() * CHANNELS as u64;
+        let bytes = (size[0] * size[1] * CHANNELS) as u64;
         memory::ask(bytes)
             .map_err(|error| Diagnostic::error(format!("cannot read {}: {error}", quoted(&path))))?;
         // The report has the path already.
-        Ok(match load_pixels(&path) {
+        Ok(match load_pixels(&path, Wanted::Numbers) {
             Ok((picture, _)) => Submission::Picture(picture),
             Err(reason) => Submission::Unusable(reason.in_one_line()),
         })
@@ -116,15 +113,16 @@ impl Folder {
         taken.filter(|taken| *taken != Path::new(picture)).map(|taken| taken.to_string_lossy().into_owned())
     }
 
-    /// Returns the files of a name that are not graded but are probably meant for a wanted picture, and the reason.
-    pub fn meant_for(&self, row: usize, index: usize) -> Option<String> {
-        self.pairings[row].meant_for(index)
+    /// Returns the remark on the file that is taken for a wanted picture.
+    pub fn remark(&self, row: usize, index: usize, picture: &OsStr) -> Remark {
+        let others = self.pairings[row].meant_for(index);
+        Remark { found_as: self.other_name(row, index, picture), others }
     }
 }
 
-fn outside(file: &OsString) -> NotGraded {
-    let file = file.to_string_lossy().into_owned();
-    NotGraded { name: None, file, reason: Reason::OutsideFolders, meant_for: None }
+fn not_graded(name: Option<&OsString>, file: &OsStr, reason: Reason, meant_for: Option<&OsStr>) -> NotGraded {
+    let text = |name: &OsStr| name.to_string_lossy().into_owned();
+    NotGraded { name: name.map(|name| text(name)), file: text(file), reason, meant_for: meant_for.map(text) }
 }
 
 /// Lists the files in a folder and the folders in it, by their paths from there, and the folders that cannot be read.

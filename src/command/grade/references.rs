@@ -5,7 +5,7 @@ use crate::base::escape::quoted;
 use crate::caster::choose::Structure;
 use crate::cli::{self, Command, Options, Output};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{Format, ReadFile, read_pixels};
+use crate::image_io::{Format, ReadFile, Wanted, read_pixels};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::render::{Layer, Request, Tracing, Watch};
 use crate::scene::load::named_files;
@@ -17,7 +17,6 @@ use std::path::{Path, PathBuf};
 /// The names and origins of references, in order. Each is made when it is needed.
 pub struct References(Vec<(OsString, Origin)>);
 
-/// The origin of a reference.
 enum Origin {
     File(PathBuf),
     Rendered(Box<Options>, Output),
@@ -55,7 +54,6 @@ impl References {
         })
     }
 
-    /// The names of the pictures, in order.
     pub fn names(&self) -> impl Iterator<Item = &OsStr> {
         self.0.iter().map(|(name, _)| name.as_os_str())
     }
@@ -77,7 +75,9 @@ impl Opened<'_> {
     /// Reads or renders the reference. `watch` is called often while it is rendered or searched for mistakes.
     pub fn reference<'r>(&'r self, watch: Watch<'r>) -> Result<Reference<'r>, Diagnostic> {
         let (renderer, options, output) = match self {
-            Self::File(path) => return read_pixels(path).map(|(pixels, _)| Reference::of_file(pixels)),
+            Self::File(path) => {
+                return read_pixels(path, Wanted::Numbers).map(|(pixels, _)| Reference::of_file(pixels));
+            }
             Self::Scene(renderer, options, output) => (renderer, options, output),
         };
         let layers = vec![output.layer];
@@ -95,7 +95,6 @@ impl Opened<'_> {
     }
 }
 
-/// The pictures in a folder.
 fn files(folder: &Path) -> Result<Vec<(OsString, Origin)>, Diagnostic> {
     let mut names = entries(folder)?;
     names.retain(|name| Format::of_input(Path::new(name)).is_some());

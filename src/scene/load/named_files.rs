@@ -4,7 +4,7 @@ use crate::base::escape::{escape, quoted};
 use crate::base::memory::{self, NoMemory};
 use crate::base::patience::Endless;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::image_io::{ReadFile, load_picture};
+use crate::image_io::{ReadFile, Wanted, load_pixels};
 use crate::scene::edition::Edition;
 use crate::scene::mesh::{NamedFile, ObjFile};
 use crate::scene::obj::{self, LIBRARY, memory_for, read_obj};
@@ -62,12 +62,11 @@ pub fn read_texels(
     let mut places = mesh_places(name, folder, edition);
     let first = places.iter().position(|place| place.symlink_metadata().is_ok());
     let file = places.swap_remove(first.unwrap_or(0));
-    let (picture, _) = load_picture(&file).map_err(|reason| Diagnostic {
+    let (picture, _) = load_pixels(&file, Wanted::Bytes).map_err(|reason| Diagnostic {
         hint: hint_to_name(name, folder).or(reason.hint),
         ..image_unreadable(name, *at, &reason.message)
     })?;
-    let size = [picture.width(), picture.height()].map(|n| n as usize);
-    let rgb = picture.into_pixels();
+    let (size, rgb) = (picture.size(), picture.into_bytes().into_pixels());
     Ok((Arc::new(Texels { size, rgb, divides_last: edition.divides_texels_last() }), file))
 }
 

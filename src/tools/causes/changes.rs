@@ -1,6 +1,5 @@
 //! The changes that mistakes make to finished pictures, requests and scenes.
 
-use crate::math::rounded::RoundedAffine;
 use crate::picture::{Color, Window};
 use crate::render::Request;
 use crate::scene::material::{Material, Pattern, Phong, Texture};
@@ -54,18 +53,15 @@ pub fn widen(request: &mut Request, scene: &Scene) {
 
 /// Makes the screen this many times as large.
 pub fn zoom(request: &mut Request, scene: &Scene, factor: f64) {
-    match camera(request, scene) {
-        Camera::Orthographic { size, .. } => *size *= factor,
-        Camera::Perspective { angle, .. } => {
-            let half = libm::atan(factor * libm::tan(angle.to_radians() / 2.0));
-            *angle = 2.0 * half.to_degrees();
-        }
+    if let Camera::Orthographic { size, .. } = camera(request, scene) {
+        *size *= factor;
     }
+    set_half_tangent(request, scene, |angle| factor * libm::tan(0.5 * angle));
 }
 
 /// Lets the screen of a perspective camera span another tangent, possibly negative, in place of the one of half the
 /// angle. `tangent` is given the whole angle in radians.
-pub fn set_half_tangent(request: &mut Request, scene: &Scene, tangent: fn(f64) -> f64) {
+pub fn set_half_tangent(request: &mut Request, scene: &Scene, tangent: impl Fn(f64) -> f64) {
     if let Camera::Perspective { angle, .. } = camera(request, scene) {
         *angle = 2.0 * libm::atan(tangent(angle.to_radians())).to_degrees();
     }
@@ -90,6 +86,10 @@ pub fn spread_to_borders(point: DVec2, size: DVec2) -> DVec2 {
 /// Moves the centres of the pixels as if the picture had one column and one row fewer.
 pub fn spread_beyond_borders(point: DVec2, size: DVec2) -> DVec2 {
     point * size / (size - 1.0).max(DVec2::ONE) - point
+}
+
+pub fn drop_shadows(request: &mut Request, _: &Scene) {
+    request.effects.shadows = Shadows::None;
 }
 
 pub fn replace_shadows(request: &mut Request, one: Shadows, other: Shadows) {
@@ -124,6 +124,10 @@ pub fn each_phong(scene: &mut Scene, change: impl Fn(&mut Phong)) {
             change(phong);
         }
     }
+}
+
+pub fn drop_highlights(scene: &mut Scene) {
+    each_phong(scene, |phong| phong.specular = Color::ZERO);
 }
 
 /// A scene without lights has a rule of its own for even lighting. This breaks that rule, too.
@@ -168,10 +172,6 @@ pub fn reverse_lights(scene: &mut Scene) {
     }
 }
 
-pub fn add_ambient_per_light(scene: &mut Scene) {
-    scene.background.ambient *= scene.lights.len().max(1) as f64;
-}
-
 pub fn blacken_background(scene: &mut Scene) {
     scene.background.color = Color::ZERO;
     scene.cube_map = None;
@@ -213,16 +213,12 @@ pub fn whiten_highlight(phong: &mut Phong) {
     }
 }
 
-pub fn each_texture(scene: &mut Scene, change: fn(&mut Texture)) {
+pub fn each_texture(scene: &mut Scene, change: impl Fn(&mut Texture)) {
     for material in &mut scene.materials {
         if let Material::Texture(texture) = material {
             change(texture);
         }
     }
-}
-
-pub fn drop_matrix(texture: &mut Texture) {
-    texture.world_to_texture = RoundedAffine::IDENTITY;
 }
 
 pub fn invert_matrix(texture: &mut Texture) {
@@ -232,26 +228,16 @@ pub fn invert_matrix(texture: &mut Texture) {
     }
 }
 
-/// Changes the number of octaves of noise.
 pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
-    for material in &mut scene.materials {
-        if let Material::Texture(texture) = material {
-            match &mut texture.pattern {
-                Pattern::Checkerboard => {}
-                Pattern::Noise { octaves }
-                | Pattern::Marble { octaves, .. }
-                | Pattern::Wood { octaves, .. } => {
-                    *octaves = change(*octaves);
-                }
-            }
-        }
-    }
+    each_texture(scene, |texture| {
+        texture.pattern.octaves_mut().into_iter().for_each(|octaves| *octaves = change(*octaves));
+    });
 }
 
-/// Swaps the materials of textures other than checkerboards.
-pub fn swap_children(scene: &mut Scene) {
+/// Swaps the materials of checkerboards, or else of all other textures.
+pub fn swap_children(scene: &mut Scene, of_checkerboards: bool) {
     each_texture(scene, |texture| {
-        if texture.pattern != Pattern::Checkerboard {
+        if (texture.pattern == Pattern::Checkerboard) == of_checkerboards {
             texture.children.swap(0, 1);
         }
     });
@@ -270,14 +256,6 @@ pub fn weigh_faces_otherwise(scene: &mut Scene) {
             FaceWeights::Equal => FaceWeights::Area,
         };
     }
-}
-
-pub fn swap_checkerboards(scene: &mut Scene) {
-    each_texture(scene, |texture| {
-        if texture.pattern == Pattern::Checkerboard {
-            texture.children.swap(0, 1);
-        }
-    });
 }
 
 /// Swaps pairs of neighbours in the order of the cube map's files. They are opposite faces.
@@ -300,29 +278,22 @@ pub fn each_group(scene: &mut Scene, change: fn(&mut Vec<ObjectId>)) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Object(ObjectId),
-    /// The first triangle of an object.
-    FirstTriangle(ObjectId),
-    /// The last triangle of an object.
-    LastTriangle(ObjectId),
-    /// The first triangles of all meshes.
-    FirstTriangles,
-    /// The last triangles of all meshes.
-    LastTriangles,
+    /// The first or the last triangle of an object, or of each mesh.
+    Triangle {
+        of: Option<ObjectId>,
+        is_last: bool,
+    },
     Light(usize),
 }
 
 impl Part {
-    /// Returns the triangle of this object that is left out, as an index from the start of its primitives.
-    pub fn triangle(self, object: &PlacedObject, scene: &Scene) -> Option<u32> {
-        let last = object.primitives.len().checked_sub(1)? as u32;
-        let is_mesh = matches!(scene.objects[object.id], Object::Mesh { .. });
-        match self {
-            Self::FirstTriangle(id) if id == object.id => Some(0),
-            Self::LastTriangle(id) if id == object.id => Some(last),
-            Self::FirstTriangles if is_mesh => Some(0),
-            Self::LastTriangles if is_mesh => Some(last),
-            _ => None,
-        }
+    /// Returns the primitive of this object that is left out of the world.
+    pub fn hidden(self, object: &PlacedObject, scene: &Scene) -> Option<u32> {
+        let Self::Triangle { of, is_last } = self else { return None };
+        let is_mesh = || matches!(scene.objects[object.id], Object::Mesh { .. });
+        let mut triangles =
+            object.primitives.clone().filter(|_| of.map_or_else(is_mesh, |id| id == object.id));
+        if is_last { triangles.next_back() } else { triangles.next() }
     }
 }
 
@@ -335,7 +306,7 @@ pub fn leave_out(scene: &mut Scene, part: Part) {
             *color = Color::ZERO;
         }
         // Triangles are left out of the world.
-        Part::FirstTriangle(_) | Part::LastTriangle(_) | Part::FirstTriangles | Part::LastTriangles => {}
+        Part::Triangle { .. } => {}
     }
 }
 

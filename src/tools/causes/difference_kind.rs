@@ -4,18 +4,16 @@
 //! the object that is seen, without a light, without shadows, without highlights.
 
 use super::Original;
-use super::changes::Part;
+use super::changes::{Part, drop_highlights, drop_shadows};
 use super::made::MadePixel;
-use super::mistakes::Mistake;
-use super::regions::{largest_region, window_around};
+use super::mistakes::{Make, Mistake};
+use super::regions::{largest_region, neighbours, window_around};
 use super::speckles::unlike_neighbours;
 use super::variant::{Rough, Variant, colors_at};
 use crate::picture::Window;
 use crate::render::Layer;
-use crate::scene::Position;
 use crate::tools::compare::{Rgb, largest_channel_difference};
 use crate::trace::Shadows;
-use crate::world::Objects;
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -47,6 +45,9 @@ pub struct DifferenceKind {
     pub worst: [usize; 2],
     /// That difference, in levels.
     pub levels: u8,
+    /// The object that differs, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object: Option<NamedObject>,
     /// The subject.
     #[serde(flatten)]
     pub what: What,
@@ -58,45 +59,25 @@ pub struct DifferenceKind {
 pub enum What {
     /// The background.
     Background,
-    /// The outline of an object.
-    Outline {
-        /// The object that is seen.
-        object: NamedObject,
-    },
-    /// An object, in whose place others are seen.
-    Missing {
-        /// The object that is missing.
-        object: NamedObject,
-    },
-    /// The pixels of an object, each in a way of its own.
-    Scattered {
-        /// The object.
-        object: NamedObject,
-    },
-    /// The shadow of a light.
+    /// The outline of the object.
+    Outline,
+    /// The object, in whose place others are seen.
+    Missing,
+    /// The pixels of the object, each in a way of its own.
+    Scattered,
+    /// The shadow of a light on the object.
     Shadow {
-        /// The object on which it falls.
-        object: NamedObject,
         /// The line of the light, unless all lights cast wrong shadows.
         light: Option<u32>,
     },
-    /// The highlights of an object.
-    Highlight {
-        /// The object.
-        object: NamedObject,
-    },
-    /// The diffuse or ambient light of an object.
-    Diffuse {
-        /// The object.
-        object: NamedObject,
-    },
+    /// The highlights of the object.
+    Highlight,
+    /// The diffuse or ambient light of the object.
+    Diffuse,
     /// Reflected or refracted light.
     Secondary,
-    /// Distances or normals of an object.
-    Measure {
-        /// The object.
-        object: NamedObject,
-    },
+    /// Distances or normals of the object.
+    Measure,
 }
 
 /// An object of the scene's text.
@@ -116,25 +97,24 @@ impl fmt::Display for NamedObject {
 
 impl fmt::Display for DifferenceKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.what {
+        let object = self.object.as_ref().map_or(String::new(), ToString::to_string);
+        match self.what {
             What::Background => f.write_str("the background differs"),
-            What::Outline { object } => write!(f, "the outline of {object} is elsewhere"),
-            What::Missing { object } => write!(f, "{object} is missing"),
-            What::Scattered { object } => write!(
+            What::Outline => write!(f, "the outline of {object} is elsewhere"),
+            What::Missing => write!(f, "{object} is missing"),
+            What::Scattered => write!(
                 f,
                 "neighbouring pixels of {object} differ in different ways, as with an epsilon that is too small or \
                  with other random numbers"
             ),
-            What::Shadow { object, light: Some(line) } => {
+            What::Shadow { light: Some(line) } => {
                 write!(f, "the shadow of the light in line {line} differs on {object}")
             }
-            What::Shadow { object, light: None } => write!(f, "shadows differ on {object}"),
-            What::Highlight { object } => write!(f, "the highlights of {object} differ"),
-            What::Diffuse { object } => {
-                write!(f, "the shading of {object} differs, also outside of highlights")
-            }
+            What::Shadow { light: None } => write!(f, "shadows differ on {object}"),
+            What::Highlight => write!(f, "the highlights of {object} differ"),
+            What::Diffuse => write!(f, "the shading of {object} differs, also outside of highlights"),
             What::Secondary => f.write_str("only what is reflected or refracted differs"),
-            What::Measure { object } => write!(f, "the surface of {object} differs"),
+            What::Measure => write!(f, "the surface of {object} differs"),
         }?;
         let Window { x, y, width, height } = self.window;
         let [worst_x, worst_y] = self.worst;
@@ -171,8 +151,6 @@ struct Region<'o> {
 /// picture is reduced.
 pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option<DifferenceKind> {
     let size = original.colors.size;
-    let renderer = original.renderer();
-    let objects = Objects::new(&renderer.scene, renderer.meshes(), renderer.world())?;
     let pixels = largest_region(wrong, size);
     if pixels.is_empty() || original.request.is_reduced {
         return None;
@@ -182,63 +160,54 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
     let worst = pixels.iter().copied().max_by_key(levels)?;
     let seen = |at| {
         let (primitive, t) = original.seen_at(at)?;
-        Some(Seen { object: objects.of(primitive).id, t })
+        Some(Seen { object: original.objects.of(primitive).id, t })
     };
     let seen = (0..picture.len()).into_par_iter().map(seen).collect();
     let sample = pixels.iter().copied().step_by(pixels.len().div_ceil(SAMPLED)).collect();
     let levels = levels(&worst);
     let region = Region { original, picture, own, seen, pixels, sample, size };
+    let at_outlines = region.sample.iter().filter(|&&at| region.is_beside_another(at)).count();
+    let is_outline = at_outlines as f64 >= OUTLINE * region.sample.len() as f64;
+    let shown = |&at: &usize| if is_outline { region.nearest_around(at) } else { region.object_at(at) };
+    let object = most_frequent(region.sample.iter().map(shown)).flatten();
+    let what = object.map_or(What::Background, |id| region.what(id, is_outline, wrong));
+    let scene = &original.renderer().scene;
+    let named =
+        |id: usize| NamedObject { name: scene.objects[id].name(), line: scene.positions.object(id).line };
     Some(DifferenceKind {
         pixels: region.pixels.len(),
         window: window_around(&region.pixels, size[0]),
         worst: [worst % size[0], worst / size[0]],
         levels,
-        what: region.what(wrong),
+        object: object.filter(|_| what != What::Secondary).map(named),
+        what,
     })
 }
 
 impl Region<'_> {
-    /// Returns what differs in the region.
-    fn what(&self, wrong: &[usize]) -> What {
-        let at_outlines = self.sample.iter().filter(|&&at| self.is_beside_another(at)).count();
-        let is_outline = at_outlines as f64 >= OUTLINE * self.sample.len() as f64;
-        let seen = match is_outline {
-            true => most_frequent(self.sample.iter().map(|&at| self.nearest_around(at))),
-            false => most_frequent(self.sample.iter().map(|&at| self.object_at(at))),
-        };
-        let Some(Some(id)) = seen else { return What::Background };
-        let object = self.named(id);
+    /// Returns what differs in the region of this object.
+    fn what(&self, id: usize, is_outline: bool, wrong: &[usize]) -> What {
         let is_it = |at: &usize| self.object_at(*at) == Some(id);
         let in_region = self.pixels.iter().copied().filter(is_it).count();
         let in_picture = (0..self.picture.len()).filter(is_it).count();
-        let without = Mistake::without("object_missing", "", String::new(), Part::Object(id));
-        if in_region as f64 >= MOST * in_picture as f64 && self.is_right_with(&[without]) {
-            return What::Missing { object };
+        let without = Make::Without(Part::Object(id));
+        if in_region as f64 >= MOST * in_picture as f64 && self.is_right_with(without) {
+            What::Missing
+        } else if is_outline {
+            What::Outline
+        } else if unlike_neighbours(self.picture, &self.own, wrong, self.size[0]).among_wrong >= NOISE {
+            What::Scattered
+        } else if self.original.layer() != Layer::Color {
+            What::Measure
+        } else if self.is_secondary(wrong) {
+            What::Secondary
+        } else if let Some(light) = self.shadow() {
+            What::Shadow { light }
+        } else if self.is_highlight(id, wrong) {
+            What::Highlight
+        } else {
+            What::Diffuse
         }
-        if is_outline {
-            return What::Outline { object };
-        }
-        if unlike_neighbours(self.picture, &self.own, wrong, self.size[0]).among_wrong >= NOISE {
-            return What::Scattered { object };
-        }
-        if self.original.layer() != Layer::Color {
-            return What::Measure { object };
-        }
-        if self.is_secondary(wrong) {
-            return What::Secondary;
-        }
-        if let Some(light) = self.shadow() {
-            return What::Shadow { object, light };
-        }
-        match self.is_highlight(id, wrong) {
-            true => What::Highlight { object },
-            false => What::Diffuse { object },
-        }
-    }
-
-    fn named(&self, id: usize) -> NamedObject {
-        let scene = &self.original.renderer().scene;
-        NamedObject { name: scene.objects[id].name(), line: line(&scene.positions.objects, id) }
     }
 
     /// Returns true if another object is seen beside a pixel, or if the object there ends.
@@ -256,9 +225,9 @@ impl Region<'_> {
         Some(self.seen[at]?.object)
     }
 
-    /// Returns true if these mistakes make most of the region right.
-    fn is_right_with(&self, mistakes: &[Mistake]) -> bool {
-        let Some(colors) = self.colors_with(mistakes, &self.sample) else { return false };
+    /// Returns true if this change makes most of the region right.
+    fn is_right_with(&self, change: Make) -> bool {
+        let Some(colors) = self.colors_with(change, &self.sample) else { return false };
         let is_right = |(at, pixel): (&usize, &Rgb)| {
             let levels = |own| largest_channel_difference(self.picture[*at], own);
             let (before, after) = (levels(self.own[*at]), levels(*pixel));
@@ -268,10 +237,10 @@ impl Region<'_> {
         right as f64 >= MOST * self.sample.len() as f64
     }
 
-    fn colors_with(&self, mistakes: &[Mistake], pixels: &[usize]) -> Option<Vec<Rgb>> {
-        let variant = Variant::new(self.original, mistakes)?;
-        let colors = variant
-            .with_painter(Rough::default(), |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
+    fn colors_with(&self, change: Make, pixels: &[usize]) -> Option<Vec<Rgb>> {
+        let variant = Variant::new(self.original, &[Mistake::unnamed(change)])?;
+        let colors =
+            variant.with_painter(Rough::NONE, |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
         Some(colors.into_iter().map(|color| MadePixel::new(color).bytes).collect())
     }
 
@@ -292,25 +261,21 @@ impl Region<'_> {
         if self.original.request.effects.shadows == Shadows::None {
             return None;
         }
-        let lights = &self.original.renderer().scene.positions.lights;
-        let without = |light: &usize| {
-            self.is_right_with(&[Mistake::without("light_missing", "", String::new(), Part::Light(*light))])
-        };
-        if let Some(light) = (0..lights.len()).find(without) {
-            return Some(Some(line(lights, light)));
+        let positions = &self.original.renderer().scene.positions;
+        let lights = positions.lights.len();
+        let without = |light: &usize| self.is_right_with(Make::Without(Part::Light(*light)));
+        if let Some(light) = (0..lights).find(without) {
+            return Some(Some(positions.light(light).line));
         }
-        let no_shadows = Mistake::all().find(|mistake| mistake.name == "no_shadows")?;
-        self.is_right_with(&[no_shadows]).then(|| (lights.len() == 1).then(|| line(lights, 0)))
+        self.is_right_with(Make::Request(drop_shadows))
+            .then(|| (lights == 1).then(|| positions.light(0).line))
     }
 
     /// Returns true if the object is wrong only where it has a highlight.
     fn is_highlight(&self, id: usize, wrong: &[usize]) -> bool {
         let on_object: Vec<usize> =
             (0..self.picture.len()).step_by(7).filter(|&at| self.object_at(at) == Some(id)).collect();
-        let Some(no_highlights) = Mistake::all().find(|mistake| mistake.name == "no_highlights") else {
-            return false;
-        };
-        let Some(plain) = self.colors_with(&[no_highlights], &on_object) else { return false };
+        let Some(plain) = self.colors_with(Make::Scene(drop_highlights), &on_object) else { return false };
         let is_plain = |(at, plain): &(&usize, &Rgb)| self.own[**at] == **plain;
         let outside: Vec<usize> = on_object.iter().zip(&plain).filter(is_plain).map(|(&at, _)| at).collect();
         let wrong_outside = outside.iter().filter(|at| wrong.binary_search(at).is_ok()).count();
@@ -318,20 +283,8 @@ impl Region<'_> {
     }
 }
 
-/// Returns the pixels that touch a pixel of a picture of this size, and the pixel.
-fn neighbours(at: usize, [width, height]: [usize; 2]) -> impl Iterator<Item = usize> {
-    let (x, y) = (at % width, at / width);
-    let columns = x.saturating_sub(1)..(x + 2).min(width);
-    let rows = y.saturating_sub(1)..(y + 2).min(height);
-    rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
-}
-
 fn most_frequent<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Option<T> {
     let mut counts = BTreeMap::new();
     items.for_each(|item| *counts.entry(item).or_insert(0_usize) += 1);
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(item, _)| item)
-}
-
-fn line(positions: &[Position], index: usize) -> u32 {
-    positions.get(index).copied().unwrap_or_default().line
 }

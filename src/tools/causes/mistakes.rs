@@ -4,8 +4,9 @@
 //! program's picture", and how the picture is made. Rows about a part of the scene are added for each scene.
 
 use super::changes::*;
-use super::rules::Rule;
+use super::rules::Rule::{self, *};
 use super::transforms::{combine_nested, each_rotation, reverse_lists, transpose_matrices};
+use crate::math::rounded::RoundedAffine;
 use crate::picture::{Color, Window};
 use crate::render::Request;
 use crate::scene::Scene;
@@ -20,7 +21,7 @@ use std::fmt;
 #[derive(Clone, Debug)]
 pub struct Mistake {
     /// The name in JSON documents, which mistakes of one kind in different degrees share.
-    pub name: Cow<'static, str>,
+    pub name: &'static str,
     /// The degree, or an empty string.
     pub detail: Cow<'static, str>,
     text: Cow<'static, str>,
@@ -54,7 +55,7 @@ use Make::{Colors, Flip, Points};
 
 /// Builds a row of the table.
 const fn row(name: &'static str, detail: &'static str, text: &'static str, make: Make) -> Mistake {
-    Mistake { name: Cow::Borrowed(name), detail: Cow::Borrowed(detail), text: Cow::Borrowed(text), make }
+    Mistake { name, detail: Cow::Borrowed(detail), text: Cow::Borrowed(text), make }
 }
 
 /// Builds a row that breaks a rule.
@@ -83,7 +84,6 @@ const fn request(
 /// Every mistake that needs no part of a scene. Cheap ones come first.
 #[rustfmt::skip]
 pub(super) const TABLE: &[Mistake] = &[
-    row("unchanged", "", "", Flip([false, false])),
     row("upside_down", "", "upside down", Flip([false, true])),
     row("mirrored", "", "mirrored left to right", Flip([true, false])),
     row("turned", "", "turned by 180 degrees", Flip([true, true])),
@@ -124,7 +124,7 @@ pub(super) const TABLE: &[Mistake] = &[
         |request, scene| set_half_tangent(request, scene, |angle| libm::tan(0.5 * angle.to_degrees()))),
     row("stretched", "", "stretched to the picture's shape, as if its width equalled its height", Points(stretched)),
     row("aspect_inverted", "", "with height / width in place of width / height", Points(wrongly_stretched)),
-    request("no_shadows", "", "without -shadows", |request, _| request.effects.shadows = Shadows::None),
+    request("no_shadows", "", "without -shadows", drop_shadows),
     request("shadows", "", "with -shadows", |request, _| replace_shadows(request, Shadows::None, Shadows::Opaque)),
     request("opaque_shadows", "", "with -shadows in place of -transparent_shadows",
         |request, _| replace_shadows(request, Shadows::Transparent, Shadows::Opaque)),
@@ -141,7 +141,7 @@ pub(super) const TABLE: &[Mistake] = &[
     request("weight_squared", "", "with -weight compared with the squares of the colours' lengths",
         |request, _| request.effects.min_weight = request.effects.min_weight.sqrt()),
     // Without shadows on other objects, reversed lights look the same. They are less common.
-    rule("no_epsilon", "shadow", "where every surface shadows itself, as without an epsilon", Rule::NoEpsilonOfShadows),
+    rule("no_epsilon", "shadow", "where every surface shadows itself, as without an epsilon", NoEpsilonOfShadows),
     scene("no_ambient", "", "without ambient light", put_out_ambient),
     scene("black_background", "", "with a black background", blacken_background),
     scene("not_attenuated", "", "with lights that are not attenuated",
@@ -153,10 +153,10 @@ pub(super) const TABLE: &[Mistake] = &[
         |scene| each_attenuation(scene, |[constant, linear, square]| [square, linear, constant])),
     scene("attenuation", "swapped", "with the coefficients of d and d^2 swapped in the attenuation",
         |scene| each_attenuation(scene, |[constant, linear, square]| [constant, square, linear])),
-    rule("attenuation", "twice", "with lights that are attenuated twice", Rule::AttenuationTwice),
+    rule("attenuation", "twice", "with lights that are attenuated twice", AttenuationTwice),
     scene("lights_times_pi", "", "with lights multiplied by pi", multiply_lights_by_pi),
     scene("lights_reversed", "", "with directional lights from the other side", reverse_lights),
-    scene("no_highlights", "", "without highlights", |scene| each_phong(scene, |phong| phong.specular = Color::ZERO)),
+    scene("no_highlights", "", "without highlights", drop_highlights),
     scene("no_diffuse", "", "without diffuse light", |scene| each_phong(scene, |phong| phong.diffuse = Color::ZERO)),
     scene("highlights_white", "", "with white highlights in place of coloured ones", |scene| each_phong(scene, whiten_highlight)),
     scene("highlights_white", "everywhere", "with white highlights on all materials", |scene| each_phong(scene, |phong| phong.specular = Color::ONE)),
@@ -173,11 +173,12 @@ pub(super) const TABLE: &[Mistake] = &[
     scene("object_missing", "last of each group", "without the last object of each group", |scene| each_group(scene, |children| {
         children.pop();
     })),
-    row("triangles_missing", "last of each mesh", "without the last triangle of each mesh", Make::Without(Part::LastTriangles)),
-    row("triangles_missing", "first of each mesh", "without the first triangle of each mesh", Make::Without(Part::FirstTriangles)),
-    scene("checkerboard_swapped", "", "with the other parity of checkerboards", swap_checkerboards),
-    scene("textures_swapped", "", "with the two materials of textures swapped", swap_children),
-    scene("texture_matrix", "missing", "without the transforms of textures", |scene| each_texture(scene, drop_matrix)),
+    row("triangles_missing", "last of each mesh", "without the last triangle of each mesh", Make::Without(Part::Triangle { of: None, is_last: true })),
+    row("triangles_missing", "first of each mesh", "without the first triangle of each mesh", Make::Without(Part::Triangle { of: None, is_last: false })),
+    scene("checkerboard_swapped", "", "with the other parity of checkerboards", |scene| swap_children(scene, true)),
+    scene("textures_swapped", "", "with the two materials of textures swapped", |scene| swap_children(scene, false)),
+    scene("texture_matrix", "missing", "without the transforms of textures",
+        |scene| each_texture(scene, |texture| texture.world_to_texture = RoundedAffine::IDENTITY)),
     scene("texture_matrix", "inverted", "with the inverse transforms of textures", |scene| each_texture(scene, invert_matrix)),
     scene("octaves", "one fewer", "with one octave of noise fewer", |scene| each_octaves(scene, |octaves| octaves.saturating_sub(1))),
     scene("octaves", "one more", "with one octave of noise more", |scene| each_octaves(scene, |octaves| octaves + 1)),
@@ -195,14 +196,14 @@ pub(super) const TABLE: &[Mistake] = &[
     scene("highlights", "", "with highlights", add_highlights),
     scene("near_white", "", "with depths that are white where they are near, instead of black", |scene| scene.measure_colors.depths = Depths::NearWhite),
     scene("near_black", "", "with depths that are black where they are near, instead of white", |scene| scene.measure_colors.depths = Depths::NearBlack),
-    rule("depth_along_axis", "", "with depths along the camera's direction instead of along the rays", Rule::DepthAlongAxis),
-    rule("depth_inverted", "", "with depths that are black where they are near, and a white background", Rule::DepthInverted),
+    rule("depth_along_axis", "", "with depths along the camera's direction instead of along the rays", DepthAlongAxis),
+    rule("depth_inverted", "", "with depths that are black where they are near, and a white background", DepthInverted),
     scene("absolute_normals", "", "with the absolute values of normals instead of (N + 1) / 2",
         |scene| scene.measure_colors.normals = NormalColors::Absolute),
     scene("shifted_normals", "", "with normals as (N + 1) / 2 instead of their absolute values",
         |scene| scene.measure_colors.normals = NormalColors::Shifted),
-    rule("shifted_normals", "black background", "with normals as (N + 1) / 2, and a black background", Rule::NormalsShifted),
-    rule("clamped_normals", "", "with normals whose negative coordinates are black instead of absolute values", Rule::NormalsClamped),
+    rule("shifted_normals", "black background", "with normals as (N + 1) / 2, and a black background", NormalsShifted),
+    rule("clamped_normals", "", "with normals whose negative coordinates are black instead of absolute values", NormalsClamped),
     scene("lists_reversed", "", "with the transformations of a list multiplied in the other order", reverse_lists),
     scene("nesting_reversed", "", "with nested transforms multiplied in the other order", |scene| combine_nested(scene, |outer, inner| inner * outer)),
     scene("nesting_ignored", "innermost", "with the innermost of nested transforms alone", |scene| combine_nested(scene, |_, inner| inner)),
@@ -210,7 +211,8 @@ pub(super) const TABLE: &[Mistake] = &[
     scene("matrices_transposed", "", "with the matrices of transforms transposed", transpose_matrices),
     scene("rotations", "reversed", "with rotations in the other direction", |scene| each_rotation(scene, |degrees| -degrees)),
     scene("rotations", "in radians", "with the degrees of rotations taken for radians", |scene| each_rotation(scene, f64::to_degrees)),
-    scene("ambient_per_light", "", "with the ambient light once for each light", add_ambient_per_light),
+    scene("ambient_per_light", "", "with the ambient light once for each light",
+        |scene| scene.background.ambient *= scene.lights.len().max(1) as f64),
     scene("exponent", "quartered", "with a quarter of the exponents of highlights", |scene| each_phong(scene, |phong| phong.exponent *= 0.25)),
     scene("exponent", "halved", "with the exponents of highlights halved", |scene| each_phong(scene, |phong| phong.exponent *= 0.5)),
     scene("exponent", "doubled", "with the exponents of highlights doubled", |scene| each_phong(scene, |phong| phong.exponent *= 2.0)),
@@ -250,88 +252,88 @@ pub(super) const TABLE: &[Mistake] = &[
     row("shifted", "a pixel down", "with rays one pixel further down", Points(|_, _| DVec2::new(0.0, -1.0))),
     row("pixel_spacing", "", "with pixel i at i / (width - 1) instead of (i + 1/2) / width", Points(spread_to_borders)),
     row("pixel_spacing", "centres", "with pixel i at (i + 1/2) / (width - 1) instead of (i + 1/2) / width", Points(spread_beyond_borders)),
-    rule("shadows_from_behind_light", "", "with shadows from behind the light", Rule::ShadowsFromBehindLight),
-    rule("shadow_rays_halved", "", "with shadow rays that end halfway to the light", Rule::ShadowRaysHalved),
-    rule("shadows_halve", "", "with shadows that halve the light instead of blocking it", Rule::ShadowsHalve),
-    rule("shadows_of_first_light", "", "with shadows of the first light alone", Rule::ShadowsOfFirstLight),
-    rule("shadows_of_any_light", "", "where the shadow of one light blocks all lights", Rule::ShadowsOfAnyLight),
-    rule("shadows_black", "", "with shadows that block the ambient light, too", Rule::ShadowsBlack),
-    rule("shadow_bias", "0.001", "with shadow rays that start 0.001 along the normal", Rule::ShadowBiasThousandth),
-    rule("shadow_bias", "0.01", "with shadow rays that start 0.01 along the normal", Rule::ShadowBiasHundredth),
-    rule("shadow_bias", "0.1", "with shadow rays that start 0.1 along the normal", Rule::ShadowBiasTenth),
-    rule("normal_flipped_in_reflection", "", "with reflections from the flipped normal", Rule::NormalFlippedInReflection),
-    rule("reflection_reversed", "", "with reflected rays reversed", Rule::ReflectionReversed),
-    rule("reflection_from_below", "", "with reflected rays that start below the surface", Rule::ReflectionFromBelow),
-    rule("samples_clamped", "", "with the colours of samples clamped before they are summed", Rule::SamplesClamped),
-    rule("rays_clamped", "", "with the colours of rays clamped before they are summed", Rule::RaysClamped),
-    rule("lights_clamped", "", "with the light of each source clamped before it is summed", Rule::LightsClamped),
-    rule("lights_overwritten", "", "with the light of one source in place of the sum", Rule::LightsOverwritten),
-    rule("lights_overwritten", "ambient too", "with the light of one source in place of all other light", Rule::LightsAndAmbientOverwritten),
-    rule("background_for_camera_only", "", "with black where reflected or refracted rays hit nothing", Rule::BackgroundForCameraOnly),
-    rule("normals_by_matrix", "", "with normals transformed by the matrix instead of its inverse transpose", Rule::NormalsByMatrix),
-    rule("normals_by_inverse", "", "with normals transformed by the inverse matrix instead of its transpose", Rule::NormalsByInverse),
-    rule("normals_of_object_space", "", "with normals that are not transformed", Rule::NormalsOfObjectSpace),
-    rule("normals_not_normalised", "transformed", "with normals that are not normalised after a transform", Rule::NormalsNotNormalised),
-    rule("normals_not_normalised", "spheres", "with normals of spheres that are not normalised", Rule::SphereNormalsNotNormalised),
-    rule("normals_not_normalised", "triangles", "with normals of triangles that are not normalised", Rule::TriangleNormalsNotNormalised),
-    rule("normals_not_normalised", "all", "with normals that are never normalised", Rule::NormalsNeverNormalised),
-    rule("winding_reversed", "", "with the normals of triangles on the other side", Rule::WindingReversed),
-    rule("sphere_normals_inward", "", "with the normals of spheres on the other side", Rule::SphereNormalsInward),
-    rule("back_faces_culled", "", "without the back faces of triangles", Rule::BackFacesCulled),
-    rule("front_faces_culled", "", "without the front faces of triangles", Rule::FrontFacesCulled),
-    rule("last_hit", "", "without a depth test: the last object that a ray hits is seen", Rule::LastHit),
-    rule("first_hit", "", "where the first object of the list that a ray hits is seen, not the nearest", Rule::FirstHit),
-    rule("far_hit", "", "with the far hits of spheres in place of the near ones", Rule::FarHit),
-    rule("t_not_rescaled", "", "with distances of transformed objects that are measured in object space", Rule::TNotRescaled),
-    rule("checkerboard_cut", "", "with checkerboards whose coordinates are cut instead of floored", Rule::CheckerboardCut),
-    rule("schlick_swapped", "", "with the mirrored and the refracted part of light at glass swapped", Rule::SchlickSwapped),
-    rule("normals_flipped", "", "with surfaces lit on the side that is seen instead of on their outside", Rule::NormalsFlipped),
-    rule("highlights_only_where_lit", "", "without highlights where the surface faces away from the light", Rule::HighlightsOnlyWhereLit),
+    rule("shadows_from_behind_light", "", "with shadows from behind the light", ShadowsFromBehindLight),
+    rule("shadow_rays_halved", "", "with shadow rays that end halfway to the light", ShadowRaysHalved),
+    rule("shadows_halve", "", "with shadows that halve the light instead of blocking it", ShadowsHalve),
+    rule("shadows_of_first_light", "", "with shadows of the first light alone", ShadowsOfFirstLight),
+    rule("shadows_of_any_light", "", "where the shadow of one light blocks all lights", ShadowsOfAnyLight),
+    rule("shadows_black", "", "with shadows that block the ambient light, too", ShadowsBlack),
+    rule("shadow_bias", "0.001", "with shadow rays that start 0.001 along the normal", ShadowBiasThousandth),
+    rule("shadow_bias", "0.01", "with shadow rays that start 0.01 along the normal", ShadowBiasHundredth),
+    rule("shadow_bias", "0.1", "with shadow rays that start 0.1 along the normal", ShadowBiasTenth),
+    rule("normal_flipped_in_reflection", "", "with reflections from the flipped normal", NormalFlippedInReflection),
+    rule("reflection_reversed", "", "with reflected rays reversed", ReflectionReversed),
+    rule("reflection_from_below", "", "with reflected rays that start below the surface", ReflectionFromBelow),
+    rule("samples_clamped", "", "with the colours of samples clamped before they are summed", SamplesClamped),
+    rule("rays_clamped", "", "with the colours of rays clamped before they are summed", RaysClamped),
+    rule("lights_clamped", "", "with the light of each source clamped before it is summed", LightsClamped),
+    rule("lights_overwritten", "", "with the light of one source in place of the sum", LightsOverwritten),
+    rule("lights_overwritten", "ambient too", "with the light of one source in place of all other light", LightsAndAmbientOverwritten),
+    rule("background_for_camera_only", "", "with black where reflected or refracted rays hit nothing", BackgroundForCameraOnly),
+    rule("normals_by_matrix", "", "with normals transformed by the matrix instead of its inverse transpose", NormalsByMatrix),
+    rule("normals_by_inverse", "", "with normals transformed by the inverse matrix instead of its transpose", NormalsByInverse),
+    rule("normals_of_object_space", "", "with normals that are not transformed", NormalsOfObjectSpace),
+    rule("normals_not_normalised", "transformed", "with normals that are not normalised after a transform", NormalsNotNormalised),
+    rule("normals_not_normalised", "spheres", "with normals of spheres that are not normalised", SphereNormalsNotNormalised),
+    rule("normals_not_normalised", "triangles", "with normals of triangles that are not normalised", TriangleNormalsNotNormalised),
+    rule("normals_not_normalised", "all", "with normals that are never normalised", NormalsNeverNormalised),
+    rule("winding_reversed", "", "with the normals of triangles on the other side", WindingReversed),
+    rule("sphere_normals_inward", "", "with the normals of spheres on the other side", SphereNormalsInward),
+    rule("back_faces_culled", "", "without the back faces of triangles", BackFacesCulled),
+    rule("front_faces_culled", "", "without the front faces of triangles", FrontFacesCulled),
+    rule("last_hit", "", "without a depth test: the last object that a ray hits is seen", LastHit),
+    rule("first_hit", "", "where the first object of the list that a ray hits is seen, not the nearest", FirstHit),
+    rule("far_hit", "", "with the far hits of spheres in place of the near ones", FarHit),
+    rule("t_not_rescaled", "", "with distances of transformed objects that are measured in object space", TNotRescaled),
+    rule("checkerboard_cut", "", "with checkerboards whose coordinates are cut instead of floored", CheckerboardCut),
+    rule("schlick_swapped", "", "with the mirrored and the refracted part of light at glass swapped", SchlickSwapped),
+    rule("normals_flipped", "", "with surfaces lit on the side that is seen instead of on their outside", NormalsFlipped),
+    rule("highlights_only_where_lit", "", "without highlights where the surface faces away from the light", HighlightsOnlyWhereLit),
     rule("no_epsilon", "secondary", "where reflected and refracted rays hit the surface that they leave, as without an epsilon",
-        Rule::NoEpsilonOfSecondary),
-    rule("no_epsilon", "all", "where all rays hit the surface that they leave, as without an epsilon", Rule::NoEpsilon),
-    rule("normals_not_flipped", "", "with normals that are not flipped on back faces", Rule::NormalsNotFlipped),
-    rule("highlights_by_reflection", "", "with highlights by R.V instead of N.H", Rule::HighlightsByReflection),
-    rule("highlights_by_reflection", "wrong formula", "with highlights by R.V with R = 2 (N.L) (N - L)", Rule::HighlightsByWrongReflection),
-    rule("highlights_ungated", "", "with highlights also where the surface faces away from the light", Rule::HighlightsUngated),
-    rule("highlights_times_cosine", "", "with highlights multiplied by N.L", Rule::HighlightsTimesCosine),
-    rule("highlights_times_diffuse", "", "with highlights multiplied by the diffuse colour", Rule::HighlightsTimesDiffuse),
-    rule("highlights_normalised", "Phong", "with highlights multiplied by (n + 2) / (2 pi)", Rule::HighlightsNormalisedPhong),
-    rule("highlights_normalised", "Blinn", "with highlights multiplied by (n + 8) / (8 pi)", Rule::HighlightsNormalisedBlinn),
-    rule("half_way_not_normalised", "", "with half-way vectors that are not normalised", Rule::HalfWayNotNormalised),
-    rule("diffuse_over_pi", "", "with diffuse light divided by pi", Rule::DiffuseOverPi),
-    rule("diffuse", "not clamped", "with diffuse light that is negative where N.L is", Rule::DiffuseNotClamped),
-    rule("diffuse", "absolute", "with the absolute value of N.L", Rule::DiffuseAbsolute),
-    rule("diffuse", "cosine absolute", "with the absolute value of N.L, also for highlights", Rule::CosineAbsolute),
-    rule("directions_not_normalised", "", "with directions of directional lights that are not normalised", Rule::DirectionsNotNormalised),
-    rule("point_directions_not_normalised", "", "with directions to point lights that are not normalised", Rule::PointDirectionsNotNormalised),
-    rule("ambient_without_diffuse", "", "with ambient light that is not multiplied by the diffuse colour", Rule::AmbientWithoutDiffuse),
-    rule("ambient_from_above", "", "with ambient light multiplied by (1 + N.y) / 2", Rule::AmbientFromAbove),
-    rule("normal_not_flipped_in_refraction", "", "with refraction by the same normal on both sides of a surface", Rule::NormalNotFlippedInRefraction),
-    rule("index_not_inverted", "", "with the same ratio of indices where rays enter and where they leave", Rule::IndexNotInverted),
-    rule("total_reflection_added", "", "with rays that are mirrored at total internal reflection", Rule::TotalReflectionAdded),
-    rule("total_reflection_dropped", "", "without mirrored rays at total internal reflection", Rule::TotalReflectionDropped),
-    rule("total_reflection_straight", "", "with rays that pass straight on at total internal reflection", Rule::TotalReflectionStraight),
-    rule("glass_without_shadows", "", "without shadows of transparent things", Rule::GlassWithoutShadows),
-    rule("noise_halved", "", "with the noise N as (N + 1) / 2 instead of N + 1/2", Rule::NoiseHalved),
-    rule("noise_smooth_step", "", "with noise that is interpolated by t^2 (3 - 2 t)", Rule::NoiseSmoothStep),
-    rule("wood", "root missing", "with wood whose radius is x^2 + z^2, without the root", Rule::WoodRootMissing),
-    rule("wood", "not squared", "with wood whose rings are not squared", Rule::WoodNotSquared),
-    rule("reflection_without_color", "", "with reflections that are not multiplied by the reflective colour", Rule::ReflectionWithoutColor),
-    rule("refraction_without_color", "", "with refracted light that is not multiplied by the transparent colour", Rule::RefractionWithoutColor),
-    rule("reflection_blended", "", "with the surface's own colour times 1 minus the reflective colour", Rule::ReflectionBlended),
-    rule("refraction_blended", "", "with the surface's own colour times 1 minus the transparent colour", Rule::RefractionBlended),
+        NoEpsilonOfSecondary),
+    rule("no_epsilon", "all", "where all rays hit the surface that they leave, as without an epsilon", NoEpsilon),
+    rule("normals_not_flipped", "", "with normals that are not flipped on back faces", NormalsNotFlipped),
+    rule("highlights_by_reflection", "", "with highlights by R.V instead of N.H", HighlightsByReflection),
+    rule("highlights_by_reflection", "wrong formula", "with highlights by R.V with R = 2 (N.L) (N - L)", HighlightsByWrongReflection),
+    rule("highlights_ungated", "", "with highlights also where the surface faces away from the light", HighlightsUngated),
+    rule("highlights_times_cosine", "", "with highlights multiplied by N.L", HighlightsTimesCosine),
+    rule("highlights_times_diffuse", "", "with highlights multiplied by the diffuse colour", HighlightsTimesDiffuse),
+    rule("highlights_normalised", "Phong", "with highlights multiplied by (n + 2) / (2 pi)", HighlightsNormalisedPhong),
+    rule("highlights_normalised", "Blinn", "with highlights multiplied by (n + 8) / (8 pi)", HighlightsNormalisedBlinn),
+    rule("half_way_not_normalised", "", "with half-way vectors that are not normalised", HalfWayNotNormalised),
+    rule("diffuse_over_pi", "", "with diffuse light divided by pi", DiffuseOverPi),
+    rule("diffuse", "not clamped", "with diffuse light that is negative where N.L is", DiffuseNotClamped),
+    rule("diffuse", "absolute", "with the absolute value of N.L", DiffuseAbsolute),
+    rule("diffuse", "cosine absolute", "with the absolute value of N.L, also for highlights", CosineAbsolute),
+    rule("directions_not_normalised", "", "with directions of directional lights that are not normalised", DirectionsNotNormalised),
+    rule("point_directions_not_normalised", "", "with directions to point lights that are not normalised", PointDirectionsNotNormalised),
+    rule("ambient_without_diffuse", "", "with ambient light that is not multiplied by the diffuse colour", AmbientWithoutDiffuse),
+    rule("ambient_from_above", "", "with ambient light multiplied by (1 + N.y) / 2", AmbientFromAbove),
+    rule("normal_not_flipped_in_refraction", "", "with refraction by the same normal on both sides of a surface", NormalNotFlippedInRefraction),
+    rule("index_not_inverted", "", "with the same ratio of indices where rays enter and where they leave", IndexNotInverted),
+    rule("total_reflection_added", "", "with rays that are mirrored at total internal reflection", TotalReflectionAdded),
+    rule("total_reflection_dropped", "", "without mirrored rays at total internal reflection", TotalReflectionDropped),
+    rule("total_reflection_straight", "", "with rays that pass straight on at total internal reflection", TotalReflectionStraight),
+    rule("glass_without_shadows", "", "without shadows of transparent things", GlassWithoutShadows),
+    rule("noise_halved", "", "with the noise N as (N + 1) / 2 instead of N + 1/2", NoiseHalved),
+    rule("noise_smooth_step", "", "with noise that is interpolated by t^2 (3 - 2 t)", NoiseSmoothStep),
+    rule("wood", "root missing", "with wood whose radius is x^2 + z^2, without the root", WoodRootMissing),
+    rule("wood", "not squared", "with wood whose rings are not squared", WoodNotSquared),
+    rule("reflection_without_color", "", "with reflections that are not multiplied by the reflective colour", ReflectionWithoutColor),
+    rule("refraction_without_color", "", "with refracted light that is not multiplied by the transparent colour", RefractionWithoutColor),
+    rule("reflection_blended", "", "with the surface's own colour times 1 minus the reflective colour", ReflectionBlended),
+    rule("refraction_blended", "", "with the surface's own colour times 1 minus the transparent colour", RefractionBlended),
 ];
 
 impl Mistake {
     /// Returns this program's own picture, without a mistake.
     pub fn unchanged() -> Self {
-        TABLE[0].clone()
+        Self::unnamed(Flip([false, false]))
     }
 
     /// Returns every mistake in the table. Cheap ones come first.
     pub fn all() -> impl Iterator<Item = Self> {
-        TABLE.iter().skip(1).cloned()
+        TABLE.iter().cloned()
     }
 
     /// Returns the mistake of pixels that were never set, in a picture of this size.
@@ -346,17 +348,18 @@ impl Mistake {
         };
         let [red, green, blue] = unset.color;
         let text = format!("with {shown} left at ({red}, {green}, {blue}), as if never set");
-        Self { name: "unset".into(), detail: shown.into(), text: text.into(), make: Make::Unset(unset) }
+        Self { name: "unset", detail: shown.into(), text: text.into(), make: Make::Unset(unset) }
     }
 
-    /// Returns a mistake that leaves out a part of a scene.
-    pub(super) fn without(
-        name: &'static str,
-        detail: impl Into<Cow<'static, str>>,
-        text: String,
-        part: Part,
-    ) -> Self {
-        Self { name: name.into(), detail: detail.into(), text: text.into(), make: Make::Without(part) }
+    /// Returns a mistake that leaves out a part of a scene: this thing in this line.
+    pub(super) fn without(name: &'static str, thing: &str, line: u32, part: Part) -> Self {
+        let (detail, text) = (format!("line {line}"), format!("without {thing} in line {line}"));
+        Self { name, detail: detail.into(), text: text.into(), make: Make::Without(part) }
+    }
+
+    /// Returns a change that is tried and never named.
+    pub(super) fn unnamed(make: Make) -> Self {
+        row("", "", "", make)
     }
 
     /// Returns true if the mistake is made in the finished picture, without rendering.
@@ -366,7 +369,7 @@ impl Mistake {
 
     /// Returns true if the mistake cannot be made in a picture whose bytes alone are known.
     pub(super) fn needs_colors(&self) -> bool {
-        matches!(&*self.name, "rounded" | "rounded_up" | "wrapped" | "times256" | "tone_mapped")
+        matches!(self.name, "rounded" | "rounded_up" | "wrapped" | "times256" | "tone_mapped")
             || self.name == "gamma" && self.detail != "2.2 of bytes"
     }
 
@@ -383,7 +386,7 @@ impl Mistake {
 
     /// Returns true if it is this program's own picture.
     pub fn is_unchanged(&self) -> bool {
-        self.name == "unchanged"
+        self.name.is_empty()
     }
 
     /// Returns true if both are the same mistake in different degrees.
@@ -417,7 +420,7 @@ impl Serialize for Mistake {
             #[serde(skip_serializing_if = "str::is_empty")]
             detail: &'m str,
         }
-        let name = (!self.is_unchanged()).then_some(&*self.name);
+        let name = (!self.is_unchanged()).then_some(self.name);
         Named { kind: self.kind(), name, detail: &self.detail }.serialize(serializer)
     }
 }

@@ -45,7 +45,7 @@ use difference_kind::difference_kind;
 use glam::DVec2;
 use made::Made;
 use mistakes::Make;
-use search::{Candidate, MIN_VISIBLE, Search, most_likely, part};
+use search::{Candidate, MIN_VISIBLE, Search, part};
 use speckles::speckles;
 use std::ops::ControlFlow;
 use std::rc::Rc;
@@ -71,6 +71,7 @@ impl Patience for Watched<'_> {
 /// This program's picture, with its renderer and request.
 pub struct Original<'a> {
     prepared: Prepared<'a>,
+    objects: Objects,
     patience: Watched<'a>,
     request: Request,
     colors: FloatPicture,
@@ -92,9 +93,10 @@ impl<'a> Original<'a> {
         if !can_try(renderer, &request) {
             return None;
         }
+        let objects = Objects::new(&renderer.scene, renderer.meshes(), renderer.world())?;
         let prepared = renderer.prepare_within(&request, &Watched(watch)).ok()?;
         let colors = prepared.render_watched(&request, watch).ok()?.0.remove(0);
-        Some(Self { prepared, patience: Watched(watch), request, colors })
+        Some(Self { prepared, objects, patience: Watched(watch), request, colors })
     }
 
     /// Returns true if the watch has cancelled the search.
@@ -125,27 +127,22 @@ impl<'a> Original<'a> {
         rounding::rest(colors(picture), &made, variant.as_ref()).unexplained.len() as u64
     }
 
-    /// Finds why each picture differs from this program's, like [`explain`](Self::explain).
-    pub fn explain_all(&self, pictures: &[Picture]) -> Vec<Finding> {
-        pictures.iter().map(|picture| self.explain(picture)).collect()
-    }
-
     /// Finds why a picture differs from this program's. It must have the original's size.
     pub fn explain(&self, picture: &Picture) -> Finding {
         let (picture, size) = (colors(picture), self.colors.size);
         let own = Rc::new(Made::new(self.colors.clone()));
         let before = rounding::rest(picture, &own, Variant::new(self, &[]).as_ref());
         if before.differing == 0 {
-            return self.equal(&Candidate::unchanged(own, before), &[], size);
+            return equal(&Candidate::unchanged(own, before), &[], size);
         }
+        let rounding = || Finding::Rounding { rest: Rounded::new(&before, size[0]) };
         let is_visible = before.unexplained.len() >= MIN_VISIBLE;
         if before.unexplained.is_empty() && before.visible.len() < MIN_VISIBLE {
-            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
+            return rounding();
         }
 
         // Try each mistake.
         let rays_per_pixel = Variant::new(self, &[]).map_or(1, |variant| variant.rays_per_pixel());
-        let rays = rays_per_pixel * picture.len();
         let search = Search::new(picture, own, size, &before, rays_per_pixel);
         let unset = unset_pixels(picture, size, &before.unexplained);
         let unset = unset.map(|unset| Mistake::unset(unset, size));
@@ -153,74 +150,45 @@ impl<'a> Original<'a> {
         // A camera of the other handedness turns the picture, too.
         let table = Mistake::all().filter(|mistake| mistake.name != "turned");
         let all: Vec<Mistake> = unset.into_iter().chain(parts).chain(table).collect();
-        let (likely, tried) = self.likely(&search, &[], &all);
-        let candidates = self.judged(&search, most_likely(likely, rays));
+        let (candidates, tried) = self.candidates(&search, &[], &all);
         if let Some(best) = best_of(&candidates, |candidate| candidate.is_all(&before)) {
-            return self.equal(best, &candidates, size);
+            return equal(best, &candidates, size);
         }
-
         if !is_visible {
-            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
+            return rounding();
         }
 
         // Try each mistake together with those that explain the most.
         let mut pairs = vec![];
         for ground in grounds(&candidates) {
             let search = Search::new(picture, ground.made.clone(), size, &ground.rest, rays_per_pixel);
-            let (likely, _) = self.likely(&search, &ground.mistakes, &all);
+            let (found, _) = self.candidates(&search, &ground.mistakes, &all);
             let least = ground.rest.unexplained.len() / 2;
-            let found = self.judged(&search, most_likely(likely, rays));
             pairs.extend(found.into_iter().filter(|pair| pair.rest.unexplained.len() < least));
         }
         if let Some(best) = best_of(&pairs, |pair| pair.is_all(&before)) {
-            return self.equal(best, &[], size);
+            return equal(best, &[], size);
         }
         let most_left = MAX_LEFT * before.unexplained.len() as f64;
         let is_nearly_all = |candidate: &Candidate| candidate.rest.unexplained.len() as f64 <= most_left;
         let [single, pair] = [&candidates, &pairs].map(|all| best_of(all, is_nearly_all));
         if let Some(best) = pair.or(single) {
-            return self.equal(best, &candidates, size);
+            return equal(best, &candidates, size);
         }
-        if let Some(found) = speckles(self, picture, &before.unexplained) {
+        let speckles = speckles(self, picture, &before.unexplained);
+        if let Some(found) = speckles.or_else(|| part(&search, &candidates)) {
             return found;
         }
-        if let Some(Candidate { mistakes, share, .. }) = part(&search, &candidates) {
-            return Finding::Part { cause: mistakes[0].clone(), share: *share };
-        }
         if 2 * before.unexplained.len() <= before.visible.len() {
-            return Finding::Rounding { rest: Rounded::new(&before, size[0]) };
+            return rounding();
         }
         let difference = difference_kind(self, picture, &before.unexplained).map(Box::new);
         Finding::Unknown { tried, difference }
     }
 
-    /// Returns the finding that a candidate is all that is wrong, with the others that give the same picture.
-    fn equal(&self, best: &Candidate, candidates: &[Candidate], size: [usize; 2]) -> Finding {
-        let rest = Rounded::new(&best.rest, size[0]);
-        let is_same = |other: &&Candidate| {
-            let is_new = !other.mistakes[0].is_akin(&best.mistakes[0]);
-            is_new && other.mistakes.len() == 1 && other.made.is_like(&best.made)
-        };
-        let mut same: Vec<Mistake> = vec![];
-        for other in candidates.iter().filter(is_same).map(|other| &other.mistakes[0]) {
-            if best.mistakes.len() == 1 && !same.iter().any(|named| named.is_akin(other)) {
-                same.push(other.clone());
-            }
-        }
-        let [cause, also @ ..] = best.mistakes.as_slice() else {
-            return Finding::Equal { cause: Mistake::unchanged(), also: vec![], same, rest };
-        };
-        Finding::Equal { cause: cause.clone(), also: also.to_vec(), same, rest }
-    }
-
-    /// Tries each of these mistakes together with `ground`, by a sample of pixels. Returns the likely ones, and how many
-    /// could be made.
-    fn likely(
-        &self,
-        search: &Search,
-        ground: &[Mistake],
-        all: &[Mistake],
-    ) -> (Vec<(usize, Vec<Mistake>)>, usize) {
+    /// Judges each of these mistakes together with `ground`: by a sample of pixels, and the likely ones by the whole
+    /// picture. Returns those that are accepted, and how many could be made.
+    fn candidates(&self, search: &Search, ground: &[Mistake], all: &[Mistake]) -> (Vec<Candidate>, usize) {
         let changes: Vec<Mistake> = match ground.is_empty() {
             true => Mistake::all().filter(|mistake| matches!(mistake.make, Make::Colors(_))).collect(),
             false => vec![],
@@ -239,25 +207,18 @@ impl<'a> Original<'a> {
             tried += 1;
             likely.extend(search.likely(&variant, &mistakes, &changes));
         }
-        (likely, tried)
-    }
-
-    /// Judges mistakes by the whole picture.
-    fn judged(&self, search: &Search, likely: Vec<Vec<Mistake>>) -> Vec<Candidate> {
         let judge = |mistakes: Vec<Mistake>| {
             let variant = Variant::new(self, &mistakes)?;
             let made = Made::new(variant.picture()?);
             search.judged(mistakes, made, Some(&variant))
         };
-        likely.into_iter().filter_map(judge).collect()
+        (search.most_likely(likely).into_iter().filter_map(judge).collect(), tried)
     }
 
     /// Returns the parts of the scene that may be missing where these pixels differ: objects, the first and the last
     /// triangles of objects, and lights.
     fn parts(&self, pixels: &[usize]) -> Vec<Mistake> {
-        let renderer = self.renderer();
-        let scene = &renderer.scene;
-        let Some(objects) = Objects::new(scene, renderer.meshes(), renderer.world()) else { return vec![] };
+        let scene = &self.renderer().scene;
         // A reduced picture has other pixels.
         let pixels = if self.request.is_reduced { &[] } else { pixels };
         let mut primitives: Vec<u32> = pixels.iter().filter_map(|&at| Some(self.seen_at(at)?.0)).collect();
@@ -268,39 +229,28 @@ impl<'a> Original<'a> {
                 .get(primitives.partition_point(|&id| id < range.start))
                 .is_some_and(|id| range.contains(id))
         };
-        let mut placed: Vec<_> = objects.iter().collect();
+        let mut placed: Vec<_> = self.objects.iter().collect();
         // Objects that are not seen may be missing in mirrors and among shadows.
         placed.sort_by_key(|object| (!is_seen(object.primitives.clone()), object.id));
-        let line = |id: usize| scene.positions.objects.get(id).copied().unwrap_or_default().line;
         let mut parts = vec![];
         for object in placed.into_iter().filter(|object| !object.primitives.is_empty()).take(MAX_PARTS) {
             let (id, range, kind) = (object.id, object.primitives.clone(), scene.objects[object.id].name());
-            let (detail, place) = (format!("line {}", line(id)), format!("{kind} in line {}", line(id)));
-            let without = |name, what: &str, part| {
-                Mistake::without(name, detail.clone(), format!("without {what}the {place}"), part)
-            };
+            let line = scene.positions.object(id).line;
+            let without =
+                |name, what: &str, part| Mistake::without(name, &format!("{what}the {kind}"), line, part);
+            let triangle = |is_last| Part::Triangle { of: Some(id), is_last };
             parts.push(without("object_missing", "", Part::Object(id)));
             let has_several = range.len() > 1 && !matches!(scene.objects[id], Object::Box { .. });
             if has_several && is_seen(range.end - 1..range.end) {
-                parts.push(without("last_triangle_missing", "the last triangle of ", Part::LastTriangle(id)));
+                parts.push(without("last_triangle_missing", "the last triangle of ", triangle(true)));
             }
             if has_several && is_seen(range.start..range.start + 1) {
-                parts.push(without(
-                    "first_triangle_missing",
-                    "the first triangle of ",
-                    Part::FirstTriangle(id),
-                ));
+                parts.push(without("first_triangle_missing", "the first triangle of ", triangle(false)));
             }
         }
         for light in 0..scene.lights.len().min(MAX_PARTS) {
-            let at = scene.positions.lights.get(light).copied().unwrap_or_default();
-            let text = format!("without the light in line {}", at.line);
-            parts.push(Mistake::without(
-                "light_missing",
-                format!("line {}", at.line),
-                text,
-                Part::Light(light),
-            ));
+            let line = scene.positions.light(light).line;
+            parts.push(Mistake::without("light_missing", "the light", line, Part::Light(light)));
         }
         parts
     }
@@ -339,6 +289,25 @@ fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> O
     meant.min_by_key(|candidate| (candidate.left(), candidate.mistakes.len()))
 }
 
+/// Returns the finding that a candidate is all that is wrong, with the others that give the same picture.
+fn equal(best: &Candidate, candidates: &[Candidate], size: [usize; 2]) -> Finding {
+    let rest = Rounded::new(&best.rest, size[0]);
+    let is_same = |other: &&Candidate| {
+        let is_new = !other.mistakes[0].is_akin(&best.mistakes[0]);
+        is_new && other.mistakes.len() == 1 && other.made.is_like(&best.made)
+    };
+    let mut same: Vec<Mistake> = vec![];
+    for other in candidates.iter().filter(is_same).map(|other| &other.mistakes[0]) {
+        if best.mistakes.len() == 1 && !same.iter().any(|named| named.is_akin(other)) {
+            same.push(other.clone());
+        }
+    }
+    let [cause, also @ ..] = best.mistakes.as_slice() else {
+        return Finding::Equal { cause: Mistake::unchanged(), also: vec![], same, rest };
+    };
+    Finding::Equal { cause: cause.clone(), also: also.to_vec(), same, rest }
+}
+
 /// Returns the candidates to which others may be added.
 fn grounds(candidates: &[Candidate]) -> Vec<&Candidate> {
     let mut grounds: Vec<&Candidate> =
@@ -348,55 +317,36 @@ fn grounds(candidates: &[Candidate]) -> Vec<&Candidate> {
     grounds
 }
 
-/// Finds why pictures differ from a finished one, whose scene is not known. `rendered` are its colours, or `None` if
-/// only its bytes are known. Mistakes in converting colours to bytes are then not tried. All pictures have the same
-/// size.
-pub fn explain_finished(
-    reference: &Picture,
-    rendered: Option<&FloatPicture>,
-    pictures: &[Picture],
-) -> Vec<Finding> {
-    let size = [reference.width() as usize, reference.height() as usize];
+/// Finds why a picture differs from a finished one, whose scene is not known. `rendered` are its colours, or `None` if
+/// only its bytes are known. Mistakes in converting colours to bytes are then not tried. Both have the same size.
+pub fn explain_finished(reference: &Picture, rendered: Option<&FloatPicture>, picture: &Picture) -> Finding {
+    let (size, picture) = (reference.size(), colors(picture));
     let own = rendered.cloned().unwrap_or_else(|| FloatPicture {
         size,
         colors: colors(reference).iter().copied().map(color_of).collect(),
     });
     let base = Rc::new(Made::new(own.clone()));
-    let is_known = |mistake: &Mistake| {
-        mistake.is_of_pixels() && !mistake.is_unchanged() && (rendered.is_some() || !mistake.needs_colors())
-    };
+    let is_known =
+        |mistake: &Mistake| mistake.is_of_pixels() && (rendered.is_some() || !mistake.needs_colors());
     let all: Vec<Mistake> = Mistake::all().filter(is_known).collect();
     let pairs = all.iter().flat_map(|one| all.iter().map(move |other| vec![one.clone(), other.clone()]));
     let pairs = pairs.filter(|pair| !pair[0].is_akin(&pair[1]));
-    let every: Vec<Vec<Mistake>> = all.iter().map(|one| vec![one.clone()]).chain(pairs).collect();
-    let explain = |picture: &Picture| {
-        let picture = colors(picture);
-        let before = rounding::rest(picture, &base, None);
-        let search = Search::new(picture, base.clone(), size, &before, 1);
-        let likely = every.iter().filter_map(|mistakes| search.likely_finished(mistakes, &own));
-        let judge = |mistakes: Vec<Mistake>| {
-            let mut made = own.clone();
-            Finish::new(&mistakes).apply(&mut made);
-            search.judged(mistakes, Made::new(made), None)
-        };
-        let candidates: Vec<Candidate> =
-            most_likely(likely.collect(), picture.len()).into_iter().filter_map(judge).collect();
-        let most_left = MAX_LEFT * before.unexplained.len() as f64;
-        let is_all = |candidate: &Candidate| {
-            candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left
-        };
-        match best_of(&candidates, is_all) {
-            Some(best) => Finding::Equal {
-                cause: best.mistakes[0].clone(),
-                also: best.mistakes[1..].to_vec(),
-                same: vec![],
-                rest: Rounded::new(&best.rest, size[0]),
-            },
-            None => match part(&search, &candidates) {
-                Some(part) => Finding::Part { cause: part.mistakes[0].clone(), share: part.share },
-                None => Finding::Unknown { tried: all.len(), difference: None },
-            },
-        }
+    let every = all.iter().map(|one| vec![one.clone()]).chain(pairs);
+    let before = rounding::rest(picture, &base, None);
+    let search = Search::new(picture, base, size, &before, 1);
+    let likely = every.filter_map(|mistakes| search.likely_finished(mistakes, &own));
+    let judge = |mistakes: Vec<Mistake>| {
+        let mut made = own.clone();
+        Finish::new(&mistakes).apply(&mut made);
+        search.judged(mistakes, Made::new(made), None)
     };
-    pictures.iter().map(explain).collect()
+    let candidates: Vec<Candidate> =
+        search.most_likely(likely.collect()).into_iter().filter_map(judge).collect();
+    let most_left = MAX_LEFT * before.unexplained.len() as f64;
+    let is_all = |candidate: &Candidate| {
+        candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left
+    };
+    let best = best_of(&candidates, is_all).map(|best| equal(best, &[], size));
+    let found = best.or_else(|| part(&search, &candidates));
+    found.unwrap_or(Finding::Unknown { tried: all.len(), difference: None })
 }

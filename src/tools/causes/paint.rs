@@ -38,13 +38,9 @@ pub struct Painter<'a> {
 
 impl<'a> Painter<'a> {
     /// Returns a painter. Pixels have unspecified colours after the student's patience is over.
-    pub fn new(student: &'a Student, request: &'a Request) -> Self {
+    pub fn new(student: &'a Student, request: &'a Request, moves: &'a [Move]) -> Self {
         let camera = student.renderer.camera(request);
-        Self { student, request, camera, moves: &[], moved: DVec2::ZERO }
-    }
-
-    pub fn with_moves(self, moves: &'a [Move]) -> Self {
-        Self { moves, ..self }
+        Self { student, request, camera, moves, moved: DVec2::ZERO }
     }
 
     /// Returns a painter whose tracer decides by `hits_itself` which rays hit the surface that they leave, and calls
@@ -63,8 +59,9 @@ impl<'a> Painter<'a> {
                 let Some((t, surface)) = student.seen(ray) else {
                     return Color::splat(f64::from(rules.has(Rule::DepthInverted)));
                 };
+                let (Projection::Perspective(eye) | Projection::Orthographic(eye)) = self.camera.projection();
                 let t = match rules.has(Rule::DepthAlongAxis) {
-                    true => (surface.position - ray.origin).dot(forward(&self.camera)),
+                    true => (surface.position - ray.origin).dot(eye.direction),
                     false => t,
                 };
                 let grey = measures.depths.grey(t, [near, far]);
@@ -196,12 +193,6 @@ fn blurred(picture: &FloatPicture) -> FloatPicture {
     FloatPicture { size: reduced(picture.size), colors }
 }
 
-/// Returns the direction at right angles to the picture.
-fn forward(camera: &Camera) -> DVec3 {
-    let (Projection::Perspective(eye) | Projection::Orthographic(eye)) = camera.projection();
-    eye.direction
-}
-
 /// Returns the range extended by the pixels whose samples contribute to it.
 fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize> {
     range.start.saturating_sub(support)..(range.end + support).min(end)
@@ -226,7 +217,7 @@ mod tests {
         let real = prepared.render(request).unwrap().remove(0);
         let caster = prepared.caster(&Endless).unwrap();
         let student = Student::new(&renderer, &caster, request.effects);
-        let painter = Painter::new(&student, request);
+        let painter = Painter::new(&student, request, &[]);
         let painted = painter.picture().unwrap();
         let places: Vec<[usize; 2]> =
             (0..real.size[1]).flat_map(|y| (0..real.size[0]).map(move |x| [x, y])).collect();

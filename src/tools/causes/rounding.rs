@@ -35,7 +35,7 @@ const MOST_RAYS: usize = 1 << 16;
 const WEIGHT_ROUNDING: f64 = 1e-5;
 
 /// The pixels in which a picture differs from one that this program makes, and which of them rounding explains.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Rest {
     /// The number of pixels whose bytes differ.
     pub differing: usize,
@@ -59,23 +59,19 @@ pub fn rest(picture: &[Rgb], made: &Made, variant: Option<&Variant>) -> Rest {
         made.levels(pixel) > 0 && !made.differs_visibly(pixel)
     };
     let by_a_level: Vec<usize> = (0..picture.len()).filter(is_by_a_level).collect();
-    let mut rest = Rest { differing, visible, ..Rest::default() };
-    let Some(variant) = variant else {
-        rest.unexplained = rest.visible.clone();
-        if !is_balanced(picture, made, &by_a_level) {
-            rest.unexplained.extend(by_a_level);
-            rest.unexplained.sort_unstable();
-        }
-        return rest;
+    let mut rest = Rest { differing, unexplained: visible.clone(), visible, epsilon: None };
+    let views = variant.map(|variant| Views { picture, made, variant });
+    if let Some(views) = &views {
+        rest.unexplained = rest.examine(views, rest.visible.clone());
+    }
+    // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
+    let left = match &views {
+        Some(views) if !is_balanced(picture, made, &by_a_level) => rest.examine_grazing(views, by_a_level),
+        _ => by_a_level,
     };
-    rest.unexplained = rest.examine(picture, made, variant, rest.visible.clone());
-    if !is_balanced(picture, made, &by_a_level) {
-        // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
-        let left = rest.examine_grazing(picture, made, variant, by_a_level);
-        if !is_balanced(picture, made, &left) {
-            rest.unexplained.extend(left);
-            rest.unexplained.sort_unstable();
-        }
+    if !is_balanced(picture, made, &left) {
+        rest.unexplained.extend(left);
+        rest.unexplained.sort_unstable();
     }
     rest
 }
@@ -90,18 +86,18 @@ fn is_balanced(picture: &[Rgb], made: &Made, by_a_level: &[usize]) -> bool {
 
 impl Rest {
     /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
-    fn examine(&mut self, picture: &[Rgb], made: &Made, variant: &Variant, pixels: Vec<usize>) -> Vec<usize> {
-        let views = Views { picture, made, variant };
+    fn examine(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
+        let variant = views.variant;
         let most = (MOST_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MOST_EXAMINED);
         if pixels.len() > SAMPLED {
             let step = pixels.len() / SAMPLED;
             let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
-            let left = views.unexplained(&sample, Rough::default());
+            let left = views.unexplained(&sample, Rough::NONE);
             if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
                 return pixels;
             }
         }
-        let mut left = views.unexplained(&pixels, Rough::default());
+        let mut left = views.unexplained(&pixels, Rough::NONE);
         if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
             return left;
         }
@@ -119,17 +115,10 @@ impl Rest {
     }
 
     /// Returns which of these pixels, which differ by one level, no ray explains that grazes a surface.
-    fn examine_grazing(
-        &mut self,
-        picture: &[Rgb],
-        made: &Made,
-        variant: &Variant,
-        pixels: Vec<usize>,
-    ) -> Vec<usize> {
-        if pixels.len() > MOST_EXAMINED || !variant.has_secondary_rays() {
+    fn examine_grazing(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
+        if pixels.len() > MOST_EXAMINED || !views.variant.has_secondary_rays() {
             return pixels;
         }
-        let views = Views { picture, made, variant };
         let by_epsilon = |epsilon| views.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]]);
         self.better_epsilon(pixels.len(), by_epsilon)
     }
@@ -164,7 +153,7 @@ impl Views<'_> {
     fn unexplained(&self, pixels: &[usize], rough: Rough) -> Vec<usize> {
         let left = self.variant.with_painter(rough, |painter| {
             let mut left = pixels.to_vec();
-            for [x, y] in moves(rough != Rough::default()) {
+            for [x, y] in moves(rough != Rough::NONE) {
                 let views = colors_at(painter, self.variant, &left, DVec2::new(x, y));
                 let pairs = left.iter().zip(views);
                 left = pairs.filter(|(at, view)| !self.explains(**at, *view)).map(|(&at, _)| at).collect();

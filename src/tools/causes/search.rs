@@ -4,6 +4,7 @@
 //! right. The likely mistakes are then judged by the whole picture. A mistake is accepted if it makes most of the wrong
 //! pixels right, and shows wherever it can. It is all that is wrong if rounding explains what it leaves.
 
+use super::finding::Finding;
 use super::made::{Made, MadePixel};
 use super::mistakes::Mistake;
 use super::rounding::{self, Rest};
@@ -61,6 +62,9 @@ pub struct Candidate {
     pub share: f64,
 }
 
+/// Likely mistakes, and the number of pixels in the sample that they leave wrong.
+pub type Likely = (usize, Vec<Mistake>);
+
 /// The search for the cause of one picture.
 pub struct Search<'p> {
     picture: &'p [Rgb],
@@ -76,6 +80,8 @@ pub struct Search<'p> {
     sample: Vec<usize>,
     /// The number of wrong pixels in the sample.
     wrong: usize,
+    /// The number of camera rays of a picture.
+    rays: usize,
 }
 
 /// Counts of pixels.
@@ -128,7 +134,7 @@ impl<'p> Search<'p> {
         let mut sample = scattered(&wrong, most(WRONG));
         let wrong = sample.len();
         sample.extend(scattered(&right, most(RIGHT)));
-        Self { picture, base, size, is_wrong, level, sample, wrong }
+        Self { picture, base, size, is_wrong, level, sample, wrong, rays: rays_per_pixel * picture.len() }
     }
 
     /// Returns the wrong pixels in the sample.
@@ -164,20 +170,14 @@ impl<'p> Search<'p> {
     }
 
     /// Judges the variant's mistakes by the sample, alone and with each of these changes of the finished picture.
-    /// Returns those that are likely, each with the number of pixels in the sample that they leave wrong.
-    pub fn likely(
-        &self,
-        variant: &Variant,
-        mistakes: &[Mistake],
-        changes: &[Mistake],
-    ) -> Vec<(usize, Vec<Mistake>)> {
-        let size = variant.size();
-        let found = variant.with_painter(Rough::default(), |painter| {
+    /// Returns those that are likely.
+    pub fn likely(&self, variant: &Variant, mistakes: &[Mistake], changes: &[Mistake]) -> Vec<Likely> {
+        let found = variant.with_painter(Rough::NONE, |painter| {
             // Few pixels are enough where each needs many rays.
             let first = (FIRST_RAYS / variant.rays_per_pixel()).clamp(MIN_FIRST, FIRST).min(self.wrong);
             let colors = colors_at(painter, variant, &self.sample[..first], DVec2::ZERO);
             let is_possible =
-                |all: &Vec<Mistake>| self.sample_counts(all, &colors, size).share() >= MIN_FIRST_SHARE;
+                |all: &Vec<Mistake>| self.sample_counts(all, &colors).share() >= MIN_FIRST_SHARE;
             let with = |change: &Mistake| [mistakes, std::slice::from_ref(change)].concat();
             let others = changes.iter().filter(|change| !mistakes.contains(change)).map(with);
             let possible: Vec<Vec<Mistake>> =
@@ -186,38 +186,45 @@ impl<'p> Search<'p> {
                 return vec![];
             }
             let colors = colors_at(painter, variant, &self.sample, DVec2::ZERO);
-            let judge = |all: Vec<Mistake>| {
-                let counts = self.sample_counts(&all, &colors, size);
-                self.is_likely(&counts).then(|| (counts.left(), all))
-            };
-            possible.into_iter().filter_map(judge).collect()
+            possible.into_iter().filter_map(|all| self.judged_by_sample(all, &colors)).collect()
         });
         found.unwrap_or_default()
     }
 
     /// Judges changes of a finished picture by the sample, like [`likely`](Self::likely).
-    pub fn likely_finished(&self, mistakes: &[Mistake], own: &FloatPicture) -> Option<(usize, Vec<Mistake>)> {
-        let finish = Finish::new(mistakes);
+    pub fn likely_finished(&self, mistakes: Vec<Mistake>, own: &FloatPicture) -> Option<Likely> {
+        let finish = Finish::new(&mistakes);
         let source = |&at: &usize| {
             let [x, y] = finish.source(at, self.size);
             own.colors[y * self.size[0] + x]
         };
         let colors: Vec<Color> = self.sample.iter().map(source).collect();
-        let counts = self.sample_counts(mistakes, &colors, self.size);
-        self.is_likely(&counts).then(|| (counts.left(), mistakes.to_vec()))
+        self.judged_by_sample(mistakes, &colors)
+    }
+
+    /// Judges mistakes by the whole sample, which has these colours before changes of the finished picture.
+    fn judged_by_sample(&self, mistakes: Vec<Mistake>, colors: &[Color]) -> Option<Likely> {
+        let counts = self.sample_counts(&mistakes, colors);
+        let is_likely = counts.share() >= MIN_SHARES_IF_PRECISE[0] / 2.0
+            && counts.contradicted as f64 <= 0.1 * counts.changed as f64 + 2.0;
+        is_likely.then(|| (counts.left(), mistakes))
     }
 
     /// Counts the first pixels of the sample, which have these colours before changes of the finished picture.
-    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color], size: [usize; 2]) -> Counts {
+    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color]) -> Counts {
         let finish = Finish::new(mistakes);
         let pairs = self.sample.iter().zip(colors);
-        self.counts(pairs.map(|(&at, &color)| (at, MadePixel::new(finish.color(color, at, size)))))
+        self.counts(pairs.map(|(&at, &color)| (at, MadePixel::new(finish.color(color, at, self.size)))))
     }
 
-    /// Returns true if a mistake with these counts of the sample may be accepted.
-    fn is_likely(&self, counts: &Counts) -> bool {
-        counts.share() >= MIN_SHARES_IF_PRECISE[0] / 2.0
-            && counts.contradicted as f64 <= 0.1 * counts.changed as f64 + 2.0
+    /// Sorts likely mistakes, the best ones first, and drops those that a better one leads.
+    pub fn most_likely(&self, mut likely: Vec<Likely>) -> Vec<Vec<Mistake>> {
+        likely.sort_by_key(|(left, mistakes)| (*left, mistakes.len()));
+        let best = likely.first().map_or(0, |(left, _)| *left);
+        let bound = MIN_LEAD * best as f64 + 8.0;
+        let kept = likely.into_iter().take_while(|(left, _)| *left as f64 <= bound);
+        let most = (MOST_LIKELY_RAYS / self.rays).clamp(2, MOST_LIKELY);
+        kept.map(|(_, mistakes)| mistakes).take(most).collect()
     }
 
     /// Judges mistakes by the whole picture. Returns `None` if they are refuted.
@@ -270,19 +277,9 @@ impl Candidate {
     }
 }
 
-/// Sorts likely mistakes, the best ones first, and drops those that a better one leads. A picture has this number of
-/// camera rays.
-pub fn most_likely(mut likely: Vec<(usize, Vec<Mistake>)>, rays: usize) -> Vec<Vec<Mistake>> {
-    likely.sort_by_key(|(left, mistakes)| (*left, mistakes.len()));
-    let best = likely.first().map_or(0, |(left, _)| *left);
-    let bound = MIN_LEAD * best as f64 + 8.0;
-    let kept = likely.into_iter().take_while(|(left, _)| *left as f64 <= bound);
-    kept.map(|(_, mistakes)| mistakes).take((MOST_LIKELY_RAYS / rays).clamp(2, MOST_LIKELY)).collect()
-}
-
-/// Returns the candidate of which a part of the difference consists, if there is one: a single mistake that is not merely
+/// Returns the mistake of which a part of the difference consists, if there is one: a single mistake that is not merely
 /// similar to another, and that leads all others.
-pub fn part<'c>(search: &Search, candidates: &'c [Candidate]) -> Option<&'c Candidate> {
+pub fn part(search: &Search, candidates: &[Candidate]) -> Option<Finding> {
     let singles = || candidates.iter().filter(|candidate| candidate.mistakes.len() == 1);
     let best = singles().min_by_key(|candidate| candidate.left())?;
     let bound = MIN_LEAD * best.rest.unexplained.len() as f64;
@@ -291,7 +288,8 @@ pub fn part<'c>(search: &Search, candidates: &'c [Candidate]) -> Option<&'c Cand
             || other.rest.unexplained.len() as f64 >= bound
             || other.made.is_like(&best.made)
     };
-    (search.is_meant(best) && singles().all(leads)).then_some(best)
+    let is_part = search.is_meant(best) && singles().all(leads);
+    is_part.then(|| Finding::Part { cause: best.mistakes[0].clone(), share: best.share })
 }
 
 /// Returns up to this many of the items, evenly spread, in an order in which each part is evenly spread, too.

@@ -51,7 +51,7 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     let patience = &original.patience;
     let caster = &original.prepared.caster(patience).ok()?;
     let student = &Student { patience, ..Student::new(renderer, caster, request.effects) };
-    let painter = Painter::new(student, request);
+    let painter = Painter::new(student, request, &[]);
     let count = |rays: SelfHitting| {
         let may_hit = |why, _: &SurfacePoint, _| rays.has(why);
         let is_speckle = |&&at: &&usize| {

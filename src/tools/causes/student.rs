@@ -31,11 +31,8 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// How a ray leaves a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Departure {
-    /// Mirrored.
     Reflected,
-    /// Through the surface.
     Refracted,
-    /// Towards a light.
     Shadow,
     /// Towards a light, after crossing a transparent surface.
     Onwards,
@@ -218,9 +215,15 @@ impl<'a> Student<'a> {
         let of_object = matrix.transpose() * normal;
         let is_placed_as_written = matrix == DMat3::IDENTITY;
         if self.breaks(Rule::NormalsNeverNormalised) {
-            return self.object_radius(primitive).unwrap_or(1.0) * normal / of_object.length();
+            let object = self.objects.map(|objects| &self.renderer.scene.objects[objects.of(primitive).id]);
+            // In the sphere's own space.
+            let radius = if let Some(&Object::Sphere { radius, .. }) = object { radius } else { 1.0 };
+            return radius * normal / of_object.length();
         }
-        let is_sphere = self.world().is_shape(primitive);
+        let (is_sphere, is_triangle) =
+            (self.world().is_shape(primitive), self.world().is_triangle(primitive));
+        let is_reversed = self.breaks(Rule::SphereNormalsInward) && is_sphere
+            || self.breaks(Rule::WindingReversed) && is_triangle;
         if self.breaks(Rule::NormalsByMatrix) {
             unit(matrix * of_object)
         } else if self.breaks(Rule::NormalsByInverse) {
@@ -231,27 +234,16 @@ impl<'a> Student<'a> {
             normal / of_object.length()
         } else if self.breaks(Rule::SphereNormalsNotNormalised) && is_sphere && is_placed_as_written {
             0.5 * self.world().box_of(primitive).extent().x * normal
-        } else if self.breaks(Rule::SphereNormalsInward) && is_sphere {
+        } else if is_reversed {
             -normal
-        } else if let Primitive::Triangle(triangle) = self.world().primitive(primitive) {
+        } else if self.breaks(Rule::TriangleNormalsNotNormalised)
+            && is_placed_as_written
+            && let Primitive::Triangle(triangle) = self.world().primitive(primitive)
+        {
             let [a, b, c] = self.world().corners(triangle);
-            match () {
-                () if self.breaks(Rule::WindingReversed) => -normal,
-                () if self.breaks(Rule::TriangleNormalsNotNormalised) && is_placed_as_written => {
-                    (b - a).cross(c - a).length() * normal
-                }
-                () => normal,
-            }
+            (b - a).cross(c - a).length() * normal
         } else {
             normal
-        }
-    }
-
-    /// Returns the radius of a sphere in its own space.
-    fn object_radius(&self, primitive: u32) -> Option<f64> {
-        match self.renderer.scene.objects[self.objects?.of(primitive).id] {
-            Object::Sphere { radius, .. } => Some(radius),
-            _ => None,
         }
     }
 

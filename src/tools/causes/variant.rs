@@ -13,7 +13,7 @@ use crate::render::{Layer, Request};
 use crate::scene::Camera;
 use crate::tools::compare::color_of;
 use crate::trace::Shadows;
-use crate::world::{Objects, PlacedObject};
+use crate::world::Objects;
 use glam::DVec2;
 
 /// Numbers that differ in a tracer in single precision.
@@ -25,10 +25,9 @@ pub struct Rough {
     pub weight: f64,
 }
 
-impl Default for Rough {
-    fn default() -> Self {
-        Self { epsilon: None, weight: 1.0 }
-    }
+impl Rough {
+    /// The numbers of this program.
+    pub const NONE: Self = Self { epsilon: None, weight: 1.0 };
 }
 
 /// A picture with some mistakes, ready to be rendered.
@@ -127,7 +126,7 @@ impl<'o> Variant<'o> {
                 |prepared: &Prepared| prepared.render_watched(&self.request, self.original.patience.0).ok();
             self.with_prepared(rendered)??.0.remove(0)
         } else {
-            self.with_painter(Rough::default(), |painter| painter.picture().ok())??
+            self.with_painter(Rough::NONE, |painter| painter.picture().ok())??
         };
         if self.original.is_cancelled() {
             return None;
@@ -162,22 +161,21 @@ impl<'o> Variant<'o> {
             };
             let (objects, epsilon) = (Some(&objects), rough.epsilon);
             let student = Student { rules: self.rules, objects, epsilon, patience, ..student };
-            Some(work(&Painter::new(&student, &self.request).with_moves(&self.moves)))
+            Some(work(&Painter::new(&student, &self.request, &self.moves)))
         };
         self.with_prepared(paint)?
     }
 
     /// Returns true if triangles are left out of the world.
     fn hides_triangles(&self) -> bool {
-        !matches!(self.without, None | Some(Part::Object(_) | Part::Light(_)))
+        matches!(self.without, Some(Part::Triangle { .. }))
     }
 
     /// Returns the primitives that are left out of the world, in ascending order.
     fn hidden(&self, objects: &Objects) -> Vec<u32> {
         let Some(part) = self.without else { return vec![] };
         let scene = &self.original.renderer().scene;
-        let of = |object: &PlacedObject| Some(object.primitives.start + part.triangle(object, scene)?);
-        let mut hidden: Vec<u32> = objects.iter().filter_map(of).collect();
+        let mut hidden: Vec<u32> = objects.iter().filter_map(|object| part.hidden(object, scene)).collect();
         hidden.sort_unstable();
         hidden
     }

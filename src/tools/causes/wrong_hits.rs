@@ -123,16 +123,12 @@ impl Hits for WrongHits<'_> {
     }
 
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
-        let holds = |object: &&&PlacedObject| object.primitives.contains(&visible.primitive);
-        let is_rescaled = !self.rules.has(Rule::TNotRescaled);
-        let object = if is_rescaled { None } else { self.objects.iter().find(holds) };
-        match object {
-            Some(object) => {
-                let t_bound = visible.t_bound / self.scale(ray, object);
-                let found = self.hits.surface(ray, Visible { t_bound, ..visible });
-                SurfacePoint { position: ray.at(visible.t_bound), ..found }
-            }
-            None => self.hits.surface(ray, visible),
+        if !self.rules.has(Rule::TNotRescaled) {
+            return self.hits.surface(ray, visible);
         }
+        let object = self.objects.iter().find(|object| object.primitives.contains(&visible.primitive));
+        let t_bound = visible.t_bound / object.map_or(1.0, |object| self.scale(ray, object));
+        let found = self.hits.surface(ray, Visible { t_bound, ..visible });
+        SurfacePoint { position: ray.at(visible.t_bound), ..found }
     }
 }

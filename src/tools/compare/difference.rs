@@ -2,8 +2,9 @@
 
 use super::edges::EdgeMap;
 use super::{
-    Line, Rgb, block, colors, common_size, largest_channel_difference, mean_flip, percent, sum_of_squares,
+    Line, Rgb, block, colors, largest_channel_difference, mean_flip, percent, same_size, sum_of_squares,
 };
+use crate::base::patience::{Endless, Patience};
 use crate::diagnostic::Diagnostic;
 use crate::picture::Picture;
 use serde::Serialize;
@@ -13,7 +14,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Width and height in pixels.
-    pub size: [u32; 2],
+    pub size: [usize; 2],
     /// The first pixel with the largest difference, rows from the top. `None` if the pictures are equal.
     pub largest: Option<LargestDifference>,
     /// The root mean square error over all channels, in levels.
@@ -30,7 +31,7 @@ pub struct Comparison {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LargestDifference {
     /// Column and row from the top left.
-    pub at: [u32; 2],
+    pub at: [usize; 2],
     /// The largest difference of a channel.
     pub levels: u8,
     /// The pixel's red, green and blue in A.
@@ -42,23 +43,19 @@ pub struct LargestDifference {
 impl Comparison {
     /// Compares the picture `a` with the reference `b`. Fails if the sizes differ.
     pub fn new(a: &Picture, b: &Picture) -> Result<Self, Diagnostic> {
-        Self::new_unless(a, b, &|| false)
+        Self::within(a, b, &Endless)
     }
 
-    /// Compares like [`new`](Self::new), but returns soon with an unspecified result after `is_over` returns true.
-    pub fn new_unless(
-        a: &Picture,
-        b: &Picture,
-        is_over: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Self, Diagnostic> {
-        let mean_flip = Some(mean_flip(a, b, is_over)?);
+    /// Compares like [`new`](Self::new), but returns soon with an unspecified result after the patience is over.
+    pub fn within(a: &Picture, b: &Picture, patience: &dyn Patience) -> Result<Self, Diagnostic> {
+        let mean_flip = Some(mean_flip(a, b, patience)?);
         Ok(Self { mean_flip, ..Self::without_flip(a, b, &EdgeMap::new(b))? })
     }
 
     /// Compares without FLIP. `edges` are the edges of `b`. Fails if the sizes differ.
     pub(super) fn without_flip(a: &Picture, b: &Picture, edges: &EdgeMap) -> Result<Self, Diagnostic> {
         let mut comparison = Self {
-            size: common_size(a, b)?,
+            size: same_size([a.size(), b.size()])?,
             largest: None,
             root_mean_square_error: 0.0,
             mean_flip: None,
@@ -77,19 +74,18 @@ impl Comparison {
 
     /// Counts a differing pixel.
     fn add(&mut self, index: usize, a: Rgb, b: Rgb, edges: &EdgeMap) {
-        let width = self.size[0] as usize;
-        let [x, y] = [index % width, index / width];
+        let at @ [x, y] = [index % self.size[0], index / self.size[0]];
         let levels = largest_channel_difference(a, b);
         self.pixels_by_levels[usize::from(levels)] += 1;
         self.differing_near_edges += u64::from(edges.is_near_edge(x, y));
         if self.largest.is_none_or(|largest| largest.levels < levels) {
-            self.largest = Some(LargestDifference { at: [x as u32, y as u32], levels, a, b });
+            self.largest = Some(LargestDifference { at, levels, a, b });
         }
     }
 
     /// Returns the number of pixels in each picture.
     pub fn pixels(&self) -> u64 {
-        self.size.map(u64::from).into_iter().product()
+        self.size.into_iter().product::<usize>() as u64
     }
 
     /// Returns the number of differing pixels.

@@ -1,7 +1,7 @@
 //! A picture that shows where two pictures differ.
 
 use super::numbers::{Number, difference};
-use super::{Rgb, colors, common_size, largest_channel_difference, same_size};
+use super::{Rgb, colors, largest_channel_difference, same_size};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{BadSize, Color, FloatPicture, Picture, Pixels};
 use serde::Serialize;
@@ -58,11 +58,11 @@ impl DifferencePicture {
     /// Draws the panels of pictures of bytes. Returns also the amplification of their difference. Fails if the sizes
     /// differ.
     pub fn of_bytes(a: &Picture, b: &Picture) -> Result<(Picture, u8), Diagnostic> {
-        let [width, height] = common_size(a, b)?;
+        same_size([a.size(), b.size()])?;
         let pairs = || colors(a).iter().zip(colors(b));
         let largest = pairs().map(|(&a, &b)| largest_channel_difference(a, b)).max().unwrap_or(0);
         let amplification = amplification(largest);
-        let mut difference = Picture::new(width, height)?;
+        let mut difference = Picture::new(a.width(), a.height())?;
         for (shown, (a, b)) in difference.pixels_mut().as_chunks_mut().0.iter_mut().zip(pairs()) {
             *shown = [0, 1, 2].map(|channel: usize| a[channel].abs_diff(b[channel]) * amplification);
         }
@@ -70,7 +70,7 @@ impl DifferencePicture {
     }
 
     fn of_numbers(a: &FloatPicture, b: &FloatPicture) -> Result<Self, Diagnostic> {
-        same_size([a, b].map(|picture| picture.size.map(|n| n as u32)))?;
+        same_size([a.size, b.size])?;
         let mut differences = FloatPicture::with_room(a.size)?;
         for (a, b) in a.colors.iter().zip(&b.colors) {
             let color = Color::from([0, 1, 2].map(|channel| difference(a[channel], b[channel])));

@@ -19,9 +19,8 @@ pub struct EdgeMap {
 }
 
 impl EdgeMap {
-    /// Finds the edges.
     pub fn new(picture: &Picture) -> Self {
-        let [width, height] = [picture.width() as usize, picture.height() as usize];
+        let [width, height] = picture.size();
         let mut map = Self { width, height, is_edge: vec![false; width * height] };
         let (pixels, range) = (colors(picture), range(picture));
         for (y, row) in pixels.chunks_exact(width).enumerate() {

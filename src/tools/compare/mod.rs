@@ -165,19 +165,13 @@ pub(crate) fn sum_of_squares(a: Rgb, b: Rgb) -> u64 {
     a.iter().zip(b).map(|(&a, b)| u64::from(a.abs_diff(b)).pow(2)).sum()
 }
 
-/// Returns the width and height of both pictures. Fails if the sizes differ.
-pub(crate) fn common_size(a: &Picture, b: &Picture) -> Result<[u32; 2], Diagnostic> {
-    same_size([a, b].map(|picture| [picture.width(), picture.height()]))
-}
-
 /// Returns the width and height of two pictures. Fails if they differ.
-fn same_size([a, b]: [[u32; 2]; 2]) -> Result<[u32; 2], Diagnostic> {
+fn same_size([a, b]: [[usize; 2]; 2]) -> Result<[usize; 2], Diagnostic> {
     if a == b { Ok(a) } else { Err(sizes_differ(a, b)) }
 }
 
 /// Returns the error for two pictures with these different widths and heights.
-pub fn sizes_differ(a: [u32; 2], b: [u32; 2]) -> Diagnostic {
-    let ([aw, ah], [bw, bh]) = (a, b);
+pub fn sizes_differ(a @ [aw, ah]: [usize; 2], b @ [bw, bh]: [usize; 2]) -> Diagnostic {
     let relation = relation(a, b).map_or(String::new(), |is| format!("; the first {is}"));
     Diagnostic::error(format!(
         "the pictures differ in size: {aw} x {ah} pixels against {bw} x {bh}{relation}"
@@ -185,8 +179,8 @@ pub fn sizes_differ(a: [u32; 2], b: [u32; 2]) -> Diagnostic {
 }
 
 /// Says how a picture of the width and height `a` comes from one of `b`, if that is simple.
-pub fn relation([aw, ah]: [u32; 2], [bw, bh]: [u32; 2]) -> Option<String> {
-    let times = |[w, h]: [u32; 2], [small_w, small_h]: [u32; 2]| {
+pub fn relation([aw, ah]: [usize; 2], [bw, bh]: [usize; 2]) -> Option<String> {
+    let times = |[w, h]: [usize; 2], [small_w, small_h]: [usize; 2]| {
         let factor = w.checked_div(small_w).filter(|&factor| factor > 1)?;
         let is_multiple = small_w.checked_mul(factor) == Some(w) && small_h.checked_mul(factor) == Some(h);
         is_multiple.then_some(factor)

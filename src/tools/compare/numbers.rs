@@ -13,7 +13,7 @@ use std::fmt;
 #[derive(Clone, Debug)]
 pub struct NumberComparison {
     /// Width and height in pixels.
-    pub size: [u32; 2],
+    pub size: [usize; 2],
     /// The first pixel with the largest difference of finite numbers, rows from the top. `None` if all are equal.
     pub largest: Option<NumberDifference>,
     /// The first pixel with the largest difference of finite numbers in parts of B's number, which is not 0.
@@ -32,7 +32,7 @@ pub struct NumberComparison {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NumberDifference {
     /// Column and row from the top left.
-    pub at: [u32; 2],
+    pub at: [usize; 2],
     /// The largest difference of a channel.
     pub difference: f64,
     /// The pixel's red, green and blue in A.
@@ -53,7 +53,7 @@ pub struct NotFinite {
 impl NumberComparison {
     /// Compares the picture `a` with the reference `b`. Fails if the sizes differ.
     pub fn new(a: &FloatPicture, b: &FloatPicture) -> Result<Self, Diagnostic> {
-        let size = same_size([a, b].map(|picture| picture.size.map(|n| n as u32)))?;
+        let size = same_size([a.size, b.size])?;
         let mut comparison = Self {
             size,
             largest: None,
@@ -77,8 +77,7 @@ impl NumberComparison {
 
     /// Measures a pixel.
     fn add(&mut self, index: usize, a: Color, b: Color) {
-        let width = self.size[0] as usize;
-        let at = [index % width, index / width].map(|n| n as u32);
+        let at = [index % self.size[0], index / self.size[0]];
         let largest = |differences: &mut dyn Iterator<Item = f64>| {
             let difference = differences.fold(0.0, f64::max);
             NumberDifference { at, difference, a, b }
@@ -100,7 +99,7 @@ impl NumberComparison {
 
     /// Returns the number of pixels in each picture.
     pub fn pixels(&self) -> u64 {
-        self.size.map(u64::from).into_iter().product()
+        self.size.into_iter().product::<usize>() as u64
     }
 
     /// Returns the number of pixels with a channel that differs by more than this.

@@ -161,7 +161,6 @@ pub struct Line<'r> {
 }
 
 impl ErrorReport {
-    /// Returns the lines of a filter's table.
     pub fn lines<'r>(&self, group: &'r MeasuredFilter) -> Vec<Line<'r>> {
         let front = group.front();
         let line = |one: &'r Measurement| {

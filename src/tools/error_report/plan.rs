@@ -7,7 +7,7 @@ use crate::render::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::Scene;
-use crate::scene::material::{Material, Paint, Pattern as TexturePattern, Texture};
+use crate::scene::material::{Material, Paint, Texture};
 use crate::tools::causes::has_secondary_rays;
 use crate::trace::Effects;
 use crate::world::World;
@@ -23,7 +23,6 @@ const ADAPTIVE_MOST: u32 = 256;
 const EFFECTS_SAMPLES: u32 = 64;
 const STRUCTURE_SAMPLES: u32 = 4;
 
-/// The usual filters.
 const FILTERS: [Filter; 4] = [
     Filter::PIXEL,
     Filter::Tent { radius: 1.0 },
@@ -104,19 +103,13 @@ fn octaves(scene: &Scene, own: &Setting) -> Vec<Setting> {
     powers_below(most).map(setting).collect()
 }
 
-/// Returns the octaves of a material's noise.
 fn octaves_of(material: &mut Material) -> Option<&mut u32> {
     let (Material::Texture(Texture { pattern, .. }) | Material::Painted(_, Paint::Pattern(pattern, _))) =
         material
     else {
         return None;
     };
-    match pattern {
-        TexturePattern::Noise { octaves }
-        | TexturePattern::Marble { octaves, .. }
-        | TexturePattern::Wood { octaves, .. } => Some(octaves),
-        TexturePattern::Checkerboard => None,
-    }
+    pattern.octaves_mut()
 }
 
 /// Returns the scene with each noise limited to `most` octaves.

@@ -52,7 +52,6 @@ impl Axis {
     }
 }
 
-/// A setting to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     pub axis: Axis,

@@ -8,11 +8,11 @@ use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::base::patience::Patience;
 use crate::caster::NotBuilt;
 use crate::diagnostic::Diagnostic;
-use crate::picture::{FloatPicture, Picture};
+use crate::picture::FloatPicture;
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Progress, Request, Stopped};
 use crate::sampling::filter::Filter;
-use crate::tools::compare::Comparison;
+use crate::tools::compare::{Comparison, colors};
 use rayon::ThreadPool;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -107,7 +107,6 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    /// Renders the reference for a filter.
     fn reference(&mut self, filter: Filter) -> Result<Reference, Ended> {
         let own = Request { adaptive: None, filter, ..self.own.request.clone() };
         let [first, second] = reference::samplers(own.sampler.rng());
@@ -161,22 +160,22 @@ impl Sweep<'_> {
         let other = if let Axis::Octaves(most) = setting.axis { Some(limited(most)?) } else { None };
         let renderer = other.as_ref().unwrap_or(self.renderer);
         let prepared = self.prepared(renderer, &setting.request)?;
-        let Repeated { colors, rays, times } = self.repeat(setting, &prepared)?;
-        let picture = colors.to_picture();
-        let is_over = || patience.is_over();
-        let compare = || Comparison::new_unless(&picture, &reference.picture, &is_over);
+        let Repeated { colors: rendered, rays, times } = self.repeat(setting, &prepared)?;
+        let picture = rendered.to_picture();
+        let compare = || Comparison::within(&picture, &reference.picture, &patience);
         let compared = self.bench.many.install(compare);
         patience.check().map_err(|_| None)?;
         let (flip, off) = compared.map_or((0.0, 0.0), |found| {
             let off = found.pixels_differing_by_more_than(1) as f64 / found.pixels() as f64;
             (found.mean_flip.unwrap_or_default(), off)
         });
-        let error = reference.error(&colors);
+        let error = reference.error(&rendered);
         let Some(MeasuredFilter { measurements, .. }) = self.report.groups.last_mut() else { return Ok(()) };
         let same = Request { structure: self.own.request.structure, ..setting.request.clone() };
         let mut others = measurements.iter().filter(|_| setting.axis == Axis::Structure);
         let asked_for = others.find(|other| other.setting.request == same);
-        let changed = asked_for.map(|other| pixels_that_differ(&other.picture, &picture));
+        let pairs = asked_for.map(|other| colors(&other.picture).iter().zip(colors(&picture)));
+        let changed = pairs.map(|pairs| pairs.filter(|(a, b)| a != b).count() as u64);
         let setting = setting.clone();
         self.done += work(&setting);
         measurements.push(Measurement { setting, times, rays, error, flip, off, changed, picture });
@@ -234,9 +233,4 @@ struct Repeated {
 fn work(setting: &Setting) -> f64 {
     let samples = setting.count().map_or(ADAPTIVE_SAMPLES, f64::from);
     RENDERINGS * samples
-}
-
-fn pixels_that_differ(a: &Picture, b: &Picture) -> u64 {
-    let differ = |(a, b): (&[u8], &[u8])| u64::from(a != b);
-    a.pixels().chunks(3).zip(b.pixels().chunks(3)).map(differ).sum()
 }

@@ -11,7 +11,6 @@ use std::fmt;
 /// The cost of each pixel of a picture. `Display` prints a block in the form of the statistics.
 #[derive(Clone, Debug)]
 pub struct CostMap {
-    /// The quantity counted.
     pub cost: Cost,
     /// Width and height in pixels.
     pub size: [usize; 2],

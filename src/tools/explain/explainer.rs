@@ -11,7 +11,7 @@ use crate::math::instructions::Level;
 use crate::math::ray::Hit;
 use crate::render::renderer::Prepared;
 use crate::scene::material::{Material, Paint, Phong, Texture};
-use crate::scene::{MaterialId, Object, ObjectId, Position, Scene};
+use crate::scene::{MaterialId, Object, ObjectId, Scene};
 use crate::shading::texture::{each_part, first_weight, is_in_boundary};
 use crate::world::{Objects, SurfacePoint, World};
 
@@ -49,18 +49,15 @@ impl<'p, 'r> Explainer<'p, 'r> {
             _ => object.name().into(),
         };
         let has_parts = matches!(object, Object::Box { .. } | Object::Grid { .. } | Object::Mesh { .. });
-        let at = self.scene.positions.objects.get(id).copied().unwrap_or_default();
+        let at = self.scene.positions.object(id);
         ObjectPart { name, at, triangle: has_parts.then(|| primitive - first) }
-    }
-
-    fn material_position(&self, material: MaterialId) -> Position {
-        self.scene.positions.materials.get(material).copied().unwrap_or_default()
     }
 
     /// Adds the surface that a ray hits to its node, without the lighting.
     pub fn add_surface(&self, node: &mut RayNode, point: &SurfacePoint, material: &Phong) {
         let Some(Hit { t, primitive }) = node.hit else { return };
 
+        let material_at = |id: MaterialId| self.scene.positions.material(id);
         // Textures mix materials that come before them.
         let mut weights = vec![0.0; point.material + 1];
         weights[point.material] = 1.0;
@@ -68,14 +65,13 @@ impl<'p, 'r> Explainer<'p, 'r> {
         self.world.with_rounded_point(point, |rounded| {
             let first = |id, texture: &Texture| {
                 let (name, children) = (texture.pattern.name(), texture.children);
-                let (first, at) =
-                    (first_weight(texture, rounded, Level::baseline()), self.material_position(id));
-                textures.push(TextureWeight { name, material: id, at, children, first });
+                let first = first_weight(texture, rounded, Level::baseline());
+                textures.push(TextureWeight { name, material: id, at: material_at(id), children, first });
                 is_on_boundary |= is_in_boundary(texture, rounded);
                 first
             };
             each_part(&self.scene.materials[..=point.material], &mut weights, first, |id, &phong, weight| {
-                parts.push(MaterialPart { material: id, at: self.material_position(id), weight, phong });
+                parts.push(MaterialPart { material: id, at: material_at(id), weight, phong });
             });
         });
         parts.reverse();
@@ -86,7 +82,7 @@ impl<'p, 'r> Explainer<'p, 'r> {
         } else {
             parts.clear();
         }
-        let (object, material_at) = (self.object(primitive), self.material_position(point.material));
+        let (object, material_at) = (self.object(primitive), material_at(point.material));
         let (point, paint, ambient, lights) = (*point, self.paint(point), None, vec![]);
         let surface =
             Surface { object, t, point, material_at, material, paint, textures, parts, ambient, lights };

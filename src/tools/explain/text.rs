@@ -21,7 +21,6 @@ const SHOWN_RAYS: usize = 512;
 /// The largest number of other samples shown, in a line each.
 const SHOWN_SAMPLES: usize = 1024;
 
-/// A line of the text.
 #[derive(Clone, Debug)]
 pub struct Line {
     pub text: String,
@@ -36,7 +35,6 @@ impl fmt::Display for PixelTree {
 }
 
 impl PixelTree {
-    /// Returns the lines of the text.
     pub fn lines(&self) -> Vec<Line> {
         let mut text = Text { tree: self, lines: vec![], indent: 0, about: None };
         text.add(RULE);

@@ -7,7 +7,6 @@ use crate::picture::{FloatPicture, Pixels};
 use crate::tools::causes::Finding;
 use crate::tools::compare::{Difference, relation};
 
-/// A submission.
 #[derive(Clone, Debug)]
 pub enum Submission {
     Picture(Pixels),
@@ -53,11 +52,9 @@ pub enum Cell {
         /// Its index among the different pictures of the column.
         picture: usize,
     },
-    /// There is no picture.
     Missing,
     /// There is no readable picture of the reference's size. Contains the reason.
     Unusable(String),
-    /// There is no reference.
     Ungraded,
 }
 
@@ -187,7 +184,7 @@ pub struct ColumnGrader<'g, 'r> {
     page: Option<&'g mut Page>,
     places: Vec<Place>,
     /// The results of different pictures.
-    judged: Vec<Judged>,
+    judged: Vec<Cell>,
     /// Different pictures that are not judged yet, each once.
     waiting: Vec<Pixels>,
 }
@@ -197,12 +194,6 @@ enum Place {
     Decided(Cell),
     /// The index of a picture that differs.
     Judged(usize),
-}
-
-struct Judged {
-    difference: Difference,
-    verdict: Verdict,
-    cause: Option<Finding>,
 }
 
 impl<'g, 'r> ColumnGrader<'g, 'r> {
@@ -248,28 +239,20 @@ impl<'g, 'r> ColumnGrader<'g, 'r> {
         let reference = self.reference;
         let waiting = std::mem::take(&mut self.waiting);
         let differences = Difference::of_each(&waiting, &reference.pixels)?;
-        let mut judged: Vec<Judged> = vec![];
-        for (picture, difference) in waiting.iter().zip(differences) {
-            let verdict = reference.judge(self.rule, picture, &difference);
-            judged.push(Judged { difference, verdict, cause: None });
-        }
-        if self.finds_causes {
-            let (mut failed, mut wrong) = (vec![], vec![]);
-            for (judged, picture) in
-                judged.iter_mut().zip(&waiting).filter(|(judged, _)| !judged.verdict.passes)
-            {
-                failed.push(judged);
-                wrong.push(picture);
-            }
-            if !wrong.is_empty() {
-                let found = reference.explain(&wrong);
-                failed.into_iter().zip(found).for_each(|(judged, found)| judged.cause = found);
-            }
+        for (pixels, difference) in waiting.iter().zip(differences) {
+            let verdict = reference.judge(self.rule, pixels, &difference);
+            let is_explained = self.finds_causes && !verdict.passes;
+            let cause = if is_explained { reference.explain(pixels).map(Box::new) } else { None };
+            let picture = self.judged.len();
+            self.judged.push(match difference.pixels_that_differ() {
+                // A NaN differs from itself for the comparison of pictures by `==`.
+                0 => Cell::Equal,
+                _ => Cell::Different { difference, verdict, cause, picture },
+            });
         }
         if let Some(page) = &mut self.page {
             page.add_different(reference, &waiting)?;
         }
-        self.judged.append(&mut judged);
         Ok(())
     }
 
@@ -278,15 +261,7 @@ impl<'g, 'r> ColumnGrader<'g, 'r> {
         self.judge()?;
         let cells = self.places.into_iter().map(|place| match place {
             Place::Decided(cell) => cell,
-            // A NaN differs from itself for the comparison of pictures by `==`.
-            Place::Judged(picture) if self.judged[picture].difference.pixels_that_differ() == 0 => {
-                Cell::Equal
-            }
-            Place::Judged(picture) => {
-                let Judged { difference, verdict, cause } = &self.judged[picture];
-                let difference = difference.clone();
-                Cell::Different { difference, verdict: *verdict, cause: cause.clone().map(Box::new), picture }
-            }
+            Place::Judged(picture) => self.judged[picture].clone(),
         });
         let has_numbers = matches!(self.reference.pixels, Pixels::Numbers(_));
         Ok(Column { picture, problem: None, has_numbers, cells: cells.collect(), remarks })
@@ -302,7 +277,7 @@ fn bytes(picture: &Pixels) -> usize {
 }
 
 /// Returns why a picture of another size cannot be compared.
-fn other_size(own @ [width, height]: [u32; 2], right @ [right_width, right_height]: [u32; 2]) -> String {
+fn other_size(own @ [width, height]: [usize; 2], right @ [right_width, right_height]: [usize; 2]) -> String {
     let relation = relation(own, right).map_or(String::new(), |is| format!(": it {is}"));
     format!("its size is {width} x {height} pixels instead of {right_width} x {right_height}{relation}")
 }

@@ -56,7 +56,6 @@ pub enum Reason {
     Special,
     /// A folder in which no files are looked for.
     Unlisted,
-    /// A folder that cannot be read.
     Unreadable,
 }
 

@@ -35,7 +35,6 @@ pub struct Table {
     pub not_graded: Vec<NotGraded>,
 }
 
-/// A file that is not graded.
 #[derive(Clone, Debug)]
 pub struct NotGraded {
     /// The name in whose folder it is, if it is in one.

@@ -71,7 +71,6 @@ impl Page {
         Ok(())
     }
 
-    /// Adds a column without a reference.
     pub fn add_ungraded(&mut self) {
         self.columns.push(Shown::default());
     }

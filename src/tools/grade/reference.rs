@@ -1,9 +1,8 @@
 //! A reference, and the verdict on a picture.
 
-use crate::picture::{FloatPicture, Picture, Pixels};
+use crate::picture::{FloatPicture, Pixels};
 use crate::tools::causes::{Finding, MAX_UNEXPLAINED, Original, explain_finished};
 use crate::tools::compare::{Difference, Scale, Tolerance};
-use std::borrow::Cow;
 use std::fmt;
 
 /// The number of pixels that rounding need not explain in a picture that passes.
@@ -12,11 +11,9 @@ const MOST_UNEXPLAINED: u64 = MAX_UNEXPLAINED as u64;
 /// The condition on which a picture passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// The pictures are equal.
     Equal,
     /// Rounding of single precision explains all differing pixels but two. Where no scene is known, the pictures are equal.
     Rounding,
-    /// The difference is within a tolerance.
     Tolerance(Tolerance),
 }
 
@@ -34,7 +31,7 @@ impl fmt::Display for Rule {
 pub struct Reference<'r> {
     pub pixels: Pixels,
     /// Its colours, if they are known.
-    colors: Option<Cow<'r, FloatPicture>>,
+    colors: Option<FloatPicture>,
     /// The scene, if its mistakes can be tried.
     original: Option<Original<'r>>,
 }
@@ -56,7 +53,7 @@ impl<'r> Reference<'r> {
     /// A rendered picture, whose file has bytes or numbers.
     pub fn rendered(colors: FloatPicture, has_numbers: bool) -> Self {
         let pixels = in_file(&colors, has_numbers);
-        Self { pixels, colors: Some(Cow::Owned(colors)), original: None }
+        Self { pixels, colors: Some(colors), original: None }
     }
 
     /// A rendered picture of a scene whose mistakes can be tried.
@@ -80,19 +77,15 @@ impl<'r> Reference<'r> {
         Verdict { passes: left <= most, unexplained }
     }
 
-    /// Finds why each of these pictures differs, by its bytes. So a picture of numbers never differs by rounding alone.
-    pub fn explain(&self, wrong: &[&Pixels]) -> Vec<Option<Finding>> {
-        let bytes: Vec<Picture> = wrong.iter().map(|picture| picture.bytes().into_owned()).collect();
+    /// Finds why a picture differs, by its bytes. So a picture of numbers never differs by rounding alone.
+    pub fn explain(&self, picture: &Pixels) -> Option<Finding> {
+        let bytes = picture.bytes();
         let found = match &self.original {
-            Some(original) => original.explain_all(&bytes),
-            None => explain_finished(&self.pixels.bytes(), self.colors.as_deref(), &bytes),
+            Some(original) => original.explain(&bytes),
+            None => explain_finished(&self.pixels.bytes(), self.colors.as_ref(), &bytes),
         };
-        let has_cause = |picture: &Pixels, found: &Finding| match (&self.pixels, picture) {
-            (Pixels::Numbers(_), Pixels::Numbers(_)) => !matches!(found, Finding::Rounding { .. }),
-            _ => true,
-        };
-        let found = wrong.iter().zip(found);
-        found.map(|(picture, found)| Some(found).filter(|found| has_cause(picture, found))).collect()
+        let are_numbers = matches!((&self.pixels, picture), (Pixels::Numbers(_), Pixels::Numbers(_)));
+        Some(found).filter(|found| !(are_numbers && matches!(found, Finding::Rounding { .. })))
     }
 
     /// Returns the scale on which the reference and this picture are shown, if they are compared by their numbers.

@@ -125,7 +125,7 @@ fn used(scene: &Scene) -> Vec<Secondary> {
                 [children.map(|it| it.reflected), children.map(|it| it.refracted)].map(|[a, b]| a.max(b))
             }
         };
-        let at = scene.positions.materials.get(id).copied().unwrap_or_default();
+        let at = scene.positions.material(id);
         all.push(Secondary { at, reflected, refracted });
     }
     let used: BTreeSet<usize> = scene.objects.iter().filter_map(|object| object.material()).collect();

@@ -35,8 +35,8 @@ pub fn lights_without_effect(scene: &Scene, world: &World, effects: &Effects) ->
             }
             _ => return None,
         };
-        let at = scene.positions.lights.get(index).copied().unwrap_or_default();
-        Some(Diagnostic::warning(format!("the light has no effect: {why}")).at(at))
+        let warning = Diagnostic::warning(format!("the light has no effect: {why}"));
+        Some(warning.at(scene.positions.light(index)))
     };
     limited(scene.lights.iter().enumerate().filter_map(warning).collect())
 }
@@ -49,12 +49,11 @@ pub fn triangles_without_area(scene: &Scene, meshes: &[Mesh]) -> Vec<Diagnostic>
         |object: &Object| matches!(object, Object::Triangle { vertices, .. } if is_flat(vertices.each_ref()));
     let own: Vec<usize> = (0..scene.objects.len()).filter(|&id| is_flat_object(&scene.objects[id])).collect();
     let first = own.first().map(|&first| {
-        let at = scene.positions.objects.get(first).copied().unwrap_or_default();
         let message = match own.len() {
             1 => "the triangle has no area".into(),
             count => format!("{count} triangles have no area; this is the first"),
         };
-        Diagnostic::warning(message).with_hint(hint).at(at)
+        Diagnostic::warning(message).with_hint(hint).at(scene.positions.object(first))
     });
     let of_meshes = scene.meshes.iter().zip(meshes).filter_map(|(file, mesh)| {
         let (count, all) = (flat_count(mesh), mesh.triangles.len());

@@ -75,7 +75,6 @@ const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 const WIDEST_SPREAD: f64 = 0.04;
 
 impl SpatialFilters {
-    /// Creates the filters.
     pub fn new() -> Self {
         let radius = (3.0 * (WIDEST_SPREAD / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE).ceil() as usize;
         let gaussian = |spread: f64| {
@@ -111,7 +110,6 @@ pub struct FeatureFilters {
 const FEATURE_WIDTH: f64 = 0.082;
 
 impl FeatureFilters {
-    /// Creates the filters.
     pub fn new() -> Self {
         let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
         let radius = (3.0 * deviation).ceil() as usize;

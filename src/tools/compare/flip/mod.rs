@@ -10,7 +10,8 @@ mod filter;
 mod tests;
 mod tile;
 
-use super::{colors, common_size};
+use super::{colors, same_size};
+use crate::base::patience::Patience;
 use crate::diagnostic::Diagnostic;
 use crate::picture::Picture;
 use color::ColorSpace;
@@ -41,11 +42,11 @@ struct Flip {
 }
 
 /// Returns the mean error of the picture `a` against the reference `b`, from 0 to 1, or soon an unspecified result after
-/// `is_over` returns true. Fails if the sizes differ.
+/// the patience is over. Fails if the sizes differ.
 ///
 /// Tiles are computed in parallel and summed in a fixed order, so the result does not depend on the number of threads.
-pub fn mean_flip(a: &Picture, b: &Picture, is_over: &(dyn Fn() -> bool + Sync)) -> Result<f64, Diagnostic> {
-    let [width, height] = common_size(a, b)?.map(|side| side as usize);
+pub fn mean_flip(a: &Picture, b: &Picture, patience: &dyn Patience) -> Result<f64, Diagnostic> {
+    let [width, height] = same_size([a.size(), b.size()])?;
     let colors = ColorSpace::default();
     let flip = Flip {
         spatial: SpatialFilters::new(),
@@ -54,7 +55,7 @@ pub fn mean_flip(a: &Picture, b: &Picture, is_over: &(dyn Fn() -> bool + Sync)) 
         colors,
     };
     let tiles: Vec<PictureTile> = tiles(width, height).collect();
-    let sum = |tile: &PictureTile| if is_over() { 0.0 } else { flip.sum_of_errors(a, b, tile) };
+    let sum = |tile: &PictureTile| if patience.is_over() { 0.0 } else { flip.sum_of_errors(a, b, tile) };
     let sums: Vec<f64> = tiles.par_iter().map(sum).collect();
     Ok(sums.iter().sum::<f64>() / (width * height) as f64)
 }
@@ -64,7 +65,7 @@ impl Flip {
     /// they are equal, it is exactly 0.
     fn sum_of_errors(&self, a: &Picture, b: &Picture, tile: &PictureTile) -> f64 {
         let radius = self.spatial.radius().max(self.features.radius());
-        let windows = [a, b].map(|picture| tile.window(picture.width() as usize, colors(picture), radius));
+        let windows = [a, b].map(|picture| tile.window(picture.size()[0], colors(picture), radius));
         if windows[0] == windows[1] {
             return 0.0;
         }

@@ -3,8 +3,7 @@
 use crate::base::patience::{Endless, Steps};
 use crate::math::ray::{Ray, Visible};
 use crate::tools::causes::student::Hits;
-use crate::world::triangle::Shear;
-use crate::world::{Primitive, World};
+use crate::world::World;
 
 /// Tests every primitive, one by one.
 pub struct BruteForce<'a> {
@@ -14,13 +13,8 @@ pub struct BruteForce<'a> {
 impl BruteForce<'_> {
     /// Returns all hits along a ray, each with its primitive.
     fn hits<'r>(&'r self, ray: &'r Ray, exclude: Option<u32>) -> impl Iterator<Item = (f64, u32)> + 'r {
-        let (shear, world) = (Shear::new(ray), self.world);
-        let hit = move |id| match world.primitive(id) {
-            Primitive::Triangle(i) => shear.intersect(world.corners_in_place(i)).filter(|&t| ray.covers(t)),
-            Primitive::Shape(i) => world.shapes[i].intersect(ray),
-            Primitive::Plane(i) => world.planes[i].intersect(ray),
-        };
-        world.ids().filter(move |&id| Some(id) != exclude).filter_map(move |id| Some((hit(id)?, id)))
+        let ids = self.world.ids().filter(move |&id| Some(id) != exclude);
+        ids.filter_map(move |id| Some((self.world.crossing(ray, id)?, id)))
     }
 }
 

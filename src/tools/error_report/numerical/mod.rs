@@ -62,7 +62,7 @@ pub fn measure(
     let (brute_force, single) = (BruteForce { world }, SinglePrecision { world });
     let student = Student { patience, ..Student::new(renderer, &brute_force, request.effects) };
     let rough = Student { hits: &single, ..student };
-    let [exact, rough] = [student, rough].map(|student| Painter::new(&student, &request).picture());
+    let [exact, rough] = [student, rough].map(|student| Painter::new(&student, &request, &[]).picture());
     let (exact, rough) = (exact?, rough?);
     let watch = |_| if patience.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let Ok((mut own, _)) = prepared.render_watched(&request, &watch) else { return Ok(None) };
