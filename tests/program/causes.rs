@@ -194,6 +194,33 @@ fn compare_scenes(step: usize) {
     check_all(&failures);
 }
 
+/// In the editions from 2012 on, a texture mixes two colours of one material.
+#[test]
+fn mistakes_in_the_noise_of_a_later_edition_are_named() {
+    let noise = "Noise { color .9 .5 .3 color .1 .2 .6 octaves 3 frequency 4 amplitude 3 }";
+    let scene = format!(
+        "PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }}
+         Lights {{ numLights 1 DirectionalLight {{ direction -.3 -.4 -1 color .9 .9 .9 }} }}
+         Background {{ color .1 .2 .3 ambientLight .2 .2 .2 }}
+         Materials {{ numMaterials 1 Material {{ shininess 5 {noise} }} }}
+         Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
+    );
+    let folder = Folder::with_scene(&scene);
+    for (wrong, words) in [
+        (noise.replace("octaves 3", "octaves 2"), "with one octave of noise fewer"),
+        (noise.replace("octaves 3", "octaves 1"), "with one octave of noise alone"),
+        (
+            noise.replace("color .9 .5 .3 color .1 .2 .6", "color .1 .2 .6 color .9 .5 .3"),
+            "with the two materials of textures swapped",
+        ),
+    ] {
+        folder.write("wrong.txt", scene.replace(noise, &wrong));
+        folder.run("-input wrong.txt -size 40 40 -output a.png").ok();
+        let found = cause(&folder, "-size 40 40");
+        assert!(is_named(&found, words), "{words}: {found}");
+    }
+}
+
 #[test]
 fn a_correct_picture_in_single_precision_has_no_cause() {
     let folder = folder();

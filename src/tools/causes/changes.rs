@@ -2,7 +2,7 @@
 
 use crate::picture::{Color, Window};
 use crate::render::Request;
-use crate::scene::material::{Material, Pattern, Phong, Texture};
+use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
 use crate::scene::model::{FaceWeights, Highlight, Lighting, MeshNormals, Screen, Split};
 use crate::scene::{Camera, Light, MaterialId, Object, ObjectId, Scene};
 use crate::tools::compare::Rgb;
@@ -229,18 +229,26 @@ pub fn invert_matrix(texture: &mut Texture) {
 }
 
 pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
-    each_texture(scene, |texture| {
-        texture.pattern.octaves_mut().into_iter().for_each(|octaves| *octaves = change(*octaves));
-    });
+    for material in &mut scene.materials {
+        let pattern = match material {
+            Material::Texture(texture) => &mut texture.pattern,
+            Material::Painted(_, Paint::Pattern(pattern, _)) => pattern,
+            _ => continue,
+        };
+        pattern.octaves_mut().into_iter().for_each(|octaves| *octaves = change(*octaves));
+    }
 }
 
-/// Swaps the materials of checkerboards, or else of all other textures.
+/// Swaps the materials or the colours of checkerboards, or else of all other textures.
 pub fn swap_children(scene: &mut Scene, of_checkerboards: bool) {
-    each_texture(scene, |texture| {
-        if (texture.pattern == Pattern::Checkerboard) == of_checkerboards {
-            texture.children.swap(0, 1);
+    let is_meant = |pattern: Pattern| (pattern == Pattern::Checkerboard) == of_checkerboards;
+    for material in &mut scene.materials {
+        match material {
+            Material::Texture(texture) if is_meant(texture.pattern) => texture.children.swap(0, 1),
+            Material::Painted(_, Paint::Pattern(pattern, colors)) if is_meant(*pattern) => colors.swap(0, 1),
+            _ => {}
         }
-    });
+    }
 }
 
 pub fn use_half_way_vectors(scene: &mut Scene) {
