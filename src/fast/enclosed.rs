@@ -1,9 +1,10 @@
 //! Shadow rays that start inside a sphere or a small closed mesh, such as a gem. If the light is outside, its surface
 //! blocks them.
 //!
-//! A ray that starts inside a sphere leaves it. A ray that starts inside a closed mesh and ends outside leaves it once more often than it enters it. The triangle
-//! test finds these crossings without gaps ([`world::triangle`](crate::world)), so it finds at least one of them.
-//! Therefore the ray need not be cast if three things are certain:
+//! A ray that starts inside a sphere leaves it. A ray that starts inside a closed mesh and ends outside leaves it once
+//! more often than it enters it. The triangle test finds these crossings without gaps
+//! ([`world::triangle`](crate::world)), so it finds at least one of them. Therefore the ray need not be cast if three
+//! things are certain:
 //!
 //! * It starts inside. The winding number is computed for one point below each triangle. It holds below the whole
 //!   triangle without a narrow border, if no other triangle comes near.
