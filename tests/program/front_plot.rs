@@ -11,7 +11,7 @@ const RIGHT: f64 = 420.0;
 const TOP: f64 = 14.0;
 const BOTTOM: f64 = 230.0;
 /// The ends of the logarithmic axes, in seconds and in levels.
-const SECONDS: [f64; 2] = [0.001, 1.0];
+const SECONDS: [f64; 2] = [0.001, 2.0];
 const LEVELS: [f64; 2] = [0.5, 50.0];
 
 /// The first word of a row of the page's tables, and the colour of its line.
