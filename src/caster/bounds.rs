@@ -49,8 +49,8 @@ impl Region {
         Self { simd_bounds: SimdAabb::new(bounds), frame: Frame::new(bounds), max_origin_distance }
     }
 
-    /// Returns how the ray, up to t = `last`, enters the box, like [`entry`](Self::entry). A ray from too far away that
-    /// certainly misses the box is told from the others.
+    /// Returns how the ray enters the box, like [`entry`](Self::entry), but [`Entry::Misses`] also for a ray from too far
+    /// away that certainly misses the box.
     #[inline(always)]
     pub fn certain_entry<S: Simd>(&self, simd: S, ray: &Ray, last: f64) -> Entry<S> {
         match self.entry(simd, ray, last) {

@@ -57,16 +57,17 @@ impl Hints for RasterHints {
 
     #[inline(always)]
     fn blocker(&self, world: &World, light: usize, surface: &SurfacePoint, direction: DVec3) -> Blocker {
-        let is_blocked = self.closed_meshes.block(light, surface, direction);
-        match surface.primitive {
-            _ if is_blocked => Blocker::Certain,
-            // A shape may block the rays that start on it, of which shadow maps know nothing.
-            Some(id) if world.is_shape(id) && world.lighting.epsilon.is_none() => {
-                let is_blocked = enclosed::sphere_blocks(world, id, light, surface, direction);
-                if is_blocked { Blocker::Certain } else { Blocker::Any }
-            }
-            _ => self.shadow_maps.blocker(light, surface.position),
+        if self.closed_meshes.block(light, surface, direction) {
+            return Blocker::Certain;
         }
+        // A shape may block the rays that start on it, of which shadow maps know nothing.
+        if let Some(id) = surface.primitive.filter(|&id| world.is_shape(id))
+            && world.lighting.epsilon.is_none()
+        {
+            let is_blocked = enclosed::sphere_blocks(world, id, light, surface, direction);
+            return if is_blocked { Blocker::Certain } else { Blocker::Any };
+        }
+        self.shadow_maps.blocker(light, surface.position)
     }
 }
 
