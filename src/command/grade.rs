@@ -28,8 +28,8 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     // List the pictures, and check that no file is lost.
     let listed = entries(&options.folder)?;
     let references = References::open(&options.references)?;
-    let names: Vec<&OsStr> = references.names().collect();
-    let folder = Folder::new(&options.folder, listed, &names, options.student.as_deref())?;
+    let wanted = references.names().map(OsStr::to_owned).collect();
+    let folder = Folder::new(&options.folder, listed, wanted, options.student.as_deref())?;
     check_files(options, &references, &folder)?;
     // A file that cannot be written is no reason to wait for the comparison.
     let report = options.report.as_ref().map(prepare_report).transpose()?;
@@ -50,7 +50,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
         page: report.is_some().then(Page::default),
         progress: ProgressLine::new(options.progress),
     };
-    let columns = names.iter().enumerate().map(|(index, name)| class.column(index, name));
+    let columns = (0..folder.wanted.len()).map(|index| class.column(index));
     let columns = columns.collect::<Result<Vec<Column>, Diagnostic>>()?;
     let page = class.page;
     drop(class.progress);
@@ -65,9 +65,9 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     if columns.iter().all(|column| column.problem.is_some()) {
         return Err(Diagnostic::error("there is no reference to grade by").into());
     }
-    tell_other_names(&folder, &names, log);
+    tell_other_names(&folder, &columns, log);
     let shown = folder.names.iter().map(|name| name.to_string_lossy().into_owned()).collect();
-    let table = Table { rule, names: shown, columns, not_graded: folder.not_graded };
+    let table = Table { rule, names: shown, columns, not_graded: folder.not_graded().cloned().collect() };
     let mut complete = vec![];
     if let (Some([page_file, values_file]), Some(page)) = (report, page) {
         complete.push(page_file.text(&page.finish(&table))?);
@@ -115,16 +115,17 @@ struct Class<'c> {
 
 impl Class<'_> {
     /// Grades one picture of all names.
-    fn column(&mut self, index: usize, name: &OsStr) -> Result<Column, Diagnostic> {
+    fn column(&mut self, index: usize) -> Result<Column, Diagnostic> {
         let (folder, progress) = (self.folder, &self.progress);
-        let shown = name.to_string_lossy().into_owned();
-        let count = self.references.names().count();
+        let shown = folder.wanted[index].to_string_lossy().into_owned();
+        let count = folder.wanted.len();
         let text = format!("grading {} of {count}: {}", index + 1, escape(&shown));
+        let show = || progress.show(|_| text.clone());
         let watch = |_| {
-            progress.show(|_| text.clone());
+            show();
             ControlFlow::Continue(())
         };
-        progress.show(|_| text.clone());
+        show();
         let opened = self.references.open_one(index);
         let reference = match opened.as_ref().map_err(Diagnostic::clone).and_then(|it| it.reference(&watch)) {
             Ok(reference) => reference,
@@ -140,23 +141,23 @@ impl Class<'_> {
         let mut remarks = vec![];
         for row in 0..folder.names.len() {
             grader.add(folder.submission(row, index, reference.pixels.size())?)?;
-            remarks.push(folder.remark(row, index, name));
+            remarks.push(folder.remark(row, index));
         }
         grader.finish(shown, remarks)
     }
 }
 
-/// Tells in a line for each name which of its pictures were found under other names.
-fn tell_other_names(folder: &Folder, wanted: &[&OsStr], log: &Log) {
+/// Tells in a line for each name which of its graded pictures were found under other names.
+fn tell_other_names<'c>(folder: &Folder, columns: &'c [Column], log: &Log) {
     for (row, name) in folder.names.iter().enumerate() {
-        let other = |index: usize| Some((folder.other_name(row, index, wanted[index])?, wanted[index]));
-        let others: Vec<(String, &OsStr)> = (0..wanted.len()).filter_map(other).collect();
-        let Some((file, picture)) = others.first() else { continue };
-        let more = match others.len() {
-            1 => String::new(),
-            count => format!(", and {} more", count - 1),
+        let other = |column: &'c Column| Some((column.remarks[row].found_as.as_ref()?, &column.picture));
+        let mut others = columns.iter().filter_map(other);
+        let Some((file, picture)) = others.next() else { continue };
+        let more = match others.count() {
+            0 => String::new(),
+            count => format!(", and {count} more"),
         };
-        let [name, picture] = [name, *picture].map(|name| escape(&name.to_string_lossy()));
-        log.tell(Diagnostic::note(format!("{name}: graded {} as {picture}{more}", escape(file))));
+        let name = escape(&name.to_string_lossy());
+        log.tell(Diagnostic::note(format!("{name}: graded {} as {}{more}", escape(file), escape(picture))));
     }
 }

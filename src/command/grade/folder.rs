@@ -15,9 +15,12 @@ pub struct Folder {
     path: PathBuf,
     /// In order, of which upper and lower case make no difference.
     pub names: Vec<OsString>,
+    /// The names of the wanted pictures.
+    pub wanted: Vec<OsString>,
     /// The files of each name.
     pairings: Vec<Pairing>,
-    pub not_graded: Vec<NotGraded>,
+    /// The files that lie in the folder of no name.
+    outside: Vec<NotGraded>,
 }
 
 /// The depth of folders to which pictures are looked for.
@@ -31,7 +34,7 @@ impl Folder {
     pub fn new(
         path: &Path,
         entries: Vec<OsString>,
-        wanted: &[&OsStr],
+        wanted: Vec<OsString>,
         student: Option<&OsStr>,
     ) -> Result<Self, Diagnostic> {
         let is_folder = |name: &OsString| path.join(name).is_dir();
@@ -42,11 +45,12 @@ impl Folder {
                 quoted(path)
             )));
         }
-        let mut folder = Self { path: path.to_owned(), names: vec![], pairings: vec![], not_graded: vec![] };
+        let mut outside = vec![];
         match student {
             None => {
-                let outside = |file: &OsString| not_graded(None, file, Reason::OutsideFolders, None);
-                folder.not_graded.extend(others.iter().map(outside));
+                let reason = Reason::OutsideFolders;
+                let files = others.iter().map(|file| file.to_string_lossy().into_owned());
+                outside.extend(files.map(|file| NotGraded { name: None, file, reason, meant_for: None }));
             }
             Some(student) => {
                 names.retain(|name| name == student);
@@ -57,26 +61,15 @@ impl Folder {
             }
         }
         names.sort_by_cached_key(|name| (name.to_string_lossy().to_lowercase(), name.clone()));
-        for name in names {
-            folder.add(name, wanted);
-        }
-        Ok(folder)
+        let pictures: Vec<&OsStr> = wanted.iter().map(OsString::as_os_str).collect();
+        let pairing = |name: &OsString| Pairing::new(name, &files(&path.join(name)), &pictures);
+        let pairings = names.iter().map(pairing).collect();
+        Ok(Self { path: path.to_owned(), names, wanted, pairings, outside })
     }
 
-    /// Adds the folder of a name.
-    fn add(&mut self, name: OsString, wanted: &[&OsStr]) {
-        let (files, unreadable) = files(&self.path.join(&name));
-        let pairing = Pairing::new(&files, wanted);
-        let others = pairing.others.iter().map(|file| {
-            let meant_for = file.meant_for.map(|index| wanted[index]);
-            not_graded(Some(&name), file.path.as_os_str(), file.reason, meant_for)
-        });
-        let unreadable = unreadable.iter();
-        let unreadable =
-            unreadable.map(|file| not_graded(Some(&name), file.as_os_str(), Reason::Unreadable, None));
-        self.not_graded.extend(others.chain(unreadable));
-        self.names.push(name);
-        self.pairings.push(pairing);
+    /// Returns the files that are not graded.
+    pub fn not_graded(&self) -> impl Iterator<Item = &NotGraded> {
+        self.outside.iter().chain(self.pairings.iter().flat_map(|pairing| &pairing.others))
     }
 
     /// The files that are read. A link is not read.
@@ -108,31 +101,25 @@ impl Folder {
     }
 
     /// Returns the other name of the file that is taken for a wanted picture, if it has one.
-    pub fn other_name(&self, row: usize, index: usize, picture: &OsStr) -> Option<String> {
-        let taken = self.pairings[row].taken[index].as_ref();
-        taken.filter(|taken| *taken != Path::new(picture)).map(|taken| taken.to_string_lossy().into_owned())
+    fn other_name(&self, row: usize, index: usize) -> Option<String> {
+        let taken = self.pairings[row].taken[index].as_ref()?;
+        (taken != Path::new(&self.wanted[index])).then(|| taken.to_string_lossy().into_owned())
     }
 
     /// Returns the remark on the file that is taken for a wanted picture.
-    pub fn remark(&self, row: usize, index: usize, picture: &OsStr) -> Remark {
-        let others = self.pairings[row].meant_for(index);
-        Remark { found_as: self.other_name(row, index, picture), others }
+    pub fn remark(&self, row: usize, index: usize) -> Remark {
+        let others = self.pairings[row].meant_for(&self.wanted[index]);
+        Remark { found_as: self.other_name(row, index), others }
     }
 }
 
-fn not_graded(name: Option<&OsString>, file: &OsStr, reason: Reason, meant_for: Option<&OsStr>) -> NotGraded {
-    let text = |name: &OsStr| name.to_string_lossy().into_owned();
-    NotGraded { name: name.map(|name| text(name)), file: text(file), reason, meant_for: meant_for.map(text) }
-}
-
-/// Lists the files in a folder and the folders in it, by their paths from there, and the folders that cannot be read.
-/// Leaves out names that start with a dot.
-fn files(folder: &Path) -> (Vec<Listed>, Vec<PathBuf>) {
-    let (mut listed, mut unreadable): (Vec<Listed>, Vec<PathBuf>) = Default::default();
+/// Lists the files in a folder and the folders in it, by their paths from there. Leaves out names that start with a dot.
+fn files(folder: &Path) -> Vec<Listed> {
+    let mut listed = vec![];
     let mut waiting = vec![(PathBuf::new(), 0)];
     while let Some((inside, depth)) = waiting.pop() {
         let Ok(names) = entries(&folder.join(&inside)) else {
-            unreadable.push(inside);
+            listed.push(Listed { path: inside, kind: Kind::Refused(Reason::Unreadable) });
             continue;
         };
         for name in names {
@@ -140,10 +127,10 @@ fn files(folder: &Path) -> (Vec<Listed>, Vec<PathBuf>) {
             let is_listed = depth < DEEPEST && listed.len() < MOST;
             let kind = match fs::symlink_metadata(folder.join(&path)) {
                 Ok(kind) if kind.is_file() => Kind::Regular,
-                Ok(kind) if kind.is_symlink() => Kind::Link,
+                Ok(kind) if kind.is_symlink() => Kind::Refused(Reason::Link),
                 Ok(kind) if kind.is_dir() && is_listed => Kind::Folder,
-                Ok(kind) if kind.is_dir() => Kind::UnlistedFolder,
-                _ => Kind::Special,
+                Ok(kind) if kind.is_dir() => Kind::Refused(Reason::Unlisted),
+                _ => Kind::Refused(Reason::Special),
             };
             if kind == Kind::Folder {
                 waiting.push((path.clone(), depth + 1));
@@ -152,7 +139,7 @@ fn files(folder: &Path) -> (Vec<Listed>, Vec<PathBuf>) {
         }
     }
     listed.sort();
-    (listed, unreadable)
+    listed
 }
 
 /// Lists the sorted names in a folder, without the ones that start with a dot.

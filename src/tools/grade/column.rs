@@ -69,9 +69,6 @@ pub enum CellWord {
 }
 
 impl CellWord {
-    /// The verdicts of pictures that have a reference.
-    pub const COUNTED: [Self; 4] = [Self::Passed, Self::Failed, Self::Missing, Self::Unusable];
-
     pub fn word(self) -> &'static str {
         match self {
             Self::Passed => "passed",
@@ -80,6 +77,11 @@ impl CellWord {
             Self::Unusable => "unusable",
             Self::Ungraded => "no reference",
         }
+    }
+
+    /// Returns the class of a cell in a page.
+    pub fn class(self) -> &'static str {
+        if self == Self::Ungraded { "ungraded" } else { self.word() }
     }
 
     /// Returns the mark of a cell in a page.

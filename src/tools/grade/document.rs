@@ -1,7 +1,7 @@
 //! The results as a JSON document, whose form `docs/json.md` describes.
 
-use super::{NotGraded, Rule, Table};
-use serde_json::{Value, json};
+use super::{Rule, Table};
+use serde_json::json;
 
 /// Returns the document in one line. Infinities are null.
 pub fn document(table: &Table, format: u32) -> String {
@@ -9,7 +9,7 @@ pub fn document(table: &Table, format: u32) -> String {
         let score = table.score_of_row(row);
         json!({
             "name": name,
-            "points": score.points(),
+            "points": score.points,
             "graded": score.graded(),
             "percent": score.percent(),
         })
@@ -31,16 +31,7 @@ pub fn document(table: &Table, format: u32) -> String {
         "names": names.collect::<Vec<_>>(),
         "pictures": table.entries().collect::<Vec<_>>(),
         "no_reference": no_reference.collect::<Vec<_>>(),
-        "not_graded": table.not_graded.iter().map(not_graded).collect::<Vec<_>>(),
+        "not_graded": table.not_graded,
     });
     format!("{document}\n")
-}
-
-fn not_graded(file: &NotGraded) -> Value {
-    json!({
-        "name": file.name,
-        "file": file.file,
-        "reason": file.reason.words(),
-        "meant_for": file.meant_for,
-    })
 }

@@ -1,6 +1,8 @@
 //! Finds the pictures in the files of a name.
 
 use crate::image_io::Format;
+use serde::{Serialize, Serializer};
+use std::collections::{HashMap, HashSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -15,35 +17,34 @@ pub struct Listed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     Regular,
-    /// It may lead to another name's picture.
-    Link,
     /// A folder whose files are listed too.
     Folder,
-    /// A folder that is too deep, or has too many files before it.
-    UnlistedFolder,
-    /// A pipe or a device.
-    Special,
+    /// Not read, whatever its name. A link may lead to another name's picture.
+    Refused(Reason),
 }
 
 /// The files that are taken for the wanted pictures, and the others.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Pairing {
     /// For each wanted picture, its file.
     pub taken: Vec<Option<PathBuf>>,
-    pub others: Vec<Other>,
+    pub others: Vec<NotGraded>,
 }
 
 /// A file that is not graded.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Other {
-    pub path: PathBuf,
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NotGraded {
+    /// The name in whose folder it is, if it is in one.
+    pub name: Option<String>,
+    /// Its path in that folder.
+    pub file: String,
     pub reason: Reason,
-    /// The index of the wanted picture that it is probably meant for.
-    pub meant_for: Option<usize>,
+    /// The picture that it is probably meant for.
+    pub meant_for: Option<String>,
 }
 
 /// The reason why a file is not graded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Reason {
     /// It does not lie in the folder of a name.
     OutsideFolders,
@@ -87,51 +88,98 @@ impl Reason {
     }
 }
 
+impl Serialize for Reason {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.words())
+    }
+}
+
+impl NotGraded {
+    /// Returns the reason and the picture that it is probably meant for.
+    pub fn words(&self) -> String {
+        let reason = self.reason.words();
+        match &self.meant_for {
+            Some(picture) if self.reason == Reason::OtherIsGraded => format!("{reason} as {picture}"),
+            Some(picture) => format!("{reason}; probably {picture}"),
+            None => reason.to_owned(),
+        }
+    }
+
+    /// Returns its path from the folder of all names.
+    pub fn path(&self) -> String {
+        let folder = self.name.as_ref().map_or(String::new(), |name| format!("{name}/"));
+        folder + &self.file
+    }
+}
+
 impl Pairing {
-    /// Finds the wanted pictures among the sorted files of a name.
-    pub fn new(files: &[Listed], wanted: &[&OsStr]) -> Self {
-        let taken: Vec<Option<PathBuf>> =
-            wanted.iter().map(|picture| taken_for(picture, files, wanted)).collect();
-        let is_other = |file: &&Listed| {
-            file.kind != Kind::Folder && !taken.iter().flatten().any(|taken| *taken == file.path)
+    /// Finds the wanted pictures among the files of a name.
+    pub fn new(name: &OsStr, files: &[Listed], wanted: &[&OsStr]) -> Self {
+        let mut of_stem: HashMap<String, Vec<&Listed>> = HashMap::new();
+        for file in files {
+            of_stem.entry(stem(file.path.as_os_str()).to_lowercase()).or_default().push(file);
+        }
+        let names: HashSet<&OsStr> = wanted.iter().copied().collect();
+        let taken_for = |picture: &&OsStr| {
+            let files = of_stem.get(&stem(picture).to_lowercase())?;
+            taken_for(picture, files, &names)
         };
-        let others = files.iter().filter(is_other).map(|file| Other::new(file, wanted, &taken)).collect();
+        let taken: Vec<Option<PathBuf>> = wanted.iter().map(taken_for).collect();
+
+        let all_parts: Vec<Vec<String>> = wanted.iter().map(|name| parts(name)).collect();
+        let taken_paths: HashSet<&PathBuf> = taken.iter().flatten().collect();
+        let not_graded = |Listed { path, kind }: &Listed| {
+            let is_read = Format::of_input(path).is_some();
+            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+            let is_picture = is_read || ending.is_some_and(|ending| UNREAD.contains(&ending.as_str()));
+            let meant_for = meant_for(path, is_picture, &all_parts);
+            let reason = match kind {
+                Kind::Folder => return None,
+                Kind::Refused(reason) => *reason,
+                Kind::Regular if meant_for.is_some_and(|index| taken[index].is_some()) => {
+                    Reason::OtherIsGraded
+                }
+                Kind::Regular if is_read => Reason::NoReference,
+                Kind::Regular if is_picture || meant_for.is_some() => Reason::UnreadFormat,
+                Kind::Regular => Reason::NoPicture,
+            };
+            Some(NotGraded {
+                name: Some(text(name)),
+                file: text(path.as_os_str()),
+                reason,
+                meant_for: meant_for.map(|index| text(wanted[index])),
+            })
+        };
+        let others = files.iter().filter(|file| !taken_paths.contains(&file.path));
+        let others = others.filter_map(not_graded).collect();
         Self { taken, others }
     }
 
     /// Returns the files that are not taken but are probably meant for a wanted picture, and the reason of the first.
-    pub fn meant_for(&self, index: usize) -> Option<String> {
-        let meant: Vec<&Other> = self.others.iter().filter(|file| file.meant_for == Some(index)).collect();
+    pub fn meant_for(&self, picture: &OsStr) -> Option<String> {
+        let picture = text(picture);
+        let is_meant = |file: &&NotGraded| file.meant_for.as_ref() == Some(&picture);
+        let meant: Vec<&NotGraded> = self.others.iter().filter(is_meant).collect();
         let reason = meant.first()?.reason.words();
-        let named: Vec<_> = meant.iter().take(NAMED).map(|file| file.path.to_string_lossy()).collect();
+        let named: Vec<&str> = meant.iter().take(NAMED).map(|file| file.file.as_str()).collect();
         let more = meant.len().saturating_sub(NAMED);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         Some(format!("{}{more}: {reason}", named.join(", ")))
     }
 }
 
-impl Other {
-    fn new(Listed { path, kind }: &Listed, wanted: &[&OsStr], taken: &[Option<PathBuf>]) -> Self {
-        let is_read = Format::of_input(path).is_some();
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        let is_picture = is_read || ending.is_some_and(|ending| UNREAD.contains(&ending.as_str()));
-        let meant_for = meant_for(path, is_picture, wanted);
-        let reason = match kind {
-            Kind::Link => Reason::Link,
-            Kind::Special => Reason::Special,
-            Kind::Folder | Kind::UnlistedFolder => Reason::Unlisted,
-            Kind::Regular if meant_for.is_some_and(|index| taken[index].is_some()) => Reason::OtherIsGraded,
-            Kind::Regular if is_read => Reason::NoReference,
-            Kind::Regular if is_picture || meant_for.is_some() => Reason::UnreadFormat,
-            Kind::Regular => Reason::NoPicture,
-        };
-        Self { path: path.clone(), reason, meant_for }
-    }
+fn text(name: &OsStr) -> String {
+    name.to_string_lossy().into_owned()
+}
+
+/// Returns the last name of a path without its ending.
+fn stem(path: &OsStr) -> String {
+    Path::new(path).file_stem().map_or(String::new(), text)
 }
 
 /// Returns the path of the file that is taken for this picture: the picture's own name, or else a file whose name has
-/// another ending or case, or that lies in a folder.
-fn taken_for(picture: &OsStr, files: &[Listed], wanted: &[&OsStr]) -> Option<PathBuf> {
+/// another ending or case, or that lies in a folder. The files have the picture's name without its ending, in any case.
+fn taken_for(picture: &OsStr, files: &[&Listed], wanted: &HashSet<&OsStr>) -> Option<PathBuf> {
     if files.iter().any(|file| file.path == Path::new(picture)) {
         return Some(picture.into());
     }
@@ -151,26 +199,26 @@ struct Mismatch {
     has_other_ending: bool,
 }
 
-/// Returns the difference between the path of a file and a picture's name, or `None` if it is another picture.
-fn mismatch(file: &Path, picture: &OsStr, wanted: &[&OsStr]) -> Option<Mismatch> {
+/// Returns the difference between the path of a file and a picture's name, or `None` if the file is another wanted
+/// picture.
+fn mismatch(file: &Path, picture: &OsStr, wanted: &HashSet<&OsStr>) -> Option<Mismatch> {
     let name = file.file_name()?;
     let depth = file.components().count() - 1;
-    if wanted.contains(&name) && (depth == 0 || name != picture) {
+    if wanted.contains(name) && (depth == 0 || name != picture) {
         return None;
     }
-    let stem = |name: &OsStr| Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let (own, wanted) = (stem(name)?, stem(picture)?);
-    let has_other_ending = Path::new(name).extension() != Path::new(picture).extension();
-    let is_same = own.to_lowercase() == wanted.to_lowercase();
-    is_same.then(|| Mismatch { depth, has_other_case: own != wanted, has_other_ending })
+    Some(Mismatch {
+        depth,
+        has_other_case: stem(name) != stem(picture),
+        has_other_ending: Path::new(name).extension() != Path::new(picture).extension(),
+    })
 }
 
-/// Returns the only wanted picture whose name has the words and numbers of this file's name; or else the one whose words
-/// and numbers occur in it in a row, as in "Copy of o 1.tga". A picture may also have the same numbers alone, or be
-/// misspelt.
-fn meant_for(file: &Path, is_picture: bool, wanted: &[&OsStr]) -> Option<usize> {
+/// Returns the index of the only wanted picture whose name has the words and numbers of this file's name; or else of the
+/// one whose words and numbers occur in it in a row, as in "Copy of o 1.tga". A picture may also have the same numbers
+/// alone, or be misspelt. `all` are the words and numbers of each wanted picture.
+fn meant_for(file: &Path, is_picture: bool, all: &[Vec<String>]) -> Option<usize> {
     let own = parts(file.file_name()?);
-    let all: Vec<Vec<String>> = wanted.iter().map(|name| parts(name)).collect();
     let only = |is_like: &dyn Fn(&[String]) -> bool| {
         let mut like = (0..all.len()).filter(|&index| is_like(&all[index]));
         like.next().filter(|_| like.next().is_none())
@@ -251,7 +299,7 @@ mod tests {
     fn pairing(files: &[&str]) -> Pairing {
         let listed = |path: &&str| Listed { path: path.into(), kind: Kind::Regular };
         let files: Vec<Listed> = files.iter().map(listed).collect();
-        Pairing::new(&files, &WANTED.map(OsStr::new))
+        Pairing::new(OsStr::new("ann"), &files, &WANTED.map(OsStr::new))
     }
 
     #[test]
@@ -280,23 +328,21 @@ mod tests {
             ("Makefile", NoPicture, None),
         ] {
             let found = pairing(&[file]);
-            let expected = Other { path: file.into(), reason, meant_for };
+            let meant_for = meant_for.map(|index: usize| WANTED[index].to_owned());
+            let expected = NotGraded { name: Some("ann".into()), file: file.into(), reason, meant_for };
             assert_eq!((found.taken, found.others), (vec![None; 5], vec![expected]), "{file}");
         }
     }
 
     #[test]
     fn only_regular_files_are_taken_under_other_names() {
-        for (kind, reason) in [
-            (Kind::Link, Reason::Link),
-            (Kind::Special, Reason::Special),
-            (Kind::UnlistedFolder, Reason::Unlisted),
-        ] {
-            let other = Listed { path: "a/output4_02.tga".into(), kind };
-            let found = Pairing::new(&[other], &WANTED.map(OsStr::new));
-            assert_eq!((found.taken[0].clone(), found.others[0].reason), (None, reason));
-            let own = Listed { path: "output4_02.tga".into(), kind };
-            assert_eq!(Pairing::new(&[own], &WANTED.map(OsStr::new)).taken[0], Some("output4_02.tga".into()));
-        }
+        let kind = Kind::Refused(Reason::Link);
+        let pairing = |path: &str| {
+            let file = Listed { path: path.into(), kind };
+            Pairing::new(OsStr::new("ann"), &[file], &WANTED.map(OsStr::new))
+        };
+        let found = pairing("a/output4_02.tga");
+        assert_eq!((found.taken[0].clone(), found.others[0].reason), (None, Reason::Link));
+        assert_eq!(pairing("output4_02.tga").taken[0], Some("output4_02.tga".into()));
     }
 }

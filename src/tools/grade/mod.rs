@@ -17,7 +17,7 @@ pub use column::{Cell, CellWord, Column, ColumnGrader, Remark, Submission};
 pub use csv::csv;
 pub use document::document;
 pub use entry::Entry;
-pub use listing::{Kind, Listed, Other, Pairing, Reason};
+pub use listing::{Kind, Listed, NotGraded, Pairing, Reason};
 pub use page::Page;
 pub use reference::{Reference, Rule};
 pub use summary::summary;
@@ -35,41 +35,16 @@ pub struct Table {
     pub not_graded: Vec<NotGraded>,
 }
 
-#[derive(Clone, Debug)]
-pub struct NotGraded {
-    /// The name in whose folder it is, if it is in one.
-    pub name: Option<String>,
-    /// Its path in that folder.
-    pub file: String,
-    pub reason: Reason,
-    /// The picture that it is probably meant for.
-    pub meant_for: Option<String>,
-}
-
-impl NotGraded {
-    /// Returns the reason and the picture that it is probably meant for.
-    pub fn words(&self) -> String {
-        let reason = self.reason.words();
-        match &self.meant_for {
-            Some(picture) if self.reason == Reason::OtherIsGraded => format!("{reason} as {picture}"),
-            Some(picture) => format!("{reason}; probably {picture}"),
-            None => reason.to_owned(),
-        }
-    }
-
-    /// Returns its path from the folder of all names.
-    pub fn path(&self) -> String {
-        let folder = self.name.as_ref().map_or(String::new(), |name| format!("{name}/"));
-        folder + &self.file
-    }
-}
-
-/// The number of pictures with each verdict, in the order of [`CellWord::COUNTED`].
+/// The number of pictures with each verdict. Pictures without a reference are not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Score {
-    counts: [usize; CellWord::COUNTED.len()],
+    /// The number of pictures that pass.
+    pub points: usize,
     /// The number of pictures that pass since rounding explains their differences.
     by_rounding: usize,
+    failed: usize,
+    missing: usize,
+    unusable: usize,
 }
 
 impl Score {
@@ -77,34 +52,37 @@ impl Score {
         let mut score = Self::default();
         for cell in cells {
             score.by_rounding += usize::from(cell.rounded().is_some());
-            let at = CellWord::COUNTED.iter().position(|&word| word == cell.verdict());
-            at.into_iter().for_each(|at| score.counts[at] += 1);
+            match cell.verdict() {
+                CellWord::Passed => score.points += 1,
+                CellWord::Failed => score.failed += 1,
+                CellWord::Missing => score.missing += 1,
+                CellWord::Unusable => score.unusable += 1,
+                CellWord::Ungraded => {}
+            }
         }
         score
     }
 
-    /// Returns the number of pictures that pass: the points.
-    pub fn points(&self) -> usize {
-        self.counts[0]
-    }
-
     /// Returns the number of pictures that have a reference.
     pub fn graded(&self) -> usize {
-        self.counts.iter().sum()
+        self.points + self.failed + self.missing + self.unusable
     }
 
     /// Returns the percentage of pictures that pass, rounded down. 0 if no picture has a reference.
     pub fn percent(&self) -> usize {
-        100 * self.points() / self.graded().max(1)
+        100 * self.points / self.graded().max(1)
     }
 }
 
 impl fmt::Display for Score {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} of {}, {} percent", self.points(), self.graded(), self.percent())?;
-        let rest = self.counts.iter().zip(CellWord::COUNTED.map(CellWord::word)).skip(1);
-        let mut rest = [(&self.by_rounding, "by rounding")].into_iter().chain(rest);
-        rest.try_for_each(|(count, word)| if *count > 0 { write!(f, ", {count} {word}") } else { Ok(()) })
+        write!(f, "{} of {}, {} percent", self.points, self.graded(), self.percent())?;
+        let Self { by_rounding, failed, missing, unusable, .. } = *self;
+        let rest =
+            [(by_rounding, "by rounding"), (failed, "failed"), (missing, "missing"), (unusable, "unusable")];
+        rest.iter()
+            .filter(|(count, _)| *count > 0)
+            .try_for_each(|(count, word)| write!(f, ", {count} {word}"))
     }
 }
 
@@ -121,6 +99,6 @@ impl Table {
 
     /// Returns true if all pictures have a reference and pass.
     pub fn passes(&self) -> bool {
-        self.score().points() == self.names.len() * self.columns.len()
+        self.score().points == self.names.len() * self.columns.len()
     }
 }
