@@ -19,7 +19,7 @@ fn columns<'r>() -> [Column<Line<'r>>; 19] {
         ("CPU seconds median", |line| format!("{:.6}", line.one.median())),
         ("repeats", |line| line.one.times.len().to_string()),
         ("rays", |line| line.one.rays.to_string()),
-        ("Mrays/s", |line| format!("{:.3}", line.one.megarays())),
+        ("Mrays/s", |line| optional(line.one.megarays(), 3)),
         ("RMSE in levels", |line| format!("{:.6}", line.one.error)),
         ("PSNR in dB", |line| format!("{:.3}", line.one.psnr())),
         ("mean FLIP", |line| format!("{:.6}", line.one.flip)),

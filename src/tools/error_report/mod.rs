@@ -86,9 +86,10 @@ impl Measurement {
         self.times.get(self.times.len() / 2).map_or(0.0, Duration::as_secs_f64)
     }
 
-    /// Returns millions of rays per second, from the shortest time.
-    pub fn megarays(&self) -> f64 {
-        self.rays as f64 / self.least() / 1e6
+    /// Returns millions of rays per second, from the shortest time. `None` if that is less than a step of the clock.
+    pub fn megarays(&self) -> Option<f64> {
+        let seconds = self.least();
+        (seconds > 0.0).then(|| self.rays as f64 / seconds / 1e6)
     }
 
     /// Returns the peak signal-to-noise ratio in dB. It is infinite without an error.

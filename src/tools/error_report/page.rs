@@ -6,7 +6,7 @@ use crate::picture::Picture;
 use crate::tools::compare::{colors, largest_channel_difference};
 use crate::tools::embedded::file;
 use crate::tools::explain::cubehelix;
-use crate::tools::table::Column;
+use crate::tools::table::{Column, optional};
 use askama::Template;
 
 /// The difference, in levels, shown as white in the maps.
@@ -31,7 +31,7 @@ fn columns<'r>() -> [Column<Line<'r>>; 10] {
         ("CPU s", |line| format!("{:.5}", line.one.least())),
         ("median", |line| format!("{:.5}", line.one.median())),
         ("repeats", |line| line.one.times.len().to_string()),
-        ("Mrays/s", |line| format!("{:.2}", line.one.megarays())),
+        ("Mrays/s", |line| optional(line.one.megarays(), 2)),
         ("RMSE", |line| format!("{:.3}", line.one.error)),
         ("PSNR", |line| format!("{:.2}", line.one.psnr())),
         ("FLIP", |line| format!("{:.4}", line.one.flip)),

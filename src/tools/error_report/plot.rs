@@ -32,7 +32,7 @@ struct Plot {
 
 /// Plots the error against the processor's time, with the front as a line. Returns nothing if there is no error.
 pub fn against_time(group: &MeasuredFilter) -> String {
-    let front = group.front().into_iter().filter(|one| one.error > 0.0).map(Measurement::point);
+    let front = group.front().into_iter().map(Measurement::point).filter(is_drawn);
     let lines = vec![("front".into(), front.collect())];
     plot(["Error against time", "processor time, s"], series(group, |one| Some(one.least())), lines)
 }
@@ -43,6 +43,11 @@ pub fn against_samples(group: &MeasuredFilter) -> String {
     let fit = |(kind, ..): &Series| Some((format!("fit {}", kind.name()), group.fit(*kind)?.ends.to_vec()));
     let lines = series.iter().filter_map(fit).collect();
     plot(["Error against samples", "samples in a pixel"], series, lines)
+}
+
+/// Returns true if a point has a place on the axes. A time of less than a step of the clock is 0.
+fn is_drawn(point: &Point) -> bool {
+    point.iter().all(|&coordinate| coordinate > 0.0)
 }
 
 /// Draws a plot whose axes are just long enough for its points. Returns nothing if there is no point.
@@ -87,14 +92,14 @@ impl Plot {
     }
 }
 
-/// Returns the points of each kind that have an error, in the order of the first coordinate.
+/// Returns the points of each kind that are drawn, in the order of the first coordinate.
 fn series(group: &MeasuredFilter, x: impl Fn(&Measurement) -> Option<f64>) -> Vec<Series> {
     let of = |kind: SamplingKind| {
         let points = group.curve(kind).filter_map(|one| {
             let name = format!("{}: {:.5} s, {:.3} levels", one.setting.label(), one.least(), one.error);
-            (one.error > 0.0).then_some(([x(one)?, one.error], name))
+            Some(([x(one)?, one.error], name))
         });
-        let mut points: Vec<_> = points.filter(|(point, _)| point[0] > 0.0).collect();
+        let mut points: Vec<_> = points.filter(|(point, _)| is_drawn(point)).collect();
         points.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
         let (points, names): (Vec<_>, _) = points.into_iter().unzip();
         (kind, points, names)

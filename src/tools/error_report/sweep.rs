@@ -155,20 +155,21 @@ impl Sweep<'_> {
     fn measure(&mut self, setting: &Setting, reference: &Reference) -> Result<(), Ended> {
         // The changed scene has the same objects, so a world can be built for it.
         let patience = self.patience();
-        let limited = |most| self.renderer.with_scene(with_octaves(&self.renderer.scene, most), &patience);
-        let limited = |most| self.unless_over(limited(most));
-        let other = if let Axis::Octaves(most) = setting.axis { Some(limited(most)?) } else { None };
-        let renderer = other.as_ref().unwrap_or(self.renderer);
+        let limited = match setting.axis {
+            Axis::Octaves(most) => {
+                let scene = with_octaves(&self.renderer.scene, most);
+                Some(self.unless_over(self.renderer.with_scene(scene, &patience))?)
+            }
+            Axis::Samples | Axis::Secondary | Axis::Structure => None,
+        };
+        let renderer = limited.as_ref().unwrap_or(self.renderer);
         let prepared = self.prepared(renderer, &setting.request)?;
         let Repeated { colors: rendered, rays, times } = self.repeat(setting, &prepared)?;
         let picture = rendered.to_picture();
         let compare = || Comparison::within(&picture, &reference.picture, &patience);
-        let compared = self.bench.many.install(compare);
-        patience.check().map_err(|_| None)?;
-        let (flip, off) = compared.map_or((0.0, 0.0), |found| {
-            let off = found.pixels_differing_by_more_than(1) as f64 / found.pixels() as f64;
-            (found.mean_flip.unwrap_or_default(), off)
-        });
+        let compared = self.unless_over(self.bench.many.install(compare))?;
+        let flip = compared.mean_flip.unwrap_or_default();
+        let off = compared.pixels_differing_by_more_than(1) as f64 / compared.pixels() as f64;
         let error = reference.error(&rendered);
         let Some(MeasuredFilter { measurements, .. }) = self.report.groups.last_mut() else { return Ok(()) };
         let same = Request { structure: self.own.request.structure, ..setting.request.clone() };
