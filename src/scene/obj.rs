@@ -7,7 +7,7 @@ use super::foreign_format::foreign;
 use super::mesh::{Mesh, NamedFile, ObjFile};
 pub use super::obj_lines::LIBRARY;
 use super::obj_lines::{each_once, files_in};
-use super::obj_statements::{COORDINATE, Doubt, Statements, VERTEX};
+use super::obj_statements::{Doubt, Statements};
 pub use super::plain_obj::memory_for;
 use super::plain_obj::{self, keep_used};
 use super::polygon::{OutlineFault, triangulate};
@@ -81,17 +81,17 @@ pub(super) fn read_any(
     keep_used(&mut vertices, &mut faces);
     let coordinate = |corner: usize| {
         // `tobj` also has a coordinate for a corner that names none.
-        statements.corners[corner].points[COORDINATE]?;
+        statements.corners[corner].coordinate?;
         let index = found.texcoord_indices[corner] as usize;
         Some(DVec2::from_array(found.texcoords.as_chunks().0[index]))
     };
     let of_triangle = |&[a, b, c]: &[usize; 3]| Some([coordinate(a)?, coordinate(b)?, coordinate(c)?]);
-    let has_coordinates = is_textured && statements.totals[COORDINATE] > 0;
+    let has_coordinates = is_textured && statements.coordinates.total > 0;
     let texture_coordinates =
         if has_coordinates { triangles.iter().map(of_triangle).collect() } else { vec![] };
     Ok(ObjFile {
         mesh: Mesh { vertices, triangles: faces },
-        vertices: statements.totals[VERTEX] as usize,
+        vertices: statements.vertices.total as usize,
         texture_coordinates,
         doubts: statements.warnings(),
         files: each_once(statements.files),

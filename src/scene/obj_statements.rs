@@ -23,10 +23,8 @@ pub struct Statements<'a> {
     is_textured: bool,
     /// The statements for `tobj`. A point that is not finite is written as zeros.
     pub lines: Vec<u8>,
-    /// The numbers of vertices and of texture coordinates.
-    pub totals: [i64; 2],
-    /// Words that make a vertex or a texture coordinate infinite or NaN, by its number.
-    infinite: [BTreeMap<i64, &'a [u8]>; 2],
+    pub vertices: Points<'a>,
+    pub coordinates: Points<'a>,
     /// The keywords of texture coordinates outside the picture, by their numbers.
     outside: BTreeMap<i64, &'a [u8]>,
     /// The keyword and the number of corners of each face.
@@ -40,16 +38,23 @@ pub struct Statements<'a> {
     doubts: BTreeMap<Doubt, (&'a [u8], usize)>,
 }
 
-/// The kinds of points that faces name.
-pub const VERTEX: usize = 0;
-pub const COORDINATE: usize = 1;
+/// The vertices or the texture coordinates of a text.
+#[derive(Default)]
+pub struct Points<'a> {
+    /// The name of their kind.
+    name: &'static str,
+    /// The number of points so far.
+    pub total: i64,
+    /// Words that make a point infinite or NaN, by its number.
+    infinite: BTreeMap<i64, &'a [u8]>,
+}
 
-/// A corner of a face.
+/// A corner of a face. Numbers of points count from 1. An index that counts back beyond the first point stays negative.
 pub struct Corner<'a> {
     word: &'a [u8],
-    /// The numbers of its vertex, and of its texture coordinate if `is_textured`. They count from 1. A number that
-    /// counts back beyond the first point stays negative.
-    pub points: [Option<i64>; 2],
+    vertex: i64,
+    /// `None` unless `is_textured`.
+    pub coordinate: Option<i64>,
 }
 
 /// Something in a mesh that is valid, but probably a mistake, ordered by how well it explains that a mesh has no faces.
@@ -67,14 +72,20 @@ impl<'a> Statements<'a> {
     /// Reads a text without a byte order mark. Fails with one error: a point that is missing, else the first statement that
     /// is not valid, else that there are no faces, else a point that is not finite.
     pub fn read(text: &'a [u8], is_textured: bool, patience: &dyn Patience) -> Result<Self, Diagnostic> {
-        let lines = Vec::with_capacity(text.len());
-        let mut all = Self { text, is_textured, lines, ..Self::default() };
+        let mut all = Self {
+            text,
+            is_textured,
+            lines: Vec::with_capacity(text.len()),
+            vertices: Points { name: "vertex", ..Points::default() },
+            coordinates: Points { name: "texture coordinate", ..Points::default() },
+            ..Self::default()
+        };
         let (mut rest, mut words, mut steps) = (text, vec![], Steps::new(patience));
         let mut fault = None;
         while next_statement(&mut rest, &mut words) {
             steps.take(words.len())?;
-            all.totals[VERTEX] += i64::from(words[0] == b"v");
-            all.totals[COORDINATE] += i64::from(words[0] == b"vt");
+            all.vertices.total += i64::from(words[0] == b"v");
+            all.coordinates.total += i64::from(words[0] == b"vt");
             // After a fault, points are only counted.
             if fault.is_none() {
                 fault = all.add(&words).err();
@@ -86,7 +97,7 @@ impl<'a> Statements<'a> {
         if let Some(fault) = fault {
             return Err(fault);
         }
-        for keyword in all.used_words(COORDINATE, &all.outside) {
+        for keyword in all.used_words(&all.outside, |corner| corner.coordinate) {
             all.doubt(Doubt::OutsidePicture, keyword);
         }
         Ok(all)
@@ -103,7 +114,7 @@ impl<'a> Statements<'a> {
             b"p" | b"l" | b"curv" | b"curv2" => self.has_lines = true,
             word if is_keyword(word) => {}
             word if self.is_hidden_keyword(word) => {
-                return Err(self.unlike(word, "a line begins with a keyword and a blank", ODD_BLANK));
+                return Err(self.unlike(word, "a line begins with a keyword and a blank", Some(ODD_BLANK)));
             }
             word => self.doubt(Doubt::UnknownKeyword, word),
         }
@@ -117,19 +128,22 @@ impl<'a> Statements<'a> {
         let used = if count == 4 { 4 } else { count.min(3) };
         let numbers = self.numbers(&words[1..=used], [0.0, 0.0, 0.0, 1.0], RULE)?;
         if count < 3 {
-            return Err(self.fault(words[count], RULE, ""));
+            return Err(self.fault(words[count], RULE, None));
         }
         if count == 5 || count > 7 {
             let rule = "it needs three, and may have a weight or a colour of three or four";
-            return Err(self.fault(words[count.min(8)], format!("a vertex has {count} numbers: {rule}"), ""));
+            let first_superfluous = words[count.min(8)];
+            return Err(self.fault(first_superfluous, format!("a vertex has {count} numbers: {rule}"), None));
         }
-        let divided = numbers.map(|number| number / numbers[3]);
-        let unfit = numbers.iter().chain(&divided).position(|number| !number.is_finite());
-        let word = unfit.map(|place| match place {
-            4.. if numbers[3] == 0.0 => words[4],
-            _ => words[1 + place % 4],
-        });
-        self.point(VERTEX, &words[..=used], word);
+        let weight = numbers[3];
+        let infinite = |numbers: [f64; 4]| numbers.iter().position(|number| !number.is_finite());
+        let unfit = match infinite(numbers) {
+            Some(place) => Some(words[1 + place]),
+            None if weight == 0.0 => Some(words[4]),
+            None => infinite(numbers.map(|number| number / weight)).map(|place| words[1 + place]),
+        };
+        self.write_point(&words[..=used], unfit.is_some());
+        self.vertices.add_infinite(unfit);
         Ok(())
     }
 
@@ -138,15 +152,16 @@ impl<'a> Statements<'a> {
         /// The largest distance of a texture coordinate from 0 to 1 that is taken for a rounding error of the program
         /// that wrote it. It moves the picture by less than a texel of most pictures.
         const VISIBLY_OUTSIDE: f64 = 1e-3;
-        let used = words.len().min(3);
-        let numbers = self.numbers(&words[1..used], [0.0; 2], "a texture coordinate needs numbers")?;
-        if numbers.iter().any(|number| (number - 0.5).abs() > 0.5 + VISIBLY_OUTSIDE) {
-            self.outside.insert(self.totals[COORDINATE], words[0]);
-        }
-        let unfit = numbers.iter().position(|number| !number.is_finite());
         let mut line: [&[u8]; 3] = [words[0], b"0", b"0"];
-        line[..used].copy_from_slice(&words[..used]);
-        self.point(COORDINATE, &line, unfit.map(|place| words[1 + place]));
+        let used = &words[..words.len().min(3)];
+        line[..used.len()].copy_from_slice(used);
+        let numbers = self.numbers(&used[1..], [0.0; 2], "a texture coordinate needs numbers")?;
+        if numbers.iter().any(|number| (number - 0.5).abs() > 0.5 + VISIBLY_OUTSIDE) {
+            self.outside.insert(self.coordinates.total, words[0]);
+        }
+        let unfit = numbers.iter().position(|number| !number.is_finite()).map(|place| words[1 + place]);
+        self.write_point(&line, unfit.is_some());
+        self.coordinates.add_infinite(unfit);
         Ok(())
     }
 
@@ -163,21 +178,20 @@ impl<'a> Statements<'a> {
             *number = match text.parse() {
                 Ok(number) => number,
                 Err(_) if text.contains("1.#") || is_nan(text.trim_start_matches(['-', '+'])) => f64::NAN,
-                Err(_) => return Err(self.unlike(word, rule, hint(&text, false))),
+                Err(_) => return Err(self.unlike(word, rule, number_hint(&text))),
             };
         }
         Ok(numbers)
     }
 
-    /// Writes a vertex or a texture coordinate. `unfit` is the word that makes it infinite or NaN, if any.
-    fn point(&mut self, kind: usize, words: &[&[u8]], unfit: Option<&'a [u8]>) {
+    /// Writes a vertex or a texture coordinate. One that is not finite is written as zeros.
+    fn write_point(&mut self, words: &[&[u8]], is_infinite: bool) {
         let zeros: [&[u8]; 4] = [words[0], b"0", b"0", b"0"];
-        for word in if unfit.is_none() { words } else { &zeros } {
+        for word in if is_infinite { &zeros } else { words } {
             self.lines.extend_from_slice(word);
             self.lines.push(b' ');
         }
         self.lines.push(b'\n');
-        self.infinite[kind].extend(unfit.map(|word| (self.totals[kind], word)));
     }
 
     fn face(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
@@ -185,29 +199,29 @@ impl<'a> Statements<'a> {
         self.lines.push(b'f');
         for &word in &words[1..] {
             let Some([Some(vertex), coordinate, _]) = corner(word) else {
-                let hint = hint(&String::from_utf8_lossy(word), true);
+                let hint = corner_hint(&String::from_utf8_lossy(word));
                 return Err(self.unlike(word, "a face needs vertex indices such as `1 2 3`", hint));
             };
-            let mut points = [Some(vertex), coordinate.filter(|_| self.is_textured)];
-            for (kind, separator) in [(VERTEX, b' '), (COORDINATE, b'/')] {
-                let Some(index) = &mut points[kind] else { continue };
-                if *index < 0 && -*index <= self.totals[kind] {
-                    *index += 1 + self.totals[kind];
-                }
-                self.lines.push(separator);
-                self.lines.extend_from_slice(decimal.format(*index).as_bytes());
+            let vertex = self.vertices.number(vertex);
+            let coordinate = coordinate.filter(|_| self.is_textured);
+            let coordinate = coordinate.map(|index| self.coordinates.number(index));
+            self.lines.push(b' ');
+            self.lines.extend_from_slice(decimal.format(vertex).as_bytes());
+            if let Some(coordinate) = coordinate {
+                self.lines.push(b'/');
+                self.lines.extend_from_slice(decimal.format(coordinate).as_bytes());
             }
-            self.corners.push(Corner { word, points });
+            self.corners.push(Corner { word, vertex, coordinate });
         }
         self.lines.push(b'\n');
         let count = words.len() - 1;
         if count < 3 {
             let hint = "a line between two vertices is written `l 1 2`";
-            return Err(self.fault(words[count], "a face needs at least three vertices", hint));
+            return Err(self.fault(words[count], "a face needs at least three vertices", Some(hint)));
         }
         if count > MOST_CORNERS {
             let message = format!("a face has {count} corners: {MOST_CORNERS} are the most");
-            return Err(self.fault(words[0], message, "export the mesh as triangles"));
+            return Err(self.fault(words[0], message, Some("export the mesh as triangles")));
         }
         self.faces.push((words[0], count));
         Ok(())
@@ -215,20 +229,25 @@ impl<'a> Statements<'a> {
 
     /// Returns the error for the first corner that names a missing vertex or texture coordinate.
     fn missing_point(&self) -> Option<Diagnostic> {
-        let is_missing = |&(corner, kind): &(&Corner<'_>, usize)| {
-            corner.points[kind].is_some_and(|number| !(1..=self.totals[kind]).contains(&number))
+        self.corners.iter().find_map(|&Corner { word, vertex, coordinate }| {
+            let of_vertex = self.missing(word, &self.vertices, vertex);
+            of_vertex.or_else(|| self.missing(word, &self.coordinates, coordinate?))
+        })
+    }
+
+    /// Returns the error that a corner names a missing point, or `None` if there is a point with this number.
+    fn missing(&self, corner: &[u8], points: &Points<'_>, number: i64) -> Option<Diagnostic> {
+        let &Points { name, total, .. } = points;
+        if (1..=total).contains(&number) {
+            return None;
+        }
+        let hint = match number {
+            0 => Some("indices start with 1"),
+            ..0 => Some(&*format!("a negative index counts back from the face: -1 is the {name} before it")),
+            _ => None,
         };
-        let mut named = self.corners.iter().flat_map(|corner| [(corner, VERTEX), (corner, COORDINATE)]);
-        let (corner, kind) = named.find(is_missing)?;
-        let name = ["vertex", "texture coordinate"][kind];
-        let hint = match corner.points[kind]? {
-            0 => "indices start with 1",
-            ..0 => &format!("a negative index counts back from the face: -1 is the {name} before it"),
-            _ => "",
-        };
-        let message =
-            format!("a face names a {name} that does not exist; the mesh has {}", self.totals[kind]);
-        Some(self.fault(corner.word, message, hint))
+        let message = format!("a face names a {name} that does not exist; the mesh has {total}");
+        Some(self.fault(corner, message, hint))
     }
 
     /// Returns the error that there are no faces, with the most likely reason.
@@ -250,21 +269,30 @@ impl<'a> Statements<'a> {
 
     /// Returns the error for the first vertex, or else texture coordinate, that a face uses and that is not finite.
     fn infinite_point(&self) -> Option<Diagnostic> {
-        let first = |kind: usize| self.used_words(kind, &self.infinite[kind]).first().copied();
-        let Some(word) = first(VERTEX) else {
-            return first(COORDINATE).map(|word| self.fault(word, "a texture coordinate is not finite", ""));
+        let vertices = self.used_words(&self.vertices.infinite, |corner| Some(corner.vertex));
+        let Some(word) = vertices.first() else {
+            let coordinates = self.used_words(&self.coordinates.infinite, |corner| corner.coordinate);
+            let fault = |word: &&[u8]| self.fault(word, "a texture coordinate is not finite", None);
+            return coordinates.first().map(fault);
         };
         let is_weightless = str::from_utf8(word).is_ok_and(|word| word.parse() == Ok(0.0));
-        let (message, hint) = match is_weightless {
-            true => ("a vertex has the weight 0: it is at infinity", "leave it out, or make it 1"),
-            false => ("a vertex has a coordinate that is not finite", ""),
-        };
-        Some(self.fault(word, message, hint))
+        Some(match is_weightless {
+            true => {
+                let hint = "leave it out, or make it 1";
+                self.fault(word, "a vertex has the weight 0: it is at infinity", Some(hint))
+            }
+            false => self.fault(word, "a vertex has a coordinate that is not finite", None),
+        })
     }
 
-    /// Returns the words of those points that faces use, in the order of their numbers.
-    fn used_words(&self, kind: usize, points: &BTreeMap<i64, &'a [u8]>) -> Vec<&'a [u8]> {
-        let named = self.corners.iter().filter_map(|corner| points.get_key_value(&corner.points[kind]?));
+    /// Returns the words of those points that faces use, in the order of their numbers. `number` is that of a corner's
+    /// point.
+    fn used_words(
+        &self,
+        words: &BTreeMap<i64, &'a [u8]>,
+        number: fn(&Corner<'a>) -> Option<i64>,
+    ) -> Vec<&'a [u8]> {
+        let named = self.corners.iter().filter_map(|corner| words.get_key_value(&number(corner)?));
         named.collect::<BTreeSet<_>>().into_iter().map(|(_, &word)| word).collect()
     }
 
@@ -296,40 +324,53 @@ impl<'a> Statements<'a> {
     /// Returns the description of a doubt about a word, as an error. Warnings have another severity.
     fn described(&self, doubt: Doubt, word: &[u8]) -> Diagnostic {
         let (message, hint) = match doubt {
-            Doubt::CurvedSurface => ("a curved surface is ignored", "export the mesh as polygons"),
-            Doubt::Command if word == b"csh" => ("`csh` is ignored: no command of a file is run", ""),
-            Doubt::Command => {
-                ("`call` is ignored, and so is the file that it names", "insert the lines of that file here")
-            }
+            Doubt::CurvedSurface => ("a curved surface is ignored", Some("export the mesh as polygons")),
+            Doubt::Command if word == b"csh" => ("`csh` is ignored: no command of a file is run", None),
+            Doubt::Command => (
+                "`call` is ignored, and so is the file that it names",
+                Some("insert the lines of that file here"),
+            ),
             Doubt::UnknownKeyword => {
                 let name = String::from_utf8_lossy(word);
                 let hint = nearest(&name, &COMMON).map(|near| format!("did you mean `{near}`?"));
                 let message = format!("{} is not a keyword of OBJ; its line is ignored", quoted(&*name));
-                return self.fault(word, message, &hint.unwrap_or_default());
+                return self.fault(word, message, hint.as_deref());
             }
             Doubt::CrossingOutline => (
                 "the outline of the polygon crosses itself",
-                "its triangles are a guess: export the mesh as triangles",
+                Some("its triangles are a guess: export the mesh as triangles"),
             ),
-            Doubt::EmptyOutline => ("the outline of the polygon encloses nothing", ""),
+            Doubt::EmptyOutline => ("the outline of the polygon encloses nothing", None),
             Doubt::OutsidePicture => (
                 "a texture coordinate is outside 0 to 1: there the picture's edge continues",
-                "keep the coordinates from 0 to 1: a picture is not repeated",
+                Some("keep the coordinates from 0 to 1: a picture is not repeated"),
             ),
         };
         self.fault(word, message, hint)
     }
 
     /// Returns the error that a rule is broken by a word, which it names.
-    fn unlike(&self, word: &[u8], rule: &str, hint: &str) -> Diagnostic {
+    fn unlike(&self, word: &[u8], rule: &str, hint: Option<&str>) -> Diagnostic {
         let found = quoted(&*String::from_utf8_lossy(word));
         self.fault(word, format!("{rule}, found {found}"), hint)
     }
 
-    /// Returns the error for a word, with a hint unless that is empty.
-    fn fault(&self, word: &[u8], message: impl Into<String>, hint: &str) -> Diagnostic {
-        let hint = Some(hint.to_owned()).filter(|hint| !hint.is_empty());
+    /// Returns the error for a word.
+    fn fault(&self, word: &[u8], message: impl Into<String>, hint: Option<&str>) -> Diagnostic {
+        let hint = hint.map(str::to_owned);
         Diagnostic { hint, ..Diagnostic::error(message) }.at(position(self.text, word))
+    }
+}
+
+impl<'a> Points<'a> {
+    /// Notes the word that makes the last point infinite or NaN, if any.
+    fn add_infinite(&mut self, word: Option<&'a [u8]>) {
+        self.infinite.extend(word.map(|word| (self.total, word)));
+    }
+
+    /// Returns the number of the point with this index. A negative index counts back from the last point.
+    fn number(&self, index: i64) -> i64 {
+        if index < 0 && -index <= self.total { index + 1 + self.total } else { index }
     }
 }
 
@@ -363,28 +404,46 @@ fn is_odd_blank(character: char) -> bool {
     is_blank || has_no_width || character == char::REPLACEMENT_CHARACTER
 }
 
-/// Suggests a fix for a word that is not a number or not a corner. Returns an empty hint for any other word.
-fn hint(word: &str, is_corner: bool) -> &'static str {
-    let is_number = |word: &str| word.parse::<f64>().is_ok();
-    match word {
-        "\\" => "a backslash continues a statement only at the end of a line",
-        _ if word.contains('\0') => "the word has a zero byte: the file may be damaged",
-        _ if word.contains(is_odd_blank) && word.contains(|c: char| c.is_ascii_digit()) => ODD_BLANK,
-        _ if is_corner && word.contains([',', ';']) => "indices are separated by blanks",
-        _ if is_corner && word.matches('/').count() > 2 => {
-            "a corner has at most three indices: of its position, texture coordinate and normal"
+/// Suggests a fix for a word that is not a corner.
+fn corner_hint(word: &str) -> Option<&'static str> {
+    odd_character_hint(word).or(match word {
+        _ if word.contains([',', ';']) => Some("indices are separated by blanks"),
+        _ if word.matches('/').count() > 2 => {
+            Some("a corner has at most three indices: of its position, texture coordinate and normal")
         }
-        _ if is_corner && word.starts_with('/') => "the index of the position comes first",
-        _ if is_corner && is_number(word) => "indices are whole numbers",
-        _ if word.matches(',').count() == 1 && !word.ends_with(',') && is_number(&word.replace(',', ".")) => {
-            "a decimal point is needed, not a comma"
+        _ if word.starts_with('/') => Some("the index of the position comes first"),
+        _ if is_number(word) => Some("indices are whole numbers"),
+        _ => None,
+    })
+}
+
+/// Suggests a fix for a word that is not a number.
+fn number_hint(word: &str) -> Option<&'static str> {
+    let has_decimal_comma = word.matches(',').count() == 1 && !word.ends_with(',');
+    odd_character_hint(word).or(match word {
+        _ if has_decimal_comma && is_number(&word.replace(',', ".")) => {
+            Some("a decimal point is needed, not a comma")
         }
         _ if word.split([',', ';']).all(|part| part.is_empty() || is_number(part)) => {
-            "numbers are separated by blanks"
+            Some("numbers are separated by blanks")
         }
-        _ if is_number(&word.replace(['d', 'D'], "e")) => "an exponent is written with `e`, as in 1e-5",
-        _ => "",
+        _ if is_number(&word.replace(['d', 'D'], "e")) => Some("an exponent is written with `e`, as in 1e-5"),
+        _ => None,
+    })
+}
+
+/// Suggests a fix for a word with a character that is neither in numbers nor in corners.
+fn odd_character_hint(word: &str) -> Option<&'static str> {
+    match word {
+        "\\" => Some("a backslash continues a statement only at the end of a line"),
+        _ if word.contains('\0') => Some("the word has a zero byte: the file may be damaged"),
+        _ if word.contains(is_odd_blank) && word.contains(|c: char| c.is_ascii_digit()) => Some(ODD_BLANK),
+        _ => None,
     }
+}
+
+fn is_number(word: &str) -> bool {
+    word.parse::<f64>().is_ok()
 }
 
 #[cfg(test)]
