@@ -4,15 +4,15 @@
 //! indices that count from 1. So `tobj` gets nothing that it would reject, drop or misread silently: continued lines,
 //! comments, colours, indices out of range, numbers that are not finite, white space beyond ASCII, unknown keywords.
 
-use super::foreign_format::foreign_without_faces;
-use super::lexer::nearest;
-use super::mesh::NamedFile;
-use super::obj_lines::{COMMON, files_of, is_keyword, next_statement, position};
-use super::plain_obj::digits;
-use super::polygon::MOST_CORNERS;
+use super::plain::digits;
+use super::words::{COMMON, files_of, is_keyword, next_statement, position};
 use crate::base::escape::quoted;
 use crate::base::patience::{Patience, Steps};
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::scene::foreign_format::foreign_without_faces;
+use crate::scene::lexer::nearest;
+use crate::scene::mesh::NamedFile;
+use crate::scene::polygon::MOST_CORNERS;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The plain statements of an OBJ text.

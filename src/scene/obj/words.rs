@@ -4,8 +4,8 @@
 //! also before trailing blanks, continues the statement on the next line. If the next line starts with a keyword, as
 //! after `usemtl wood\`, or a comment follows, the backslash is dropped and the statement ends.
 
-use super::mesh::NamedFile;
 use crate::diagnostic::Position;
+use crate::scene::mesh::NamedFile;
 use std::collections::BTreeSet;
 
 /// The keywords of OBJ ("Advanced Visualizer Manual", appendix B, Wavefront 1995). `fo` is an old name of `f`.

@@ -1,7 +1,7 @@
 //! A fast parser for OBJ texts that contain only positions and triangles. It scans chunks of the text in parallel.
 
-use super::mesh::Mesh;
 use crate::base::patience::Patience;
+use crate::scene::mesh::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
