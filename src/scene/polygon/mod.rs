@@ -47,83 +47,101 @@ pub const MOST_CORNERS: usize = 1000;
 /// A polygon with all corners on one line, or one for which `earcut` finds nothing, becomes a fan.
 pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let whole_fan = || (1..corners.len().max(2) - 1).map(|k| [0, k, k + 1]).collect();
-    let points = |ring: &[usize]| ring.iter().map(|&corner| corners[corner]).collect::<Vec<_>>();
     // Choose an order of the corners that does not depend on the file, and the axis to drop.
-    let ring = distinct(corners);
-    let (mut own, is_backwards) = in_own_order(&ring, corners);
-    let Some(projection) = DroppedAxis::facing(&points(&own)) else {
+    let file_ring = distinct(corners);
+    let (mut canonical_ring, is_backwards) = in_canonical_order(&file_ring, corners);
+    let Some(projection) = DroppedAxis::facing(&points_of(&canonical_ring, corners)) else {
         return Triangulation { triangles: whole_fan(), fault: None };
     };
-    let of_polygon = |places: Vec<[usize; 3]>, ring: Vec<usize>| {
-        places.into_iter().map(|triangle| triangle.map(|place| ring[place])).collect()
-    };
     // Return a fan if the polygon is convex.
-    let in_file_order = points(&ring);
-    if let Some(fan) = fan(&in_file_order, projection) {
-        let places = seams::closed(fan, &projection.flattened(&in_file_order));
-        return Triangulation { triangles: of_polygon(places, ring), fault: None };
+    let points = points_of(&file_ring, corners);
+    if let Some(fan) = fan(&points, projection) {
+        let places = seams::closed(fan, &projection.flattened(&points));
+        return Triangulation { triangles: corners_of(&places, &file_ring), fault: None };
     }
     // Cut the outline, turned to the left.
-    let turn = projection.turn(&points(&own));
+    let turn = projection.turn(&points_of(&canonical_ring, corners));
     if turn < 0 {
-        own.reverse();
+        canonical_ring.reverse();
     }
-    let (mut outline, mut places) = cut(&points(&own), projection);
+    let mut cut = Cut::new(canonical_ring, corners, projection);
     // If the area differs, cut it again with edges through the corners on them: rounding may have moved a corner off its
     // edge, to the wrong side.
-    if !has_area_of(&outline, &places)
-        && let Some(through) = seams::through_corners(&outline)
+    if !cut.has_area_of_outline()
+        && let Some(through) = seams::through_corners(&cut.outline)
     {
-        let through: Vec<usize> = through.into_iter().map(|place| own[place]).collect();
-        let (longer_outline, other_places) = cut(&points(&through), projection);
-        if has_area_of(&longer_outline, &other_places) {
-            (own, outline, places) = (through, longer_outline, other_places);
+        let longer_ring = through.into_iter().map(|place| cut.ring[place]).collect();
+        let longer = Cut::new(longer_ring, corners, projection);
+        if longer.has_area_of_outline() {
+            cut = longer;
         }
     }
-    let fault = match places.is_empty() {
+    let fault = match cut.triangles.is_empty() {
         true if turn == 0 => Some(OutlineFault::EnclosesNothing),
         true => return Triangulation { triangles: whole_fan(), fault: None },
-        false => (!has_area_of(&outline, &places)).then_some(OutlineFault::Crosses),
+        false => (!cut.has_area_of_outline()).then_some(OutlineFault::Crosses),
     };
     // Restore the direction of the file.
     if (turn < 0) != is_backwards {
-        places.iter_mut().for_each(|triangle| triangle.reverse());
+        cut.triangles.iter_mut().for_each(|triangle| triangle.reverse());
     }
-    Triangulation { triangles: of_polygon(places, own), fault }
+    Triangulation { triangles: corners_of(&cut.triangles, &cut.ring), fault }
 }
 
-/// Flattens and triangulates an outline that turns to the left.
-fn cut(outline: &[DVec3], projection: DroppedAxis) -> (Vec<[f64; 2]>, Vec<[usize; 3]>) {
-    let plane = projection.flattened(outline);
-    let mut found: Vec<u32> = vec![];
-    Earcut::new().earcut_slice(&plane, &[], &mut found);
-    let triangles = found.as_chunks().0.iter().map(|&[a, b, c]| [a, b, c].map(|place| place as usize));
-    let closed = seams::closed(triangles.collect(), &plane);
-    (plane, closed)
+/// Returns the points of a ring of corners.
+fn points_of(ring: &[usize], corners: &[DVec3]) -> Vec<DVec3> {
+    ring.iter().map(|&corner| corners[corner]).collect()
 }
 
-/// Returns true if the absolute areas of the triangles sum to the area of the outline, except for the rounding of its
-/// corners. All coordinates are below 1.
-fn has_area_of(outline: &[[f64; 2]], triangles: &[[usize; 3]]) -> bool {
-    let doubled_area = |corners: &[usize], sum: &mut ExactSum, sign: f64| {
-        for (k, &from) in corners.iter().enumerate() {
-            let [[ax, ay], [bx, by]] = [from, corners[(k + 1) % corners.len()]].map(|place| outline[place]);
-            sum.add_product([sign, ax, by]);
-            sum.add_product([-sign, ay, bx]);
+/// Returns the corners of triangles that are given as places in a ring.
+fn corners_of(triangles: &[[usize; 3]], ring: &[usize]) -> Vec<[usize; 3]> {
+    triangles.iter().map(|triangle| triangle.map(|place| ring[place])).collect()
+}
+
+/// A ring of corners that turns to the left, cut into triangles.
+struct Cut {
+    ring: Vec<usize>,
+    /// The flattened ring.
+    outline: Vec<[f64; 2]>,
+    /// The triangles, as places in the ring.
+    triangles: Vec<[usize; 3]>,
+}
+
+impl Cut {
+    fn new(ring: Vec<usize>, corners: &[DVec3], projection: DroppedAxis) -> Self {
+        let outline = projection.flattened(&points_of(&ring, corners));
+        let mut found: Vec<u32> = vec![];
+        Earcut::new().earcut_slice(&outline, &[], &mut found);
+        let found = found.as_chunks().0.iter().map(|&[a, b, c]| [a, b, c].map(|place| place as usize));
+        let triangles = seams::closed(found.collect(), &outline);
+        Self { ring, outline, triangles }
+    }
+
+    /// Returns true if the absolute areas of the triangles sum to the area of the outline, except for the rounding of
+    /// its corners. All coordinates are below 1.
+    fn has_area_of_outline(&self) -> bool {
+        let outline = &self.outline;
+        let doubled_area = |corners: &[usize], sum: &mut ExactSum, sign: f64| {
+            for (k, &from) in corners.iter().enumerate() {
+                let [[ax, ay], [bx, by]] =
+                    [from, corners[(k + 1) % corners.len()]].map(|place| outline[place]);
+                sum.add_product([sign, ax, by]);
+                sum.add_product([-sign, ay, bx]);
+            }
+        };
+        let all: Vec<usize> = (0..outline.len()).collect();
+        let mut excess = ExactSum::default();
+        doubled_area(&all, &mut excess, -1.0);
+        for triangle in &self.triangles {
+            let mut area = ExactSum::default();
+            doubled_area(triangle, &mut area, 1.0);
+            doubled_area(triangle, &mut excess, f64::from(area.value().sign()));
         }
-    };
-    let all: Vec<usize> = (0..outline.len()).collect();
-    let mut excess = ExactSum::default();
-    doubled_area(&all, &mut excess, -1.0);
-    for triangle in triangles {
-        let mut area = ExactSum::default();
-        doubled_area(triangle, &mut area, 1.0);
-        doubled_area(triangle, &mut excess, f64::from(area.value().sign()));
+        let lengths = outline.iter().zip(outline.iter().cycle().skip(1));
+        let length: f64 = lengths.map(|(a, b)| (a[0] - b[0]).abs() + (a[1] - b[1]).abs()).sum();
+        let excess = excess.value();
+        libm::ldexp(excess.significand, excess.exponent).abs() <= 2.0 * UNIT_ROUNDOFF * length
     }
-    let lengths = outline.iter().zip(outline.iter().cycle().skip(1));
-    let length: f64 = lengths.map(|(a, b)| (a[0] - b[0]).abs() + (a[1] - b[1]).abs()).sum();
-    let excess = excess.value();
-    libm::ldexp(excess.significand, excess.exponent).abs() <= 2.0 * UNIT_ROUNDOFF * length
 }
 
 /// Returns the indices of the corners, without consecutive duplicates.
@@ -140,7 +158,7 @@ fn distinct(corners: &[DVec3]) -> Vec<usize> {
 
 /// Returns the corners in an order independent of the first corner and the direction, and true if the direction was
 /// reversed. The order is the lexicographically least of all.
-fn in_own_order(ring: &[usize], corners: &[DVec3]) -> (Vec<usize>, bool) {
+fn in_canonical_order(ring: &[usize], corners: &[DVec3]) -> (Vec<usize>, bool) {
     let reversed: Vec<usize> = ring.iter().rev().copied().collect();
     // An order is a direction and a start.
     let ordered = |&(is_reversed, start): &(bool, usize)| {
