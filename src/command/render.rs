@@ -50,13 +50,13 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let pair = Pair::open(options, log)?;
 
     // Prepare.
-    let mut doubts = doubts_about(&mut loaded, options);
+    let mut found = warnings_about(&mut loaded, options);
     let renderer = Renderer::new(loaded, meshes(options))?;
     if !options.visualize_grid {
-        doubts.extend(warnings::lights_without_effect(&renderer.scene, renderer.world(), &options.effects));
+        found.extend(warnings::lights_without_effect(&renderer.scene, renderer.world(), &options.effects));
     }
-    let warn = |doubts: Vec<Diagnostic>| log.warn(doubts, options.strict, &renderer.source);
-    warn(doubts)?;
+    let warn = |found: Vec<Diagnostic>| log.warn(found, options.strict, &renderer.source);
+    warn(found)?;
     let request = request(options);
     let prepared = options.prepare(&renderer, &request)?;
     let building = lap();
@@ -237,7 +237,7 @@ fn explanation(
 }
 
 /// Returns the notes and warnings about a scene and the flags that it is rendered with.
-fn doubts_about(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
+fn warnings_about(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> {
     let scene = &loaded.scene;
     let mut found = std::mem::take(&mut loaded.warnings);
     found.extend(loaded.choice.remark());

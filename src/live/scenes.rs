@@ -179,7 +179,7 @@ impl Scenes {
         let bytes = fs::read(&file).map_err(failed)?;
         let content =
             read_obj(&bytes, is_textured, stop).map_err(|error| in_mesh(error, *at, name, &bytes))?;
-        Ok((ObjFile { doubts: vec![], ..content }, file))
+        Ok((ObjFile { warnings: vec![], ..content }, file))
     }
 }
 

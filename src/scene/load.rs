@@ -60,7 +60,7 @@ impl LoadedScene {
             let (texels, file) = (readers.image)(image, edition)?;
             (image.texels, image.file) = (texels, Some(file));
         }
-        let mut doubts = vec![];
+        let mut of_meshes = vec![];
         for named in &mut scene.meshes {
             let (found, file) = (readers.mesh)(named, edition, is_textured)?;
             named.vertices = found.vertices;
@@ -68,9 +68,9 @@ impl LoadedScene {
             self.unread.extend(files_of_mesh(&file, &found.files, folder, edition));
             self.meshes.push(found.mesh);
             self.mesh_files.push(file);
-            doubts.extend(found.doubts);
+            of_meshes.extend(found.warnings);
         }
-        self.warnings.extend(limited(doubts));
+        self.warnings.extend(limited(of_meshes));
         Ok(())
     }
 }

@@ -38,5 +38,5 @@ pub struct ObjFile {
     /// The files that it names, none of which is read.
     pub files: Vec<NamedFile>,
     /// Warnings about the file in its order, one of each kind.
-    pub doubts: Vec<Diagnostic>,
+    pub warnings: Vec<Diagnostic>,
 }

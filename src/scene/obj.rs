@@ -18,7 +18,7 @@ use crate::diagnostic::Diagnostic;
 use glam::{DVec2, DVec3};
 use plain::keep_used;
 pub use plain::memory_for;
-use statements::{Doubt, Statements};
+use statements::{MeshWarning, Statements};
 use std::borrow::Cow;
 use std::io::{self, BufReader, Read};
 use tobj::{LoadError, LoadOptions, load_obj_buf};
@@ -99,7 +99,7 @@ pub(super) fn read_any(
         mesh: Mesh { vertices, triangles: faces },
         vertices: statements.vertices.total as usize,
         texture_coordinates,
-        doubts: statements.warnings(),
+        warnings: statements.described_warnings(),
         files: each_once(statements.files),
     })
 }
@@ -140,8 +140,8 @@ fn triangles(
         let polygon = triangulate(&outline);
         triangles.extend(polygon.triangles.iter().map(|triangle| triangle.map(|corner| first + corner)));
         match polygon.fault {
-            Some(OutlineFault::Crosses) => statements.doubt(Doubt::CrossingOutline, keyword),
-            Some(OutlineFault::EnclosesNothing) => statements.doubt(Doubt::EmptyOutline, keyword),
+            Some(OutlineFault::Crosses) => statements.warn(MeshWarning::CrossingOutline, keyword),
+            Some(OutlineFault::EnclosesNothing) => statements.warn(MeshWarning::EmptyOutline, keyword),
             None => {}
         }
     }

@@ -148,7 +148,7 @@ pub fn read_mesh(
             Ok(bytes) => {
                 let in_mesh = |found| in_mesh(found, *at, &lossy(&place), &bytes);
                 let mut file = read_obj(&bytes, is_textured, &Endless).map_err(in_mesh)?;
-                file.doubts = file.doubts.into_iter().map(in_mesh).collect();
+                file.warnings = file.warnings.into_iter().map(in_mesh).collect();
                 return Ok((file, place));
             }
             Err(reason) => tried.push((lossy(&place), reason)),

@@ -34,8 +34,8 @@ pub struct Statements<'a> {
     pub files: Vec<NamedFile>,
     /// True if there are points, lines or curves.
     has_lines: bool,
-    /// The first word of each kind of doubt, and the number of all.
-    doubts: BTreeMap<Doubt, (&'a [u8], usize)>,
+    /// The first word of each kind of warning, and the number of all.
+    warnings: BTreeMap<MeshWarning, (&'a [u8], usize)>,
 }
 
 /// The vertices or the texture coordinates of a text.
@@ -59,7 +59,7 @@ pub struct Corner<'a> {
 
 /// Something in a mesh that is valid, but probably a mistake, ordered by how well it explains that a mesh has no faces.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Doubt {
+pub enum MeshWarning {
     CurvedSurface,
     Command,
     UnknownKeyword,
@@ -98,7 +98,7 @@ impl<'a> Statements<'a> {
             return Err(fault);
         }
         for keyword in all.used_words(&all.outside, |corner| corner.coordinate) {
-            all.doubt(Doubt::OutsidePicture, keyword);
+            all.warn(MeshWarning::OutsidePicture, keyword);
         }
         Ok(all)
     }
@@ -109,14 +109,14 @@ impl<'a> Statements<'a> {
             b"v" => return self.vertex(words),
             b"vt" if self.is_textured => return self.coordinate(words),
             b"f" | b"fo" => return self.face(words),
-            b"surf" | b"bsp" | b"bzp" | b"cdc" | b"cdp" => self.doubt(Doubt::CurvedSurface, words[0]),
-            b"call" | b"csh" => self.doubt(Doubt::Command, words[0]),
+            b"surf" | b"bsp" | b"bzp" | b"cdc" | b"cdp" => self.warn(MeshWarning::CurvedSurface, words[0]),
+            b"call" | b"csh" => self.warn(MeshWarning::Command, words[0]),
             b"p" | b"l" | b"curv" | b"curv2" => self.has_lines = true,
             word if is_keyword(word) => {}
             word if self.is_hidden_keyword(word) => {
                 return Err(self.unlike(word, "a line begins with a keyword and a blank", Some(ODD_BLANK)));
             }
-            word => self.doubt(Doubt::UnknownKeyword, word),
+            word => self.warn(MeshWarning::UnknownKeyword, word),
         }
         Ok(())
     }
@@ -255,16 +255,16 @@ impl<'a> Statements<'a> {
         if !self.faces.is_empty() {
             return None;
         }
-        let doubt = self.doubts.iter().next().map(|(&doubt, &(word, _))| self.described(doubt, word));
-        let why = match &doubt {
-            Some(doubt) => format!(": {}", doubt.message),
+        let warning = self.warnings.iter().next().map(|(&kind, &(word, _))| self.described(kind, word));
+        let why = match &warning {
+            Some(warning) => format!(": {}", warning.message),
             None if self.text.is_empty() => ": the file is empty".to_owned(),
             None if self.has_lines => ", only points, lines or curves".to_owned(),
             None => String::new(),
         };
         let faceless = Diagnostic::error(format!("the mesh has no faces{why}"));
-        let doubt = doubt.map(|doubt| Diagnostic { message: faceless.message.clone(), ..doubt });
-        foreign_without_faces(self.text).or(doubt).or(Some(faceless))
+        let hinted = warning.map(|warning| Diagnostic { message: faceless.message.clone(), ..warning });
+        foreign_without_faces(self.text).or(hinted).or(Some(faceless))
     }
 
     /// Returns the error for the first vertex, or else texture coordinate, that a face uses and that is not finite.
@@ -304,44 +304,46 @@ impl<'a> Statements<'a> {
         is_read && text.contains(is_odd_blank)
     }
 
-    /// Notes a doubtful statement by one of its words.
-    pub fn doubt(&mut self, doubt: Doubt, word: &'a [u8]) {
-        self.doubts.entry(doubt).or_insert((word, 0)).1 += 1;
+    /// Notes a statement to warn of, by one of its words.
+    pub fn warn(&mut self, kind: MeshWarning, word: &'a [u8]) {
+        self.warnings.entry(kind).or_insert((word, 0)).1 += 1;
     }
 
-    /// Returns a warning about the first statement of each doubt, in the order of the text.
-    pub fn warnings(&self) -> Vec<Diagnostic> {
-        let warning = |(&doubt, &(word, count)): (&Doubt, &(&[u8], usize))| {
-            let Diagnostic { message, places, hint, .. } = self.described(doubt, word);
+    /// Returns a warning about the first statement of each kind, in the order of the text.
+    pub fn described_warnings(&self) -> Vec<Diagnostic> {
+        let warning = |(&kind, &(word, count)): (&MeshWarning, &(&[u8], usize))| {
+            let Diagnostic { message, places, hint, .. } = self.described(kind, word);
             let others = if count > 1 { format!(" (and {} more)", count - 1) } else { String::new() };
             Diagnostic { severity: Severity::Warning, message: message + &others, places, hint }
         };
-        let mut warnings: Vec<_> = self.doubts.iter().map(warning).collect();
+        let mut warnings: Vec<_> = self.warnings.iter().map(warning).collect();
         warnings.sort_by_key(|warning| warning.position().map(|at| (at.line, at.column)));
         warnings
     }
 
-    /// Returns the description of a doubt about a word, as an error. Warnings have another severity.
-    fn described(&self, doubt: Doubt, word: &[u8]) -> Diagnostic {
-        let (message, hint) = match doubt {
-            Doubt::CurvedSurface => ("a curved surface is ignored", Some("export the mesh as polygons")),
-            Doubt::Command if word == b"csh" => ("`csh` is ignored: no command of a file is run", None),
-            Doubt::Command => (
+    /// Returns the description of a warning about a word, as an error. Warnings have another severity.
+    fn described(&self, kind: MeshWarning, word: &[u8]) -> Diagnostic {
+        let (message, hint) = match kind {
+            MeshWarning::CurvedSurface => {
+                ("a curved surface is ignored", Some("export the mesh as polygons"))
+            }
+            MeshWarning::Command if word == b"csh" => ("`csh` is ignored: no command of a file is run", None),
+            MeshWarning::Command => (
                 "`call` is ignored, and so is the file that it names",
                 Some("insert the lines of that file here"),
             ),
-            Doubt::UnknownKeyword => {
+            MeshWarning::UnknownKeyword => {
                 let name = String::from_utf8_lossy(word);
                 let hint = nearest(&name, &COMMON).map(|near| format!("did you mean `{near}`?"));
                 let message = format!("{} is not a keyword of OBJ; its line is ignored", quoted(&*name));
                 return self.fault(word, message, hint.as_deref());
             }
-            Doubt::CrossingOutline => (
+            MeshWarning::CrossingOutline => (
                 "the outline of the polygon crosses itself",
                 Some("its triangles are a guess: export the mesh as triangles"),
             ),
-            Doubt::EmptyOutline => ("the outline of the polygon encloses nothing", None),
-            Doubt::OutsidePicture => (
+            MeshWarning::EmptyOutline => ("the outline of the polygon encloses nothing", None),
+            MeshWarning::OutsidePicture => (
                 "a texture coordinate is outside 0 to 1: there the picture's edge continues",
                 Some("keep the coordinates from 0 to 1: a picture is not repeated"),
             ),

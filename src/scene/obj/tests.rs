@@ -210,7 +210,7 @@ fn what_other_programs_write_is_read() {
         for end in ["\n", "\r", "\r\n"] {
             let text = text.replace('\n', end);
             let file = read_obj(text.as_bytes(), true, &Endless).unwrap();
-            assert_eq!((&file.mesh, file.doubts), (&plain, vec![]), "{text:.200}");
+            assert_eq!((&file.mesh, file.warnings), (&plain, vec![]), "{text:.200}");
             assert_eq!(utf8(&text), plain, "{text:.200}");
         }
     }
@@ -220,14 +220,14 @@ fn what_other_programs_write_is_read() {
 }
 
 #[test]
-fn what_is_left_out_is_doubtful() {
+fn what_is_left_out_has_a_warning() {
     let text = format!(
         "{SQUARE}F 1 2 3\nf 1 2 3\nface 1 2 3\n surf 0 1 0 1 1 2 3 4\nf 1 3 2 4\nf 4 2 3 1\n{}",
         "f 1 2 3 2\n".repeat(3)
     );
-    let ObjFile { mesh, doubts, .. } = read_obj(text.as_bytes(), false, &Endless).unwrap();
+    let ObjFile { mesh, warnings, .. } = read_obj(text.as_bytes(), false, &Endless).unwrap();
     assert_eq!(mesh.triangles.len(), 1 + 1 + 1);
-    let said: Vec<_> = doubts.iter().map(Diagnostic::headline).collect();
+    let said: Vec<_> = warnings.iter().map(Diagnostic::headline).collect();
     assert_eq!(
         said,
         [
@@ -237,14 +237,14 @@ fn what_is_left_out_is_doubtful() {
             "line 11, column 1: warning: the outline of the polygon encloses nothing (and 2 more)",
         ]
     );
-    let hints: Vec<_> = doubts.iter().map(|doubt| doubt.hint.clone().unwrap_or_default()).collect();
+    let hints: Vec<_> = warnings.iter().map(|warning| warning.hint.clone().unwrap_or_default()).collect();
     assert_eq!(hints[0], "did you mean `f`?");
 }
 
 #[test]
 fn a_face_has_up_to_a_thousand_corners() {
     let face = |count: usize| format!("{SQUARE}f{}\n", " 1 2".repeat(count / 2));
-    assert_eq!(read_obj(face(1000).as_bytes(), false, &Endless).unwrap().doubts.len(), 0);
+    assert_eq!(read_obj(face(1000).as_bytes(), false, &Endless).unwrap().warnings.len(), 0);
     let error = refuse(&face(1002));
     assert_eq!(error.message, "a face has 1002 corners: 1000 are the most");
     assert_eq!(error.position(), Some(Position { line: 5, column: 1 }));
@@ -340,16 +340,16 @@ fn a_texture_coordinate_that_a_face_names_must_exist_and_be_finite() {
     // One that no face uses may be anything.
     for unused in ["vt nan 0", "vt 0 inf", "vt 7 0"] {
         let text = format!("{SQUARE}{unused}\n{PLACES}f 1 2 3\nf 1/2 2/3 3/4\n");
-        assert_eq!(read_obj(text.as_bytes(), true, &Endless).unwrap().doubts, [], "{unused}");
+        assert_eq!(read_obj(text.as_bytes(), true, &Endless).unwrap().warnings, [], "{unused}");
     }
 }
 
 #[test]
-fn texture_coordinates_beyond_the_picture_are_doubtful() {
+fn texture_coordinates_beyond_the_picture_have_a_warning() {
     let said = |places: &str| {
         let text = format!("{SQUARE}{places}f 1/1 2/2 3/3 4/4\n");
-        let doubts = read_obj(text.as_bytes(), true, &Endless).unwrap().doubts;
-        doubts.iter().map(Diagnostic::headline).collect::<Vec<_>>()
+        let warnings = read_obj(text.as_bytes(), true, &Endless).unwrap().warnings;
+        warnings.iter().map(Diagnostic::headline).collect::<Vec<_>>()
     };
     // Exporters round.
     assert_eq!(said("vt 0 0\nvt 1 0\nvt 1.0000002 1\nvt -1e-7 1\n"), [""; 0]);
@@ -398,7 +398,7 @@ fn white_space_beyond_ascii_is_an_error_in_its_line() {
     }
     // A comment, a name and a word that is no keyword may have them.
     let text = format!("{SQUARE}# a\u{a0}b\ng a\u{a0}b\nf 1 2 3 # f\u{a0}4\n");
-    assert_eq!(read_obj(text.as_bytes(), true, &Endless).unwrap().doubts, []);
+    assert_eq!(read_obj(text.as_bytes(), true, &Endless).unwrap().warnings, []);
 }
 
 #[test]
