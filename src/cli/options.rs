@@ -242,7 +242,7 @@ impl Options {
         if width == 0 || height == 0 {
             return fail("-filter needs at least 3 x 3 pixels: use a larger -size");
         }
-        if self.region.is_some_and(|part| part.x + part.width > width || part.y + part.height > height) {
+        if self.region.is_some_and(|region| !region.fits([width, height])) {
             return fail(format!("-region reaches beyond the picture of {width} x {height} pixels"));
         }
         if self.pixel.is_some_and(|[x, y]| x >= width || y >= height) {

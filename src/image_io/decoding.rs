@@ -6,6 +6,7 @@ use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Color, Pixels};
 use std::error::Error;
+use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::iter;
@@ -77,7 +78,7 @@ pub(super) fn no_pixels() -> Diagnostic {
     Diagnostic::error("the picture has no pixels")
 }
 
-pub(super) fn too_short([width, height]: [u32; 2]) -> Diagnostic {
+pub(super) fn too_short([width, height]: [impl Display; 2]) -> Diagnostic {
     Diagnostic::error(format!("it is too short for {width} x {height} pixels"))
 }
 

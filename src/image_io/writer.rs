@@ -92,7 +92,7 @@ impl OutputFile {
             Ok::<_, Diagnostic>(encoder.transpose()?.map(Box::new))
         };
         let png = self.written(begin())?;
-        let (output, top) = (self, part.map_or(0, |part| part.at[1] as usize));
+        let (output, top) = (self, part.map_or(0, |part| part.at[1]));
         let (rows, bytes, exceptional) = (0, vec![], Exceptional::default());
         Ok(PictureWriter { output, format, size, content, top, spool, png, rows, bytes, exceptional })
     }
@@ -224,9 +224,8 @@ impl PictureWriter {
 
 /// Returns a file with the picture of these rows, none of which has been read.
 pub fn convert(mut rows: Rows, file: OutputFile, format: Format) -> Result<CompleteFile, Diagnostic> {
-    let size = rows.size.map(|side| side as usize);
-    let mut writer = file.begin(format, size, Content::Colors, None)?;
-    writer.copy(&mut rows, size[1])?;
+    let mut writer = file.begin(format, rows.size, Content::Colors, None)?;
+    writer.copy(&mut rows, writer.size[1])?;
     writer.complete()
 }
 
@@ -243,8 +242,8 @@ fn png_encoder(
     size: [usize; 2],
     part: Option<&Part>,
 ) -> Result<png::StreamWriter<'static, Shared>, png::EncodingError> {
-    let [width, height] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-    let mut encoder = png::Encoder::new(spool, width, height);
+    let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let mut encoder = png::Encoder::new(spool, number(size[0]), number(size[1]));
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
@@ -253,9 +252,10 @@ fn png_encoder(
         encoder.add_text_chunk(PNG_COMMENT.into(), part.to_string())?;
     }
     let mut writer = encoder.write_header()?;
-    if let Some(Part { at: [x, y], .. }) = part {
+    if let Some(part) = part {
         const UNIT_PIXEL: u8 = 0;
-        let offsets = [&x.to_be_bytes()[..], &y.to_be_bytes(), &[UNIT_PIXEL]].concat();
+        let [x, y] = part.at.map(|n| number(n).to_be_bytes());
+        let offsets = [&x[..], &y, &[UNIT_PIXEL]].concat();
         writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &offsets)?;
     }
     writer.into_stream_writer_with_size(PNG_CHUNK)
