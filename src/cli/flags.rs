@@ -5,7 +5,7 @@
 //! where clap has two (`words.rs`).
 
 use super::values::{
-    FILTER_SIZE, NOT_BYTES, NOT_NEGATIVE, NOT_PART, Sides, has_ending, number, path, picture, sides,
+    FILTER_SIZE, NOT_NEGATIVE, Sides, has_ending, must_end_in, number, path, picture, sides,
 };
 use crate::image_io::Format;
 use crate::scene::edition::Edition;
@@ -109,7 +109,10 @@ pub(super) struct Flags {
     /// Example: raytracer -merge top.png bottom.png -output whole.png
     #[arg(long, num_args = 1.., value_names = ["parts"], group = "without_scene", requires = "output")]
     #[arg(conflicts_with_all = ["reference", "tolerance", "threads", "json"])]
-    #[arg(value_parser = path(|file| Format::of(file).is_some_and(Format::has_parts), NOT_PART))]
+    #[arg(value_parser = path(
+        |file| Format::of(file).is_some_and(Format::has_parts),
+        "must end in .tga or .png, as parts do",
+    ))]
     pub merge: Option<Vec<PathBuf>>,
 
     /// Converts the picture to the 8-bit format given by -output. Needs no scene.
@@ -282,7 +285,10 @@ pub(super) struct Flags {
 
     /// Draws the picture, the reference and their amplified difference side by side.
     #[arg(long, value_name = "picture", requires = "compared")]
-    #[arg(value_parser = path(|file| Format::of(file).is_some_and(|format| !format.is_float()), NOT_BYTES))]
+    #[arg(value_parser = path(
+        |file| Format::of(file).is_some_and(|format| !format.is_float()),
+        must_end_in(Format::BYTES),
+    ))]
     pub difference: Option<PathBuf>,
 
     /// Ends with status 3 if more than n pixels differ by more than this many levels (1/255).

@@ -2,7 +2,7 @@
 
 use super::error::{fail, invalid, unexpected, value};
 use super::flags::Flags;
-use super::values::{FINITE, NOT_BYTES, NOT_PICTURE, SIDES, lossy, number};
+use super::values::{FINITE, SIDES, lossy, must_end_in, number};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::Format;
 use crate::render::{Cost, Layer};
@@ -36,12 +36,13 @@ impl Output {
             (Some(_), Some(word)) => return unexpected(word),
             (None, Some(word)) => match Format::named(&word.to_string_lossy()) {
                 Some(format) => format,
-                None => return invalid(flag, word, "must be tga, png, bmp, ppm, pfm or exr"),
+                None => return invalid(flag, word, &format!("must be {}", Format::WRITTEN.replace('.', ""))),
             },
             (None, None) => {
-                let needed = "needs its format after it, as in '- png'";
-                let problem = if is_standard_output { needed } else { NOT_PICTURE };
-                return invalid(flag, name, problem);
+                return match is_standard_output {
+                    true => invalid(flag, name, "needs its format after it, as in '- png'"),
+                    false => invalid(flag, name, &must_end_in(Format::WRITTEN)),
+                };
             }
         };
         let file = if is_standard_output { "-".into() } else { PathBuf::from(name) };
@@ -50,7 +51,7 @@ impl Output {
 
     /// Refuses a picture in floating point.
     fn of_bytes(self, flag: &str) -> Result<Self, Diagnostic> {
-        if self.format.is_float() { invalid(flag, &self.file, NOT_BYTES) } else { Ok(self) }
+        if self.format.is_float() { invalid(flag, &self.file, &must_end_in(Format::BYTES)) } else { Ok(self) }
     }
 
     /// Returns true if it goes to standard output.
