@@ -5,3 +5,4 @@ pub mod memory;
 pub mod patience;
 pub mod shell;
 pub mod shortcut;
+pub mod stdio;

@@ -7,13 +7,14 @@
 use super::values::{
     FILTER_SIZE, NOT_NEGATIVE, Sides, has_ending, must_end_in, number, path, picture, sides,
 };
+use crate::base::stdio::is_stdio;
 use crate::image_io::Format;
 use crate::scene::edition::Edition;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgGroup, CommandFactory, Parser, value_parser};
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The largest value of the course's `int`.
 pub(super) const MAX_INT: i64 = i32::MAX as i64;
@@ -391,7 +392,7 @@ pub(super) struct Flags {
 
     /// Writes everything that the run reports to a .json file; - writes it to standard output instead of the text.
     #[arg(long, value_name = "document")]
-    #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "must be - or end in .json"))]
+    #[arg(value_parser = path(|path| is_stdio(path) || has_ending(path, "json"), "must be - or end in .json"))]
     pub json: Option<PathBuf>,
 
     /// Renders with n threads, 1 to 4096. Default: one per core. The picture stays the same.

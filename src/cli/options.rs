@@ -5,6 +5,7 @@ use super::flags::{Flags, MAX_INT};
 use super::outputs::{Output, outputs};
 use super::values::{NOT_NEGATIVE, Sides, json_target, lossy_or_null, number, picture};
 use crate::base::memory::Bytes;
+use crate::base::stdio::is_stdio;
 use crate::caster::choose::{Resolution, Structure};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{Format, ReadFile};
@@ -270,7 +271,7 @@ impl Options {
             }
             _ => {}
         }
-        if self.written().filter(|file| *file == Path::new("-")).count() > 1 {
+        if self.written().filter(|file| is_stdio(file)).count() > 1 {
             return fail("only one of the pictures and -json can go to standard output");
         }
         Ok(())
@@ -296,7 +297,7 @@ impl Options {
 
     /// Returns true if the JSON document is printed in place of the text.
     pub fn prints_json(&self) -> bool {
-        self.json.as_deref() == Some(Path::new("-"))
+        self.json.as_deref().is_some_and(is_stdio)
     }
 
     /// Returns true if there is a text to print.

@@ -3,6 +3,7 @@
 use super::error::{fail, invalid, unexpected, value};
 use super::flags::Flags;
 use super::values::{FINITE, SIDES, lossy, must_end_in, number};
+use crate::base::stdio::{STDIO, is_stdio};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::Format;
 use crate::render::{Cost, Layer};
@@ -30,7 +31,7 @@ impl Output {
     /// `/dev/stdout` are standard output. `layers` are the ones for bytes and for floating-point numbers.
     fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, Diagnostic> {
         let name = values.first().cloned().unwrap_or_default();
-        let is_standard_output = name == "-" || name == "/dev/stdout";
+        let is_standard_output = name == STDIO || name == "/dev/stdout";
         let format = match (Format::of(Path::new(&name)), values.get(1)) {
             (Some(format), None) => format,
             (Some(_), Some(word)) => return unexpected(word),
@@ -45,7 +46,7 @@ impl Output {
                 };
             }
         };
-        let file = if is_standard_output { "-".into() } else { PathBuf::from(name) };
+        let file = if is_standard_output { STDIO.into() } else { PathBuf::from(name) };
         Ok(Self { layer: layers[usize::from(format.is_float())], file, format })
     }
 
@@ -56,7 +57,7 @@ impl Output {
 
     /// Returns true if it goes to standard output.
     pub fn is_standard_output(&self) -> bool {
-        self.file == Path::new("-")
+        is_stdio(&self.file)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Parsers of values. clap calls them for most flags, and `value` of `error.rs` where values are of several kinds.
 
+use crate::base::stdio::is_stdio;
 use crate::image_io::Format;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serializer;
@@ -77,7 +78,7 @@ pub(super) fn lossy_or_null<S: Serializer>(path: &Option<PathBuf>, serializer: S
 /// Writes the target of the JSON document: `-` as it is, and a file as an object with its name.
 pub(super) fn json_target<S: Serializer>(target: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
     match target {
-        Some(file) if file != Path::new("-") => serializer.collect_map([("file", file.to_string_lossy())]),
+        Some(file) if !is_stdio(file) => serializer.collect_map([("file", file.to_string_lossy())]),
         _ => lossy_or_null(target, serializer),
     }
 }

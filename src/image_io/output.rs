@@ -7,6 +7,7 @@ use super::format::{Content, Format};
 use super::{cannot, unknown_ending};
 use crate::base::escape::quoted;
 use crate::base::memory;
+use crate::base::stdio::is_stdio;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Picture};
 use std::ffi::OsStr;
@@ -56,7 +57,7 @@ impl OutputFile {
     ///
     /// A pipe or a device is opened, which may block until there is a reader.
     pub fn prepare(path: &Path) -> Result<Self, Diagnostic> {
-        if path == Path::new("-") {
+        if is_stdio(path) {
             return Ok(Self::standard_output());
         }
         match Target::of(path) {
