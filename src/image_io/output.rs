@@ -6,7 +6,7 @@
 use super::format::{Content, Format};
 use super::{cannot, unknown_ending};
 use crate::base::escape::quoted;
-use crate::base::memory;
+use crate::base::{lock, memory};
 use crate::base::stdio::is_stdio;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Picture};
@@ -14,7 +14,7 @@ use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use tempfile::{NamedTempFile, SpooledData, SpooledTempFile, TempPath};
 
 /// The longest content that is kept in memory, in bytes.
@@ -218,7 +218,7 @@ pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), Diagnostic> {
     }
     // A program that ends for want of memory removes no temporary file.
     memory::ask(WORKING_MEMORY)?;
-    let _naming = NAMING.lock().unwrap_or_else(PoisonError::into_inner);
+    let _naming = lock(&NAMING);
     let mut named = Vec::with_capacity(regular.len());
     for file in regular {
         let path = file.output.path.clone();

@@ -6,11 +6,12 @@ use super::header::{bmp_row, exr_row, header};
 use super::output::{CompleteFile, OutputFile};
 use super::part::{PNG_COMMENT, Part};
 use super::rows::Rows;
+use crate::base::lock;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{BLUE_FIRST, CHANNELS, Color, RED_FIRST, truncate_to_bytes};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use tempfile::SpooledTempFile;
 
 /// The length of a PNG file's chunks of compressed rows, in bytes.
@@ -59,19 +60,13 @@ pub struct PictureWriter {
 #[derive(Clone)]
 struct Shared(Arc<Mutex<SpooledTempFile>>);
 
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, SpooledTempFile> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 impl Write for Shared {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.lock().write(bytes)
+        lock(&self.0).write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.lock().flush()
+        lock(&self.0).flush()
     }
 }
 
@@ -165,7 +160,7 @@ impl PictureWriter {
         let mut write = || match &mut self.png {
             Some(encoder) => encoder.write_all(&self.bytes),
             None => {
-                let mut spool = self.spool.lock();
+                let mut spool = lock(&self.spool.0);
                 if matches!(self.format, Format::Bmp | Format::Pfm) {
                     // Their rows are stored from the bottom: from the end of one, it is two rows to the next.
                     let rows = if self.rows == 0 { self.size[1].saturating_sub(1) as i64 } else { -2 };
@@ -217,7 +212,7 @@ impl PictureWriter {
     /// Returns the file of the picture, which has all of its rows.
     pub fn complete(self) -> Result<CompleteFile, Diagnostic> {
         self.output.written(self.png.map_or(Ok(()), |encoder| encoder.finish()))?;
-        let content = std::mem::replace(&mut *self.spool.lock(), tempfile::spooled_tempfile(0));
+        let content = std::mem::replace(&mut *lock(&self.spool.0), tempfile::spooled_tempfile(0));
         Ok(CompleteFile { output: self.output, content })
     }
 }
