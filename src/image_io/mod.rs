@@ -46,8 +46,3 @@ fn cannot(action: &str, path: &Path, reason: impl Into<Diagnostic>) -> Diagnosti
     let reason = reason.into();
     Diagnostic { message: format!("cannot {action} {}: {}", quoted(path), reason.message), ..reason }
 }
-
-/// Returns the error of a file to write whose name ends in none of the endings of pictures.
-fn unknown_ending() -> Diagnostic {
-    Diagnostic::error("its name must end in .tga, .png, .bmp, .ppm, .pfm or .exr")
-}

@@ -3,11 +3,11 @@
 //! Until then the content is in memory or, if it is long, in a temporary file without a name, so that nothing is left
 //! however the program ends. It gets a temporary name beside its target only to be renamed.
 
+use super::cannot;
 use super::format::{Content, Format};
-use super::{cannot, unknown_ending};
 use crate::base::escape::quoted;
-use crate::base::{lock, memory};
 use crate::base::stdio::is_stdio;
+use crate::base::{lock, memory};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Picture};
 use std::ffi::OsStr;
@@ -74,13 +74,6 @@ impl OutputFile {
     /// True for a pipe, a device or standard output.
     pub fn is_stream(&self) -> bool {
         matches!(self.target, Target::Stream(_))
-    }
-
-    /// Writes a picture in the format that the file's name tells. If this fails and the target is a regular file,
-    /// nothing is written.
-    pub fn write(self, picture: &Picture) -> Result<(), Diagnostic> {
-        let format = self.written(Format::of(&self.path).ok_or_else(unknown_ending))?;
-        self.picture(format, picture)?.put_in_place()
     }
 
     /// Returns the file with this picture.
