@@ -28,8 +28,8 @@ pub struct Output {
 
 impl Output {
     /// Reads a file's name, and the name of the format after it if the file's has no ending of a picture. `-` and
-    /// `/dev/stdout` are standard output. `layers` are the ones for bytes and for floating-point numbers.
-    fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, Diagnostic> {
+    /// `/dev/stdout` are standard output.
+    fn new(flag: &str, values: &[OsString], [of_bytes, of_floats]: [Layer; 2]) -> Result<Self, Diagnostic> {
         let name = values.first().cloned().unwrap_or_default();
         let is_standard_output = name == STDIO || name == "/dev/stdout";
         let format = match (Format::of(Path::new(&name)), values.get(1)) {
@@ -47,7 +47,8 @@ impl Output {
             }
         };
         let file = if is_standard_output { STDIO.into() } else { PathBuf::from(name) };
-        Ok(Self { layer: layers[usize::from(format.is_float())], file, format })
+        let layer = if format.is_float() { of_floats } else { of_bytes };
+        Ok(Self { layer, file, format })
     }
 
     /// Refuses a picture in floating point.
@@ -63,13 +64,15 @@ impl Output {
 
 /// The pictures that the flags ask for, in the order of the help. `size` is the value of `-size`.
 pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, Diagnostic> {
-    let normals = [Layer::Normals, Layer::SignedNormals];
+    let normals = |values: &_| Output::new("normals", values, [Layer::Normals, Layer::SignedNormals]);
+    let samples = |values: &_| enlarged("render_samples", values, size, |zoom| Layer::Samples { zoom });
+    let filter = |values: &_| enlarged("render_filter", values, size, |zoom| Layer::Filter { zoom });
     let all = [
         flags.output.as_deref().map(colors),
         flags.depth.as_deref().map(depth),
-        flags.normals.as_deref().map(|values| Output::new("normals", values, normals)),
-        flags.render_samples.as_deref().map(|values| enlarged("render_samples", values, size)),
-        flags.render_filter.as_deref().map(|values| enlarged("render_filter", values, size)),
+        flags.normals.as_deref().map(normals),
+        flags.render_samples.as_deref().map(samples),
+        flags.render_filter.as_deref().map(filter),
         flags.cost_map.as_deref().map(cost_map),
     ];
     all.into_iter().flatten().collect()
@@ -98,13 +101,18 @@ fn depth(values: &[OsString]) -> Result<Output, Diagnostic> {
     Output::new("depth", picture, [Layer::Depth { near, far }, Layer::Distance])
 }
 
-fn enlarged(flag: &str, values: &[OsString], size: [usize; 2]) -> Result<Output, Diagnostic> {
+/// Returns a picture with enlarged pixels, whose `layer` has the last value as its zoom.
+fn enlarged(
+    flag: &str,
+    values: &[OsString],
+    size: [usize; 2],
+    layer: fn(usize) -> Layer,
+) -> Result<Output, Diagnostic> {
     let (picture, last) = values.split_at(values.len() - 1);
     if picture.len() > 1 && Format::of(Path::new(&picture[0])).is_some() {
         return unexpected(&last[0]);
     }
-    let zoom = usize::from(value(flag, &last[0], value_parser!(u16).range(1..))?);
-    let layer = if flag == "render_samples" { Layer::Samples { zoom } } else { Layer::Filter { zoom } };
+    let layer = layer(value(flag, &last[0], value_parser!(u16).range(1..))?.into());
     if !layer.size(size).iter().all(|side| SIDES.contains(side)) {
         return fail(format!("-{flag}: the enlarged picture has more than 65535 pixels a side"));
     }
