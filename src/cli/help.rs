@@ -77,13 +77,12 @@ fn about(name: &str, width: usize) -> Result<String, Diagnostic> {
         let names = flag.get_all_aliases().into_iter().flatten().map(str::to_owned);
         help.chain(names).chain([flag.get_id().to_string()]).any(has_part)
     };
-    if command().get_arguments().any(has_word) {
-        return Ok(show(only(has_word), width));
-    }
-    // The error for an unknown flag has a suggestion.
+    // clap's error of an unknown flag has a suggestion.
     let words = [OsString::from(format!("--{name}"))];
-    let parsed = command().try_get_matches_from(&words);
-    parsed.map(|_| String::new()).map_err(|error| of_clap(error, &words))
+    match command().try_get_matches_from(&words) {
+        Err(error) if !command().get_arguments().any(has_word) => Err(of_clap(error, &words)),
+        _ => Ok(show(only(has_word), width)),
+    }
 }
 
 fn bare(word: &str) -> &str {
