@@ -14,8 +14,9 @@ use std::path::Path;
 /// The longest message in characters, in which arguments of any length may be quoted.
 const LONGEST: usize = 500;
 
-/// Rewrites a message about missing flags: "the following required arguments were not provided: --a <x> <--b <y>|--c>"
-/// becomes "missing --a <x> and --b <y> or --c".
+/// Rewrites a message about missing flags, in this order: of
+/// `the following required arguments were not provided: --a <x> <--b <y>|--c>` it makes
+/// `missing --a <x> and --b <y> or --c`.
 const MISSING: [(&str, &str); 5] = [
     ("the following required arguments were not provided:", "missing"),
     ("missing <--", "missing --"),
@@ -23,25 +24,25 @@ const MISSING: [(&str, &str); 5] = [
     ("|--", " or --"),
     (">>", ">"),
 ];
-/// Rewrites the standard library's words for a number that has a fraction or is none, and Rust's form of a range:
-/// "0 is not in 1..=9" becomes "0 is not from 1 to 9".
+/// Rewrites the standard library's words for a number that has a fraction or is none, and Rust's form of a range: of
+/// `0 is not in 1..=9` it makes `0 is not from 1 to 9`.
 const REASONS: [(&str, &str); 3] = [
     ("invalid digit found in string", "not a whole number"),
     (" is not in ", " is not from "),
     ("..=", " to "),
 ];
 
-/// An error with this message, which names the flag or word.
+/// Fails with this message, which names the flag or word.
 pub(super) fn fail<T>(message: impl AsRef<str>) -> Result<T, Diagnostic> {
     Err(Diagnostic::error(one_line(message.as_ref())))
 }
 
-/// The error for a value of a flag, in clap's words.
+/// Fails for a value of a flag, in clap's words.
 pub(super) fn invalid<T>(flag: &str, word: impl AsRef<OsStr>, reason: &str) -> Result<T, Diagnostic> {
     fail(format!("invalid value '{}' for '-{flag}': {reason}", word.as_ref().to_string_lossy()))
 }
 
-/// The error for a word that is no value of a flag.
+/// Fails for a word that is no value of a flag.
 pub(super) fn unexpected<T>(word: &OsStr) -> Result<T, Diagnostic> {
     let word = word.to_string_lossy();
     let hint = flag_before(&word, &[]).map(did_you_mean);
@@ -61,7 +62,7 @@ pub(super) fn value<P: TypedValueParser>(
     })
 }
 
-/// The error of clap about these words, which have its dashes.
+/// Converts clap's error about these words, which have its dashes.
 pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic {
     if let Some(ContextValue::Strings(others)) = error.get(ContextKind::PriorArg) {
         // clap lists all flags of a group.
@@ -79,12 +80,12 @@ pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic 
     Diagnostic { hint: hint(&error, words), ..Diagnostic::error(one_line(&single(&message))) }
 }
 
-/// Replaces words by others, in this order.
+/// Replaces each left text by the one to the right of it.
 fn rewritten(text: &str, words: &[(&str, &str)]) -> String {
     words.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-/// Advice on an error of clap.
+/// Returns advice on an error of clap.
 fn hint(error: &clap::Error, words: &[OsString]) -> Option<String> {
     let text = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.clone()),
@@ -113,7 +114,7 @@ fn hint(error: &clap::Error, words: &[OsString]) -> Option<String> {
     }
 }
 
-/// The flag that may be missing before a word, with the word, or the word with its dash.
+/// Returns the flag that may be missing before a word, with the word, or the word with its dash.
 fn flag_before(word: &str, words: &[OsString]) -> Option<String> {
     let flag = match Path::new(word) {
         _ if find(word).is_some() => return Some(format!("--{word}")),
@@ -128,7 +129,7 @@ fn did_you_mean(meant: String) -> String {
     one_line(&single(&format!("did you mean '{meant}'?")))
 }
 
-/// A text in one line, which is escaped and not too long.
+/// Escapes a text, so that it is one line, and cuts it if it is too long.
 fn one_line(text: &str) -> String {
     let shown: String = text.chars().take(LONGEST).collect();
     let ellipsis = if shown.len() < text.len() { "..." } else { "" };

@@ -445,13 +445,13 @@ const ELSEWHERE: [(&str, &[&str]); 11] = [
     ("gui", &["preview", "window", "interactive", "live"]),
 ];
 
-/// The flag that another program calls `name`.
+/// Returns the flag that another program calls `name`.
 pub(super) fn meant(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     ELSEWHERE.iter().find(|(_, names)| names.contains(&name.as_str())).map(|(flag, _)| *flag)
 }
 
-/// All flags, as clap knows them. Each may be given once, and a value may be a negative number.
+/// Returns all flags, as clap knows them. Each may be given once, and a value may be a negative number.
 pub fn command() -> clap::Command {
     let groups = HEADINGS.map(|(_, heading)| ArgGroup::new(heading).multiple(true));
     let mut heading = "";
@@ -473,7 +473,7 @@ pub(super) fn shapes(flag: &Arg) -> bool {
     names.into_iter().flatten().any(|name| SHAPING.contains(&name))
 }
 
-/// The flag called `name`, by any of its spellings.
+/// Returns the flag called `name`, by any of its spellings.
 pub(super) fn find(name: &str) -> Option<Arg> {
     let mut command = command();
     command.build();

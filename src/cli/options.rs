@@ -277,20 +277,20 @@ impl Options {
         Ok(())
     }
 
-    /// The scene and the compared pictures, without the files that the scene names.
+    /// Returns the scene and the compared pictures, without the files that the scene names.
     pub fn files(&self) -> impl Iterator<Item = ReadFile> {
         let compared = self.comparison.iter().flat_map(|wanted| [&wanted.picture, &wanted.reference]);
         let pictures = compared.flatten().map(|picture| ("picture", picture.clone()));
         self.input.iter().map(|input| ("scene", input.clone())).chain(pictures)
     }
 
-    /// The names of the pictures to write, where `-` is standard output.
+    /// Returns the names of the pictures to write, where `-` is standard output.
     pub fn pictures(&self) -> impl Iterator<Item = &Path> {
         let difference = self.comparison.as_ref().and_then(|comparison| comparison.difference.as_deref());
         self.outputs.iter().map(|output| output.file.as_path()).chain(difference)
     }
 
-    /// The names of all files to write.
+    /// Returns the names of all files to write.
     pub fn written(&self) -> impl Iterator<Item = &Path> {
         self.pictures().chain(self.json.as_deref())
     }
@@ -346,7 +346,7 @@ impl Options {
         wanted.is_some_and(|wanted| !wanted.needs_scene() || is_float())
     }
 
-    /// Width and height of the colour picture.
+    /// Returns the width and height of the colour picture.
     pub fn picture_size(&self) -> [usize; 2] {
         match (self.jitter, self.reduced) {
             (true, false) => self.size.map(|n| n * REDUCTION),

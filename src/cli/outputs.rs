@@ -62,7 +62,7 @@ impl Output {
     }
 }
 
-/// The pictures that the flags ask for, in the order of the help. `size` is the value of `-size`.
+/// Returns the pictures that the flags ask for, in the order of the help. `size` is the value of `-size`.
 pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, Diagnostic> {
     let normals = |values: &_| Output::new("normals", values, [Layer::Normals, Layer::SignedNormals]);
     let samples = |values: &_| enlarged("render_samples", values, size, |zoom| Layer::Samples { zoom });
@@ -78,7 +78,7 @@ pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, Di
     all.into_iter().flatten().collect()
 }
 
-/// The picture of bytes that `-output` asks for, which clap has required.
+/// Returns the picture of bytes that `-output` asks for, which clap has required.
 pub(super) fn output_of_bytes(flags: &Flags) -> Result<Output, Diagnostic> {
     colors(flags.output.as_deref().unwrap_or_default())?.of_bytes("output")
 }

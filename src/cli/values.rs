@@ -32,7 +32,7 @@ pub(super) fn number((range, problem): Numbers) -> impl TypedValueParser<Value =
     move |word: &str| word.parse().ok().filter(|number| range.contains(number)).ok_or(problem)
 }
 
-/// A picture to read.
+/// Reads the path of a picture to read.
 pub(super) fn picture() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| match Format::of_input(&path) {
         Some(_) => Ok(path),

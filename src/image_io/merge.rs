@@ -58,7 +58,7 @@ impl Merge {
         Ok(Self { parts, target, part })
     }
 
-    /// Width and height of the result in pixels.
+    /// Returns the width and height of the result in pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.target.width, self.target.height]
     }
