@@ -77,14 +77,14 @@ impl Rows {
             Format::Bmp | Format::Ppm | Format::Pfm | Format::Exr => Ok(None),
         });
         match read {
-            Ok(Some((size, comment, decoder))) if !size.contains(&0) => {
+            Ok(Some(Opened { size, comment, decoder })) if !size.contains(&0) => {
                 Ok(Self { path: path.to_owned(), size, comment, decoder, left: size[1] })
             }
-            Ok(_) => Err(cannot(
-                "merge",
-                path,
-                Diagnostic::error("it is not encoded like a part written by `-region`"),
-            )),
+            // `-convert` reads such a file in another way, and does not show the error.
+            Ok(_) => {
+                let problem = "it is not encoded like a part written by `-region`";
+                Err(cannot("merge", path, Diagnostic::error(problem)))
+            }
             Err(error) => Err(cannot("read", path, undecoded(error, Diagnostic::error(CUT_HEADER)))),
         }
     }
@@ -109,20 +109,26 @@ impl Rows {
     }
 }
 
-/// The size of a picture, its comment and its rows. `None` if the file is not encoded as this program does.
-type Found = Option<([usize; 2], Option<String>, Decoder)>;
+/// A file whose header has been read.
+struct Opened {
+    size: [usize; 2],
+    comment: Option<String>,
+    decoder: Decoder,
+}
 
-fn tga(mut source: BufReader<File>) -> io::Result<Found> {
+/// Reads the header of a TGA file. Returns `None` if the file is not encoded as this program does.
+fn tga(mut source: BufReader<File>) -> io::Result<Option<Opened>> {
     let mut header = [0; TGA_HEADER];
     source.read_exact(&mut header)?;
     let mut id = vec![0; header[0].into()];
     source.read_exact(&mut id)?;
     let [_, 0, 2, 0, 0, 0, 0, 0, _, _, _, _, w0, w1, h0, h1, 24, 32] = header else { return Ok(None) };
     let size = [[w0, w1], [h0, h1]].map(|side| usize::from(u16::from_le_bytes(side)));
-    Ok(Some((size, String::from_utf8(id).ok(), Decoder::Tga(source))))
+    Ok(Some(Opened { size, comment: String::from_utf8(id).ok(), decoder: Decoder::Tga(source) }))
 }
 
-fn png(source: BufReader<File>) -> io::Result<Found> {
+/// Reads what precedes the rows of a PNG file, like [`tga`].
+fn png(source: BufReader<File>) -> io::Result<Option<Opened>> {
     let mut options = png::DecodeOptions::default();
     options.set_skip_ancillary_crc_failures(false);
     let reader = png::Decoder::new_with_options(source, options).read_info()?;
@@ -132,5 +138,5 @@ fn png(source: BufReader<File>) -> io::Result<Found> {
     let comment = text.map(|chunk| chunk.text.clone());
     let is_own =
         !info.interlaced && (info.color_type, info.bit_depth) == (png::ColorType::Rgb, png::BitDepth::Eight);
-    Ok(is_own.then(|| (size, comment, Decoder::Png(Box::new(reader)))))
+    Ok(is_own.then(|| Opened { size, comment, decoder: Decoder::Png(Box::new(reader)) }))
 }
