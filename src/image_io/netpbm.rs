@@ -189,7 +189,15 @@ impl<'a> Text<'a> {
         Ok((picture, remarks))
     }
 
-    /// Returns the samples, which take `needed` bytes, and whether a line end follows them.
+    /// Returns the samples, which take `needed` bytes, and whether a line end follows them. After the last word of the
+    /// header and its one white space, a file may have:
+    ///
+    /// | bytes | reason |
+    /// |---|---|
+    /// | the samples | as the format says |
+    /// | LF, the samples | the white space is a CR, since all lines of the header end in CR LF |
+    /// | the samples, then LF or CR LF | a program has ended the last line, unless the samples begin with white space |
+    /// | LF, the samples with a CR before each LF | the white space is a CR, since the file was written as text |
     fn samples(&self, needed: usize) -> Result<(Cow<'a, [u8]>, bool), Diagnostic> {
         let (rest, [width, height]) = (self.rest, self.size.unwrap_or_default());
         let head = &self.start[..self.start.len() - rest.len()];
