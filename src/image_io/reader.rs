@@ -139,6 +139,7 @@ fn decoded<D: ImageDecoder>(
     let decoder = decoder.map_err(|error| refused_by_image(error, Diagnostic::error(CUT_HEADER)))?;
     let (width, height) = decoder.dimensions();
     let (size, color_type, length) = ([width, height], decoder.color_type(), decoder.total_bytes());
+    // For TGA and BMP. The size of a PNG file has been checked before.
     match u64::from(width) * u64::from(height) {
         0 => return Err(no_pixels()),
         pixels if pixels > max_pixels => return Err(too_short(size)),
