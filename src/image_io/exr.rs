@@ -2,8 +2,8 @@
 //!
 //! The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
-use super::decoding::{Remarks, Wanted, beyond_bytes, no_pixels, too_short, zeros};
-use super::header::{EXR_FLOAT, EXR_START};
+use super::common_to_readers::{Remarks, Wanted, beyond_bytes, no_pixels, too_short, zeros};
+use super::written_headers::{EXR_FLOAT, EXR_START};
 use crate::base::escape::{escape, quoted};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{Color, Pixels};

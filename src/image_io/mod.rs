@@ -2,11 +2,10 @@
 //! when all are complete. The reader takes any common variant. Parts of a picture say where they lie, and are put
 //! together.
 
-mod decoding;
+mod common_to_readers;
 mod distinct_files;
 mod exr;
 mod format;
-mod header;
 mod merge;
 mod netpbm;
 mod output;
@@ -14,8 +13,9 @@ mod part;
 mod reader;
 mod rows;
 mod writer;
+mod written_headers;
 
-pub use decoding::{Remarks, Wanted};
+pub use common_to_readers::{Remarks, Wanted};
 pub use distinct_files::{ReadFile, Written, check_distinct};
 pub use format::{Content, Format};
 pub use merge::Merge;

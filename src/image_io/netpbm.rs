@@ -5,7 +5,7 @@
 //! of the file. If the rest is longer, its pixels may be shifted, and the file is refused unless line feeds written as
 //! CR LF explain every byte.
 
-use super::decoding::{Remarks, Wanted, beyond_bytes, level, no_pixels, too_short, zeros};
+use super::common_to_readers::{Remarks, Wanted, beyond_bytes, level, no_pixels, too_short, zeros};
 use super::format::{BYTE_ORDER_MARK, CUT_HEADER, OTHER_TEXT};
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;

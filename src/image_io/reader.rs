@@ -3,7 +3,7 @@
 //! The message of an error is the reason alone, to which [`read_picture`] adds the file.
 
 use super::cannot;
-use super::decoding::{
+use super::common_to_readers::{
     Remarks, Wanted, check_bytes, level, no_pixels, open_regular, refused, too_short, undecoded, zeros,
 };
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};

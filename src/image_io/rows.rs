@@ -1,7 +1,7 @@
 //! The rows of TGA and PNG files as this program writes them, one by one, and the part of a picture that they state.
 
 use super::cannot;
-use super::decoding::{open_regular, too_short, undecoded};
+use super::common_to_readers::{open_regular, too_short, undecoded};
 use super::format::{CUT_HEADER, Format, START, TGA_HEADER, identify};
 use super::part::{PNG_COMMENT, Part};
 use crate::diagnostic::Diagnostic;

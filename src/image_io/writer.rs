@@ -2,10 +2,10 @@
 
 use super::beside;
 use super::format::{Content, Format};
-use super::header::{bmp_row, exr_row, header};
 use super::output::{CompleteFile, OutputFile};
 use super::part::{PNG_COMMENT, Part};
 use super::rows::Rows;
+use super::written_headers::{bmp_row, exr_row, header};
 use crate::base::lock;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{BLUE_FIRST, CHANNELS, Color, RED_FIRST, truncate_to_bytes};

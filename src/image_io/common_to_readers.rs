@@ -1,5 +1,4 @@
-//! Helpers of all readers: opening a file, the errors of its size and its end, and samples that become
-//! levels.
+//! Code that all readers share: opening a file, the errors of its size and its end, and samples that become levels.
 
 use crate::base::escape::quoted;
 use crate::base::memory::Bytes;
