@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Facts that a user should know about a picture that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Remarks {
+pub struct ReadNotes {
     /// The number of pixels with a channel below 0, above 1 or NaN, which a byte cannot store.
     pub clamped: u64,
     /// The number of pixels whose alpha, which is ignored, is not opaque.

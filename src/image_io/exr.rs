@@ -2,7 +2,7 @@
 //!
 //! The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
-use super::common_to_readers::{Remarks, Wanted, beyond_bytes, no_pixels, too_short, zeros};
+use super::common_to_readers::{ReadNotes, Wanted, beyond_bytes, no_pixels, too_short, zeros};
 use super::written_headers::{EXR_FLOAT, EXR_START};
 use crate::base::escape::{escape, quoted};
 use crate::diagnostic::Diagnostic;
@@ -47,7 +47,7 @@ struct Area {
 }
 
 /// Reads the display window. It is zero where the data window has no numbers, and what lies outside it is cut off.
-pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
+pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, ReadNotes), Diagnostic> {
     let bad = |problem: &str| Err(Diagnostic::error(problem));
     let mut rest = file;
     let header = header(&mut rest)?;
@@ -80,7 +80,7 @@ pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, R
     // The places of the blocks.
     rest.split_off(..8 * blocks as usize).ok_or_else(short)?;
     let (shared, alpha, width) = (header.shared_columns(), header.alpha(), data.width as usize);
-    let (mut is_read, mut remarks) = (vec![false; blocks as usize], Remarks::default());
+    let (mut is_read, mut notes) = (vec![false; blocks as usize], ReadNotes::default());
     for _ in 0..blocks {
         let [first, length] = take_ints(&mut rest).ok_or_else(short)?;
         let first = i64::from(first) - data.top;
@@ -104,15 +104,15 @@ pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, R
                 let colors = header.row(bytes, width, red_green_blue);
                 let shown = &colors[columns.clone()];
                 picture.set([*x, y as usize], shown);
-                remarks.clamped += beyond_bytes(shown);
+                notes.clamped += beyond_bytes(shown);
                 if let Some(alpha) = alpha {
                     let alphas = header.numbers(bytes, width, alpha).skip(columns.start).take(columns.len());
-                    remarks.transparent += alphas.filter(|alpha| *alpha < 1.0).count() as u64;
+                    notes.transparent += alphas.filter(|alpha| *alpha < 1.0).count() as u64;
                 }
             }
         }
     }
-    Ok((picture, remarks))
+    Ok((picture, notes))
 }
 
 /// Takes bytes up to a zero, which is left out.

@@ -15,7 +15,7 @@ mod rows;
 mod writer;
 mod written_headers;
 
-pub use common_to_readers::{Remarks, Wanted};
+pub use common_to_readers::{ReadNotes, Wanted};
 pub use distinct_files::{ReadFile, Written, check_distinct};
 pub use format::{Content, Format};
 pub use merge::Merge;
