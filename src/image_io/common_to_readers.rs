@@ -39,7 +39,7 @@ pub(super) fn open_regular(path: &Path) -> Result<File, Diagnostic> {
     }
 }
 
-/// Returns the error of a file that its decoder does not read. `too_early` is the error of one that ends too early.
+/// Converts a decoder's error. The result is `too_early` if the file ends too early.
 pub(super) fn undecoded(error: io::Error, too_early: Diagnostic) -> Diagnostic {
     match error.kind() {
         ErrorKind::UnexpectedEof => too_early,

@@ -201,7 +201,7 @@ impl CompleteFile {
 }
 
 /// Puts files in their places, the pipes, devices and standard output first. If one fails, no regular file is replaced
-/// or made: those that were in place already are taken away again, and earlier files are put back.
+/// or made: new files are removed, and files already replaced are restored.
 ///
 /// They are not flushed to the disk first, because that takes many times as long as rendering a small picture.
 pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), Diagnostic> {
@@ -266,7 +266,7 @@ impl Replaced {
         Ok(Self { target: target.to_owned(), earlier, is_replaced: false })
     }
 
-    /// Puts the earlier file back, or takes the new one away. Returns advice if that fails.
+    /// Restores the earlier file, or removes the new one. Returns advice if that fails.
     fn put_back(self) -> Option<String> {
         let target = quoted(&self.target);
         let Some(earlier) = self.earlier else {
