@@ -14,24 +14,6 @@ use std::path::Path;
 /// The longest message in characters, in which arguments of any length may be quoted.
 const LONGEST: usize = 500;
 
-/// Rewrites a message about missing flags, in this order: of
-/// `the following required arguments were not provided: --a <x> <--b <y>|--c>` it makes
-/// `missing --a <x> and --b <y> or --c`.
-const MISSING: [(&str, &str); 5] = [
-    ("the following required arguments were not provided:", "missing"),
-    ("missing <--", "missing --"),
-    (" <--", " and --"),
-    ("|--", " or --"),
-    (">>", ">"),
-];
-/// Rewrites the standard library's words for a number that has a fraction or is none, and Rust's form of a range: of
-/// `0 is not in 1..=9` it makes `0 is not from 1 to 9`.
-const REASONS: [(&str, &str); 3] = [
-    ("invalid digit found in string", "not a whole number"),
-    (" is not in ", " is not from "),
-    ("..=", " to "),
-];
-
 /// Fails with this message, which names the flag or word.
 pub(super) fn fail<T>(message: impl AsRef<str>) -> Result<T, Diagnostic> {
     Err(Diagnostic::error(one_line(message.as_ref())))
@@ -73,16 +55,17 @@ pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic 
     let message = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();
     let mut message = message.split_whitespace().collect::<Vec<_>>().join(" ");
     if error.kind() == ErrorKind::MissingRequiredArgument {
-        message = rewritten(&message, &MISSING);
+        // "... not provided: --a <x> <--b <y>|--c <z>>" becomes "missing --a <x> and --b <y> or --c <z>".
+        message = message.replace("the following required arguments were not provided:", "missing");
+        message = message.replace("missing <--", "missing --").replace(" <--", " and --");
+        message = message.replace("|--", " or --").replace(">>", ">");
     }
+    // The standard library's words for a number that has a fraction or is none.
     let (given, reason) = message.split_at(message.rfind("': ").unwrap_or(message.len()));
-    let message = given.to_owned() + &rewritten(reason, &REASONS);
+    let reason = reason.replace("invalid digit found in string", "not a whole number");
+    // "0 is not in 1..=9" becomes "0 is not from 1 to 9".
+    let message = format!("{given}{}", reason.replace(" is not in ", " is not from ").replace("..=", " to "));
     Diagnostic { hint: hint(&error, words), ..Diagnostic::error(one_line(&single(&message))) }
-}
-
-/// Replaces each left text by the one to the right of it.
-fn rewritten(text: &str, words: &[(&str, &str)]) -> String {
-    words.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 /// Returns advice on an error of clap.
