@@ -61,6 +61,11 @@ pub struct Window {
 }
 
 impl Window {
+    /// Returns the window that has all pixels of a picture of this width and height.
+    pub fn whole([width, height]: [usize; 2]) -> Self {
+        Self { x: 0, y: 0, width, height }
+    }
+
     /// Returns the column that follows the rightmost one.
     pub fn right(&self) -> usize {
         self.x + self.width
@@ -75,6 +80,11 @@ impl Window {
     pub fn fits(&self, [width, height]: [usize; 2]) -> bool {
         let is_within = |at: usize, side: usize, whole: usize| side > 0 && at < whole && side <= whole - at;
         is_within(self.x, self.width, width) && is_within(self.y, self.height, height)
+    }
+
+    /// Returns true if the pixel in this column and row is in the window.
+    pub fn contains(&self, [x, y]: [usize; 2]) -> bool {
+        (self.x..self.right()).contains(&x) && (self.y..self.bottom()).contains(&y)
     }
 
     /// Returns true if the two windows have a pixel in common.

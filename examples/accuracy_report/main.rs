@@ -8,7 +8,7 @@ mod edge_map;
 mod proofs;
 mod table;
 
-use raytracer::image_io::OutputFile;
+use raytracer::image_io::{Format, OutputFile};
 use raytracer::picture::Picture;
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -34,7 +34,7 @@ fn write_report() -> Result<(), Failure> {
     let map = edge_map::draw();
     let acne = acne::draw()?;
     for (name, picture) in [("edge_map.png", &map.picture), ("acne.png", &acne.picture)] {
-        OutputFile::prepare(&docs.join(name))?.write(picture)?;
+        OutputFile::prepare(&docs.join(name))?.picture(Format::Png, picture)?.put_in_place()?;
     }
     let table = table::read(records.path())?;
     let origin = table::Origin { commit: commit()?, tier: std::env::var("HARD_CASES").ok() };

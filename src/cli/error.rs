@@ -14,17 +14,17 @@ use std::path::Path;
 /// The longest message in characters, in which arguments of any length may be quoted.
 const LONGEST: usize = 500;
 
-/// An error with this message, which names the flag or word.
+/// Fails with this message, which names the flag or word.
 pub(super) fn fail<T>(message: impl AsRef<str>) -> Result<T, Diagnostic> {
     Err(Diagnostic::error(one_line(message.as_ref())))
 }
 
-/// The error for a value of a flag, in clap's words.
+/// Fails for a value of a flag, in clap's words.
 pub(super) fn invalid<T>(flag: &str, word: impl AsRef<OsStr>, reason: &str) -> Result<T, Diagnostic> {
     fail(format!("invalid value '{}' for '-{flag}': {reason}", word.as_ref().to_string_lossy()))
 }
 
-/// The error for a word that is no value of a flag.
+/// Fails for a word that is no value of a flag.
 pub(super) fn unexpected<T>(word: &OsStr) -> Result<T, Diagnostic> {
     let word = word.to_string_lossy();
     let hint = flag_before(&word, &[]).map(did_you_mean);
@@ -44,7 +44,7 @@ pub(super) fn value<P: TypedValueParser>(
     })
 }
 
-/// The error of clap about these words, which have its dashes.
+/// Converts clap's error about these words, which have its dashes.
 pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic {
     if let Some(ContextValue::Strings(others)) = error.get(ContextKind::PriorArg) {
         // clap lists all flags of a group.
@@ -53,21 +53,22 @@ pub(super) fn of_clap(mut error: clap::Error, words: &[OsString]) -> Diagnostic 
     }
     let text = error.render().to_string();
     let message = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();
-    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    let mut message = message.replace("the following required arguments were not provided:", "missing");
+    let mut message = message.split_whitespace().collect::<Vec<_>>().join(" ");
     if error.kind() == ErrorKind::MissingRequiredArgument {
-        // clap writes flags of which one is required as `<--a <x>|--b <y>>`.
+        // "... not provided: --a <x> <--b <y>|--c <z>>" becomes "missing --a <x> and --b <y> or --c <z>".
+        message = message.replace("the following required arguments were not provided:", "missing");
         message = message.replace("missing <--", "missing --").replace(" <--", " and --");
         message = message.replace("|--", " or --").replace(">>", ">");
     }
-    // The standard library's words for a number that has a fraction or is none, and Rust's form of a range.
+    // The standard library's words for a number that has a fraction or is none.
     let (given, reason) = message.split_at(message.rfind("': ").unwrap_or(message.len()));
     let reason = reason.replace("invalid digit found in string", "not a whole number");
+    // "0 is not in 1..=9" becomes "0 is not from 1 to 9".
     let message = format!("{given}{}", reason.replace(" is not in ", " is not from ").replace("..=", " to "));
     Diagnostic { hint: hint(&error, words), ..Diagnostic::error(one_line(&single(&message))) }
 }
 
-/// Advice on an error of clap.
+/// Returns advice on an error of clap.
 fn hint(error: &clap::Error, words: &[OsString]) -> Option<String> {
     let text = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.clone()),
@@ -96,7 +97,7 @@ fn hint(error: &clap::Error, words: &[OsString]) -> Option<String> {
     }
 }
 
-/// The flag that may be missing before a word, with the word, or the word with its dash.
+/// Returns the flag that may be missing before a word, with the word, or the word with its dash.
 fn flag_before(word: &str, words: &[OsString]) -> Option<String> {
     let flag = match Path::new(word) {
         _ if find(word).is_some() => return Some(format!("--{word}")),
@@ -111,7 +112,7 @@ fn did_you_mean(meant: String) -> String {
     one_line(&single(&format!("did you mean '{meant}'?")))
 }
 
-/// A text in one line, which is escaped and not too long.
+/// Escapes a text, so that it is one line, and cuts it if it is too long.
 fn one_line(text: &str) -> String {
     let shown: String = text.chars().take(LONGEST).collect();
     let ellipsis = if shown.len() < text.len() { "..." } else { "" };

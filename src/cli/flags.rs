@@ -5,15 +5,16 @@
 //! where clap has two (`words.rs`).
 
 use super::values::{
-    FILTER_SIZE, NOT_BYTES, NOT_NEGATIVE, NOT_PART, Sides, has_ending, number, path, picture, sides,
+    FILTER_SIZE, NOT_NEGATIVE, Sides, has_ending, must_end_in, number, path, picture, sides,
 };
+use crate::base::stdio::is_stdio;
 use crate::image_io::Format;
 use crate::scene::edition::Edition;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgGroup, CommandFactory, Parser, value_parser};
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The largest value of the course's `int`.
 pub(super) const MAX_INT: i64 = i32::MAX as i64;
@@ -109,7 +110,10 @@ pub(super) struct Flags {
     /// Example: raytracer -merge top.png bottom.png -output whole.png
     #[arg(long, num_args = 1.., value_names = ["parts"], group = "without_scene", requires = "output")]
     #[arg(conflicts_with_all = ["reference", "tolerance", "threads", "json"])]
-    #[arg(value_parser = path(|file| Format::of(file).is_some_and(Format::has_parts), NOT_PART))]
+    #[arg(value_parser = path(
+        |file| Format::of(file).is_some_and(Format::has_parts),
+        "must end in .tga or .png, as parts do",
+    ))]
     pub merge: Option<Vec<PathBuf>>,
 
     /// Converts the picture to the 8-bit format given by -output. Needs no scene.
@@ -282,7 +286,10 @@ pub(super) struct Flags {
 
     /// Draws the picture, the reference and their amplified difference side by side.
     #[arg(long, value_name = "picture", requires = "compared")]
-    #[arg(value_parser = path(|file| Format::of(file).is_some_and(|format| !format.is_float()), NOT_BYTES))]
+    #[arg(value_parser = path(
+        |file| Format::of(file).is_some_and(|format| !format.is_float()),
+        must_end_in(Format::BYTES),
+    ))]
     pub difference: Option<PathBuf>,
 
     /// Ends with status 3 if more than n pixels differ by more than this many levels (1/255).
@@ -385,7 +392,7 @@ pub(super) struct Flags {
 
     /// Writes everything that the run reports to a .json file; - writes it to standard output instead of the text.
     #[arg(long, value_name = "document")]
-    #[arg(value_parser = path(|path| path == Path::new("-") || has_ending(path, "json"), "must be - or end in .json"))]
+    #[arg(value_parser = path(|path| is_stdio(path) || has_ending(path, "json"), "must be - or end in .json"))]
     pub json: Option<PathBuf>,
 
     /// Renders with n threads, 1 to 4096. Default: one per core. The picture stays the same.
@@ -438,13 +445,13 @@ const ELSEWHERE: [(&str, &[&str]); 11] = [
     ("gui", &["preview", "window", "interactive", "live"]),
 ];
 
-/// The flag that another program calls `name`.
+/// Returns the flag that another program calls `name`.
 pub(super) fn meant(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     ELSEWHERE.iter().find(|(_, names)| names.contains(&name.as_str())).map(|(flag, _)| *flag)
 }
 
-/// All flags, as clap knows them. Each may be given once, and a value may be a negative number.
+/// Returns all flags, as clap knows them. Each may be given once, and a value may be a negative number.
 pub fn command() -> clap::Command {
     let groups = HEADINGS.map(|(_, heading)| ArgGroup::new(heading).multiple(true));
     let mut heading = "";
@@ -466,7 +473,7 @@ pub(super) fn shapes(flag: &Arg) -> bool {
     names.into_iter().flatten().any(|name| SHAPING.contains(&name))
 }
 
-/// The flag called `name`, by any of its spellings.
+/// Returns the flag called `name`, by any of its spellings.
 pub(super) fn find(name: &str) -> Option<Arg> {
     let mut command = command();
     command.build();

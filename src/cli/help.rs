@@ -41,7 +41,7 @@ pub(super) fn text(words: &[OsString], width: usize) -> Result<String, Diagnosti
     }
 }
 
-/// The first sentences about the usual flags, on one screen.
+/// Returns the first sentences about the usual flags, on one screen.
 fn usual(width: usize) -> String {
     let mut built = command();
     built.build();
@@ -58,13 +58,13 @@ fn usual(width: usize) -> String {
     show(usual, width) + &tail(USUAL_TAIL, width)
 }
 
-/// The first sentence about a flag.
+/// Returns the first sentence about a flag.
 fn summary(flag: &Arg) -> String {
     let help = flag.get_help().map(ToString::to_string).unwrap_or_default();
     help.split(". ").next().unwrap_or_default().to_owned()
 }
 
-/// The whole help of the flag with this name, here or in other programs; otherwise the flags with this word.
+/// Returns the whole help of the flag with this name, here or in other programs; otherwise the flags with this word.
 fn about(name: &str, width: usize) -> Result<String, Diagnostic> {
     if let Some(flag) = known(name) {
         let some = only(|other| other.get_id() == flag.get_id()).term_width(width + ROOM);
@@ -77,25 +77,24 @@ fn about(name: &str, width: usize) -> Result<String, Diagnostic> {
         let names = flag.get_all_aliases().into_iter().flatten().map(str::to_owned);
         help.chain(names).chain([flag.get_id().to_string()]).any(has_part)
     };
-    if command().get_arguments().any(has_word) {
-        return Ok(show(only(has_word), width));
-    }
-    // The error for an unknown flag has a suggestion.
+    // clap's error of an unknown flag has a suggestion.
     let words = [OsString::from(format!("--{name}"))];
-    let parsed = command().try_get_matches_from(&words);
-    parsed.map(|_| String::new()).map_err(|error| of_clap(error, &words))
+    match command().try_get_matches_from(&words) {
+        Err(error) if !command().get_arguments().any(has_word) => Err(of_clap(error, &words)),
+        _ => Ok(show(only(has_word), width)),
+    }
 }
 
 fn bare(word: &str) -> &str {
     word.trim_start_matches('-')
 }
 
-/// The flag with this name, here or in other programs.
+/// Returns the flag with this name, here or in other programs.
 fn known(name: &str) -> Option<Arg> {
     find(name).or_else(|| find(meant(name)?))
 }
 
-/// The flags to show, and no text around them.
+/// Returns the command with these flags alone, and no text around them.
 fn only(is_shown: impl Fn(&Arg) -> bool) -> clap::Command {
     command().help_template("{options}\n").mut_args(|flag| {
         let is_hidden = !is_shown(&flag);

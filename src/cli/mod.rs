@@ -13,6 +13,7 @@ mod error;
 mod help;
 mod outputs;
 mod options;
+mod from_flags;
 
 pub use flags::command;
 pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
@@ -26,7 +27,7 @@ use clap::FromArgMatches;
 use clap::error::ErrorKind;
 use error::{fail, of_clap};
 use flags::Flags;
-use options::{region, tolerance};
+use from_flags::{region, tolerance};
 use outputs::output_of_bytes;
 use std::ffi::OsString;
 use std::path::PathBuf;

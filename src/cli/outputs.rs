@@ -2,7 +2,8 @@
 
 use super::error::{fail, invalid, unexpected, value};
 use super::flags::Flags;
-use super::values::{FINITE, NOT_BYTES, NOT_PICTURE, SIDES, lossy, number};
+use super::values::{FINITE, SIDES, lossy, must_end_in, number};
+use crate::base::stdio::{STDIO, is_stdio};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::Format;
 use crate::render::{Cost, Layer};
@@ -27,53 +28,57 @@ pub struct Output {
 
 impl Output {
     /// Reads a file's name, and the name of the format after it if the file's has no ending of a picture. `-` and
-    /// `/dev/stdout` are standard output. `layers` are the ones for bytes and for floating-point numbers.
-    fn new(flag: &str, values: &[OsString], layers: [Layer; 2]) -> Result<Self, Diagnostic> {
+    /// `/dev/stdout` are standard output.
+    fn new(flag: &str, values: &[OsString], [of_bytes, of_floats]: [Layer; 2]) -> Result<Self, Diagnostic> {
         let name = values.first().cloned().unwrap_or_default();
-        let is_standard_output = name == "-" || name == "/dev/stdout";
+        let is_standard_output = name == STDIO || name == "/dev/stdout";
         let format = match (Format::of(Path::new(&name)), values.get(1)) {
             (Some(format), None) => format,
             (Some(_), Some(word)) => return unexpected(word),
             (None, Some(word)) => match Format::named(&word.to_string_lossy()) {
                 Some(format) => format,
-                None => return invalid(flag, word, "must be tga, png, bmp, ppm, pfm or exr"),
+                None => return invalid(flag, word, &format!("must be {}", Format::WRITTEN.replace('.', ""))),
             },
             (None, None) => {
-                let needed = "needs its format after it, as in '- png'";
-                let problem = if is_standard_output { needed } else { NOT_PICTURE };
-                return invalid(flag, name, problem);
+                return match is_standard_output {
+                    true => invalid(flag, name, "needs its format after it, as in '- png'"),
+                    false => invalid(flag, name, &must_end_in(Format::WRITTEN)),
+                };
             }
         };
-        let file = if is_standard_output { "-".into() } else { PathBuf::from(name) };
-        Ok(Self { layer: layers[usize::from(format.is_float())], file, format })
+        let file = if is_standard_output { STDIO.into() } else { PathBuf::from(name) };
+        let layer = if format.is_float() { of_floats } else { of_bytes };
+        Ok(Self { layer, file, format })
     }
 
     /// Refuses a picture in floating point.
     fn of_bytes(self, flag: &str) -> Result<Self, Diagnostic> {
-        if self.format.is_float() { invalid(flag, &self.file, NOT_BYTES) } else { Ok(self) }
+        if self.format.is_float() { invalid(flag, &self.file, &must_end_in(Format::BYTES)) } else { Ok(self) }
     }
 
     /// Returns true if it goes to standard output.
     pub fn is_standard_output(&self) -> bool {
-        self.file == Path::new("-")
+        is_stdio(&self.file)
     }
 }
 
-/// The pictures that the flags ask for, in the order of the help. `size` is the value of `-size`.
+/// Returns the pictures that the flags ask for, in the order of the help. `size` is the value of `-size`.
 pub(super) fn outputs(flags: &Flags, size: [usize; 2]) -> Result<Vec<Output>, Diagnostic> {
-    let normals = [Layer::Normals, Layer::SignedNormals];
+    let normals = |values: &_| Output::new("normals", values, [Layer::Normals, Layer::SignedNormals]);
+    let samples = |values: &_| enlarged("render_samples", values, size, |zoom| Layer::Samples { zoom });
+    let filter = |values: &_| enlarged("render_filter", values, size, |zoom| Layer::Filter { zoom });
     let all = [
         flags.output.as_deref().map(colors),
         flags.depth.as_deref().map(depth),
-        flags.normals.as_deref().map(|values| Output::new("normals", values, normals)),
-        flags.render_samples.as_deref().map(|values| enlarged("render_samples", values, size)),
-        flags.render_filter.as_deref().map(|values| enlarged("render_filter", values, size)),
+        flags.normals.as_deref().map(normals),
+        flags.render_samples.as_deref().map(samples),
+        flags.render_filter.as_deref().map(filter),
         flags.cost_map.as_deref().map(cost_map),
     ];
     all.into_iter().flatten().collect()
 }
 
-/// The picture of bytes that `-output` asks for, which clap has required.
+/// Returns the picture of bytes that `-output` asks for, which clap has required.
 pub(super) fn output_of_bytes(flags: &Flags) -> Result<Output, Diagnostic> {
     colors(flags.output.as_deref().unwrap_or_default())?.of_bytes("output")
 }
@@ -96,13 +101,18 @@ fn depth(values: &[OsString]) -> Result<Output, Diagnostic> {
     Output::new("depth", picture, [Layer::Depth { near, far }, Layer::Distance])
 }
 
-fn enlarged(flag: &str, values: &[OsString], size: [usize; 2]) -> Result<Output, Diagnostic> {
+/// Returns a picture with enlarged pixels, whose `layer` has the last value as its zoom.
+fn enlarged(
+    flag: &str,
+    values: &[OsString],
+    size: [usize; 2],
+    layer: fn(usize) -> Layer,
+) -> Result<Output, Diagnostic> {
     let (picture, last) = values.split_at(values.len() - 1);
     if picture.len() > 1 && Format::of(Path::new(&picture[0])).is_some() {
         return unexpected(&last[0]);
     }
-    let zoom = usize::from(value(flag, &last[0], value_parser!(u16).range(1..))?);
-    let layer = if flag == "render_samples" { Layer::Samples { zoom } } else { Layer::Filter { zoom } };
+    let layer = layer(value(flag, &last[0], value_parser!(u16).range(1..))?.into());
     if !layer.size(size).iter().all(|side| SIDES.contains(side)) {
         return fail(format!("-{flag}: the enlarged picture has more than 65535 pixels a side"));
     }

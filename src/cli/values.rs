@@ -1,5 +1,6 @@
 //! Parsers of values. clap calls them for most flags, and `value` of `error.rs` where values are of several kinds.
 
+use crate::base::stdio::is_stdio;
 use crate::image_io::Format;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serializer;
@@ -17,12 +18,6 @@ pub(super) const NOT_NEGATIVE: Numbers = (0.0..=f64::MAX, "not a finite number o
 /// The filter's weights divide by its size and the square of that, which must not underflow.
 pub(super) const FILTER_SIZE: Numbers = (1e-6..=1e6, "must be from 0.000001 to 1000000 pixels");
 
-pub(super) const NOT_PICTURE: &str = "must end in .tga, .png, .bmp, .ppm, .pfm or .exr";
-/// The endings of pictures of other formats.
-const FOREIGN: [&str; 9] = ["jpg", "jpeg", "gif", "webp", "tif", "tiff", "heic", "avif", "svg"];
-pub(super) const NOT_BYTES: &str = "must end in .tga, .png, .bmp or .ppm";
-pub(super) const NOT_PART: &str = "must end in .tga or .png, as parts do";
-
 /// One side of a picture, or both.
 pub(super) type Sides = Vec<usize>;
 
@@ -37,23 +32,29 @@ pub(super) fn number((range, problem): Numbers) -> impl TypedValueParser<Value =
     move |word: &str| word.parse().ok().filter(|number| range.contains(number)).ok_or(problem)
 }
 
-/// A picture to read.
+/// Reads the path of a picture to read.
 pub(super) fn picture() -> impl TypedValueParser<Value = PathBuf> {
-    let problem = format!("must end in {}", Format::READ);
-    let other = format!("{problem}; convert it to PNG first");
-    PathBufValueParser::new().try_map(move |path| match Format::of_input(&path) {
+    PathBufValueParser::new().try_map(|path| match Format::of_input(&path) {
         Some(_) => Ok(path),
-        None if FOREIGN.iter().any(|ending| has_ending(&path, ending)) => Err(other.clone()),
-        None => Err(problem.clone()),
+        None if Format::is_unread_picture(&path) => {
+            Err(must_end_in(Format::READ) + "; convert it to PNG first")
+        }
+        None => Err(must_end_in(Format::READ)),
     })
 }
 
-/// A path that meets a condition.
+/// Reads a path that meets a condition.
 pub(super) fn path(
     is_fit: fn(&Path) -> bool,
-    problem: &'static str,
+    problem: impl Into<String>,
 ) -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(move |path| if is_fit(&path) { Ok(path) } else { Err(problem) })
+    let problem = problem.into();
+    PathBufValueParser::new().try_map(move |path| if is_fit(&path) { Ok(path) } else { Err(problem.clone()) })
+}
+
+/// Returns the problem of a path whose name has none of these endings.
+pub(super) fn must_end_in(endings: &str) -> String {
+    format!("must end in {endings}")
 }
 
 /// Returns true if the name ends in a dot and `ending`, in upper or lower case.
@@ -77,7 +78,7 @@ pub(super) fn lossy_or_null<S: Serializer>(path: &Option<PathBuf>, serializer: S
 /// Writes the target of the JSON document: `-` as it is, and a file as an object with its name.
 pub(super) fn json_target<S: Serializer>(target: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
     match target {
-        Some(file) if file != Path::new("-") => serializer.collect_map([("file", file.to_string_lossy())]),
+        Some(file) if !is_stdio(file) => serializer.collect_map([("file", file.to_string_lossy())]),
         _ => lossy_or_null(target, serializer),
     }
 }

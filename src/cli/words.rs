@@ -2,6 +2,7 @@
 
 use super::flags::{NOT_OF_PARTS, command, shapes};
 use crate::base::shell::Shell;
+use crate::base::stdio::STDIO;
 use crate::image_io::beside;
 use crate::render::Window;
 use clap::parser::ValueSource;
@@ -90,7 +91,7 @@ pub fn command_of_rest(argv: &[OsString], region: Window, shell: Shell) -> Strin
         line += &format!(" -{}", flag.get_id());
         let names = flag.get_value_names().unwrap_or_default();
         for (index, value) in values.iter().enumerate() {
-            let is_file = value != "-" && names.get(index).is_some_and(|name| name == "picture");
+            let is_file = value != STDIO && names.get(index).is_some_and(|name| name == "picture");
             let value = if is_file { beside(Path::new(value), REST).into() } else { value.clone() };
             line += &format!(" {}", shell.word(value));
         }

@@ -9,7 +9,7 @@ use crate::base::escape::quoted;
 use crate::base::memory;
 use crate::cli::{self, Options};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{Format, OutputFile, Remarks, Wanted, read_pixels};
+use crate::image_io::{Format, OutputFile, ReadNotes, Wanted, read_pixels};
 use crate::picture::Pixels;
 use crate::render::Request;
 use crate::render::renderer::Renderer;
@@ -182,14 +182,14 @@ fn rendered_size(options: &Options) -> Option<[usize; 2]> {
 fn read(path: &Path, options: &Options, log: &Log) -> Result<Pixels, Diagnostic> {
     let (picture, remarks) = read_pixels(path, Wanted::Numbers)?;
     let clamped = if options.compares_numbers() { 0 } else { remarks.clamped };
-    tell(&Remarks { clamped, ..remarks }, path, "compared", log);
+    tell(&ReadNotes { clamped, ..remarks }, path, "compared", log);
     Ok(picture)
 }
 
 /// Tells how many pixels of a picture are clamped, where `done` is "compared" or "converted", if its alpha is ignored, and
 /// if a line end follows the last pixel.
-pub fn tell(remarks: &Remarks, path: &Path, done: &str, log: &Log) {
-    let Remarks { clamped, transparent, has_line_end } = remarks;
+pub fn tell(remarks: &ReadNotes, path: &Path, done: &str, log: &Log) {
+    let ReadNotes { clamped, transparent, has_line_end } = remarks;
     let shown = quoted(path);
     if *clamped > 0 {
         let message = format!("{clamped} pixels of {shown} are outside 0 to 1 and are {done} clamped");

@@ -42,11 +42,12 @@ pub fn show(_: &Options, _: &Signals, _: &Log) -> Result<(), Diagnostic> {
 #[cfg(feature = "gui")]
 mod server {
     use super::*;
+    use crate::base::lock;
     use crate::live::Server;
     use std::env;
     use std::io::{self, Write};
     use std::process::{Command, Stdio};
-    use std::sync::{Arc, Mutex, PoisonError};
+    use std::sync::{Arc, Mutex};
     use std::thread;
     use tempfile::NamedTempFile;
 
@@ -59,10 +60,10 @@ mod server {
         let server = Server::open(options, input, page.port.unwrap_or(0))?;
         log.say(&format!("open {}  (Ctrl-C ends)", server.url));
         let opened = Arc::new(Mutex::new(None));
-        let file = || opened.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = || lock(&opened);
         // A signal waits for the file, and removes it.
         let to_remove = opened.clone();
-        signals.before_end(move || drop(to_remove.lock().unwrap_or_else(PoisonError::into_inner).take()));
+        signals.before_end(move || drop(lock(&to_remove).take()));
         if page.browser {
             // A browser that does not open is no error: the address stands on the terminal.
             let mut file = file();

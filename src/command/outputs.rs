@@ -3,6 +3,7 @@
 use super::log::Log;
 use super::signals::Signals;
 use super::{End, refused};
+use crate::base::lock;
 use crate::cli::{Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{
@@ -10,7 +11,7 @@ use crate::image_io::{
 };
 use crate::render::Layer;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// Checks that a page and the table beside it can be written.
 pub fn prepare_report(files: &[PathBuf; 2]) -> Result<[OutputFile; 2], Diagnostic> {
@@ -63,18 +64,14 @@ impl Outputs {
     /// Adds a file. A pipe, a device or standard output is written at once, which may wait for a reader.
     pub fn add(&self, file: CompleteFile) -> Result<(), Diagnostic> {
         let regular = file.write_stream()?;
-        self.files().extend(regular);
+        lock(&self.0).extend(regular);
         Ok(())
     }
 
     /// Gives all files their names, or none if one fails.
     pub fn name_all(&self) -> Result<(), Diagnostic> {
         // The lock is held, so that a second thread waits until all have their names.
-        let mut files = self.files();
+        let mut files = lock(&self.0);
         put_in_place(std::mem::take(&mut files))
-    }
-
-    fn files(&self) -> MutexGuard<'_, Vec<CompleteFile>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

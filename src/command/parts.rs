@@ -19,9 +19,8 @@ pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer
     if is_whole || matches!(layer, Layer::Filter { .. } | Layer::Cost(_)) {
         return None;
     }
-    let pixels = |pair: [usize; 2]| layer.size(pair).map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-    let fingerprint = fingerprint(prepared, request, layer);
-    Some(Part { whole: pixels(request.size), at: pixels([window.x, window.y]), fingerprint })
+    let (whole, at) = (layer.size(request.size), layer.size([window.x, window.y]));
+    Some(Part { whole, at, fingerprint: fingerprint(prepared, request, layer) })
 }
 
 /// Raised if the same command line draws other bytes than before, within one version of the program.
@@ -64,8 +63,7 @@ fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
 
 /// Returns the window of a request, which may be the whole picture.
 pub fn window(request: &Request) -> Window {
-    let [width, height] = request.size;
-    request.window.unwrap_or(Window { x: 0, y: 0, width, height })
+    request.window.unwrap_or(Window::whole(request.size))
 }
 
 /// Returns the lines after a stop at this row: the part that was kept of each picture, and the commands for the rest.

@@ -4,12 +4,13 @@
 //! the watch of the render sees it, and the complete rows are kept.
 
 use super::End;
+use crate::base::lock;
 use crate::image_io::NAMING;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// A task that is done before a signal ends the program.
 type Task = Box<dyn FnOnce() + Send>;
@@ -59,7 +60,7 @@ impl Signals {
 
     /// From now on, this task is done before a signal ends the program, in place of an earlier one.
     pub fn before_end(&self, task: impl FnOnce() + Send + 'static) {
-        *self.before_end.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(task));
+        *lock(&self.before_end) = Some(Box::new(task));
     }
 
     fn on_signal(&self, signal: i32) {
@@ -67,9 +68,9 @@ impl Signals {
         if is_first && self.is_first_noted.load(Ordering::SeqCst) {
             return;
         }
-        let task = self.before_end.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let task = lock(&self.before_end).take();
         task.into_iter().for_each(|task| task());
-        let _naming = NAMING.lock().unwrap_or_else(PoisonError::into_inner);
+        let _naming = lock(&NAMING);
         signal_hook::low_level::exit(128 + signal)
     }
 

@@ -2,6 +2,7 @@
 
 use super::output::{folder_of, follow_links};
 use crate::base::escape::quoted;
+use crate::base::stdio::is_stdio;
 use crate::diagnostic::Diagnostic;
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -55,7 +56,7 @@ pub fn check_distinct(
     if known.keys().any(|identity| identity.new_name.is_none()) {
         for (kind, path) in read {
             if let Some(file) = FileId::of(&path, "/dev/stdin").and_then(|identity| known.get(&identity)) {
-                let path = if is_stream(&path) { "standard input".into() } else { quoted(&path) };
+                let path = if is_stdio(&path) { "standard input".into() } else { quoted(&path) };
                 return Err(Diagnostic::error(format!("{file} would overwrite the {kind} {path}")));
             }
         }
@@ -66,17 +67,13 @@ pub fn check_distinct(
 impl fmt::Display for Written {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Named(path) if is_stream(path) => f.write_str("standard output"),
+            Self::Named(path) if is_stdio(path) => f.write_str("standard output"),
             Self::Named(path) => f.write_str(&quoted(path)),
             Self::PartOf { picture, part } => {
                 write!(f, "{}, where a stopped run keeps rows of {},", quoted(part), quoted(picture))
             }
         }
     }
-}
-
-fn is_stream(path: &Path) -> bool {
-    path == Path::new("-")
 }
 
 /// Identifies a regular file, independent of the links and paths that lead to it.
@@ -99,7 +96,7 @@ impl FileId {
     /// Returns the file that `path` leads to, which is `stream` if it is `-`. `None` for pipes and devices, which hold
     /// nothing that could be lost, and for new files in folders that cannot be read.
     fn of(path: &Path, stream: &str) -> Option<Self> {
-        let path = if is_stream(path) { Path::new(stream) } else { path };
+        let path = if is_stdio(path) { Path::new(stream) } else { path };
         if let Ok(found) = fs::metadata(path) {
             let node = if found.is_file() { node(path, &found) } else { None };
             return node.map(|node| Self { node, new_name: None });

@@ -2,12 +2,13 @@
 //!
 //! The format is described in "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
-use super::decoding::{Remarks, Wanted, beyond_bytes, no_pixels, too_short, zeros};
-use super::header::{EXR_FLOAT, EXR_START};
+use super::common_to_readers::{ReadNotes, Wanted, beyond_bytes, no_pixels, too_short, zeros};
+use super::written_headers::{EXR_FLOAT, EXR_START};
 use crate::base::escape::{escape, quoted};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{Color, Pixels};
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// A byte of a deflate stream encodes at most this many.
 const MAX_INFLATION: u64 = 1032;
@@ -46,7 +47,7 @@ struct Area {
 }
 
 /// Reads the display window. It is zero where the data window has no numbers, and what lies outside it is cut off.
-pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
+pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, ReadNotes), Diagnostic> {
     let bad = |problem: &str| Err(Diagnostic::error(problem));
     let mut rest = file;
     let header = header(&mut rest)?;
@@ -78,11 +79,8 @@ pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, R
     }
     // The places of the blocks.
     rest.split_off(..8 * blocks as usize).ok_or_else(short)?;
-    // Columns that both windows have.
-    let left = data.left.max(display.left);
-    let right = (data.left + data.width).min(display.left + display.width);
-    let columns = |area: &Area| (left - area.left) as usize..(right - area.left) as usize;
-    let (mut is_read, mut remarks) = (vec![false; blocks as usize], Remarks::default());
+    let (shared, alpha, width) = (header.shared_columns(), header.alpha(), data.width as usize);
+    let (mut is_read, mut notes) = (vec![false; blocks as usize], ReadNotes::default());
     for _ in 0..blocks {
         let [first, length] = take_ints(&mut rest).ok_or_else(short)?;
         let first = i64::from(first) - data.top;
@@ -97,30 +95,24 @@ pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, R
             return bad("a row has a wrong length");
         };
         let bytes = rest.split_off(..length).ok_or_else(short)?;
-        let unpacked = match header.compression {
-            // A block that compression does not shorten is stored as it is.
-            _ if length == whole => Some(Cow::from(bytes)),
-            0 => None,
-            1 => run_lengths(bytes, whole).map(undo_differences).map(Cow::from),
-            _ => fdeflate::decompress_to_vec_bounded(bytes, whole).ok().map(undo_differences).map(Cow::from),
-        };
-        let Some(unpacked) = unpacked.filter(|bytes| bytes.len() == whole) else {
+        let Some(unpacked) = unpacked(header.compression, bytes, whole) else {
             return bad("its compressed numbers are broken");
         };
+        let Some((columns, x)) = &shared else { continue };
         for (bytes, y) in unpacked.chunks_exact(row_bytes as usize).zip(data.top + first - display.top..) {
-            if left < right && (0..display.height).contains(&y) {
-                let width = data.width as usize;
+            if (0..display.height).contains(&y) {
                 let colors = header.row(bytes, width, red_green_blue);
-                let shown = &colors[columns(data)];
-                picture.set([columns(display).start, y as usize], shown);
-                remarks.clamped += beyond_bytes(shown);
-                let is_transparent = |alpha: &f64| *alpha < 1.0;
-                let alpha = header.alpha(bytes, width).skip(columns(data).start).take(columns(data).len());
-                remarks.transparent += alpha.filter(is_transparent).count() as u64;
+                let shown = &colors[columns.clone()];
+                picture.set([*x, y as usize], shown);
+                notes.clamped += beyond_bytes(shown);
+                if let Some(alpha) = alpha {
+                    let alphas = header.numbers(bytes, width, alpha).skip(columns.start).take(columns.len());
+                    notes.transparent += alphas.filter(|alpha| *alpha < 1.0).count() as u64;
+                }
             }
         }
     }
-    Ok((picture, remarks))
+    Ok((picture, notes))
 }
 
 /// Takes bytes up to a zero, which is left out.
@@ -189,6 +181,15 @@ fn channels(mut list: &[u8]) -> Option<Vec<Channel<'_>>> {
 }
 
 impl Header<'_> {
+    /// Returns the columns of the data window that the display window has too, and the first of them there.
+    fn shared_columns(&self) -> Option<(Range<usize>, usize)> {
+        let Self { data, display, .. } = self;
+        let left = data.left.max(display.left);
+        let right = (data.left + data.width).min(display.left + display.width);
+        let columns = || (left - data.left) as usize..(right - data.left) as usize;
+        (left < right).then(|| (columns(), (left - display.left) as usize))
+    }
+
     /// Returns the indices of the channels of red, green and blue; three times the same for a single channel.
     fn colors(&self) -> Result<[usize; 3], Diagnostic> {
         let channels = &self.channels;
@@ -223,10 +224,9 @@ impl Header<'_> {
         colors.map(|((red, green), blue)| Color::new(red, green, blue)).collect()
     }
 
-    /// Returns the alpha of a row, or nothing if there is none.
-    fn alpha<'r>(&'r self, row: &'r [u8], width: usize) -> impl Iterator<Item = f64> {
-        let alpha = self.channels.iter().position(|channel| channel.name == b"A" && channel.is_full);
-        alpha.into_iter().flat_map(move |index| self.numbers(row, width, index))
+    /// Returns the index of the channel of alpha.
+    fn alpha(&self) -> Option<usize> {
+        self.channels.iter().position(|channel| channel.name == b"A")
     }
 
     /// Returns the numbers of a channel in a row.
@@ -263,6 +263,18 @@ fn half(bits: u16) -> f64 {
         31 => f64::NAN,
         _ => (1024.0 + fraction) * 2f64.powi(exponent - 25),
     }
+}
+
+/// Returns the numbers of a block, which take `length` bytes. `None` if they are broken.
+fn unpacked(compression: u8, bytes: &[u8], length: usize) -> Option<Cow<'_, [u8]>> {
+    let differences = match compression {
+        // A block that compression does not shorten is stored as it is.
+        _ if bytes.len() == length => return Some(bytes.into()),
+        0 => return None,
+        1 => run_lengths(bytes, length)?,
+        _ => fdeflate::decompress_to_vec_bounded(bytes, length).ok()?,
+    };
+    (differences.len() == length).then(|| undo_differences(differences).into())
 }
 
 /// Expands runs of a byte, and stretches of bytes with a negative length. `None` if they are longer than `length`.

@@ -3,6 +3,7 @@
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
 use serde::Serialize;
+use std::ffi::OsStr;
 use std::path::Path;
 
 /// The length of the header of a TGA file, in bytes.
@@ -36,44 +37,58 @@ pub enum Format {
 }
 
 /// The endings of names.
-const ENDINGS: [(&[u8; 4], Format); 10] = [
-    (b".tga", Format::Tga),
-    (b".png", Format::Png),
-    (b".bmp", Format::Bmp),
-    (b".ppm", Format::Ppm),
-    (b".pfm", Format::Pfm),
-    (b".exr", Format::Exr),
+const ENDINGS: [(&str, Format); 10] = [
+    ("tga", Format::Tga),
+    ("png", Format::Png),
+    ("bmp", Format::Bmp),
+    ("ppm", Format::Ppm),
+    ("pfm", Format::Pfm),
+    ("exr", Format::Exr),
     // The relatives of PPM are only read.
-    (b".pbm", Format::Ppm),
-    (b".pgm", Format::Ppm),
-    (b".pnm", Format::Ppm),
-    (b".pam", Format::Ppm),
+    ("pbm", Format::Ppm),
+    ("pgm", Format::Ppm),
+    ("pnm", Format::Ppm),
+    ("pam", Format::Ppm),
 ];
 /// The number of the endings of files that are written, which come first.
 const WRITTEN: usize = 6;
+/// The endings of pictures in formats that are not read.
+const UNREAD: [&str; 19] = [
+    "jpg", "jpeg", "jfif", "gif", "webp", "tif", "tiff", "heic", "heif", "avif", "jxl", "jp2", "hdr", "psd",
+    "xcf", "svg", "pdf", "ico", "dds",
+];
 
 impl Format {
-    /// The endings of names of files that are read, as a text.
+    /// The endings of files that are written, as a text.
+    pub const WRITTEN: &str = ".tga, .png, .bmp, .ppm, .pfm or .exr";
+    /// The endings of files that are written in bytes.
+    pub const BYTES: &str = ".tga, .png, .bmp or .ppm";
+    /// The endings of files that are read.
     pub const READ: &str = ".tga, .png, .bmp, .ppm, .pgm, .pbm, .pnm, .pam, .pfm or .exr";
 
     /// Returns the format of a file to write, by the last four bytes of its name, in upper or lower case.
     pub fn of(path: &Path) -> Option<Self> {
-        Self::among(&ENDINGS[..WRITTEN], path)
+        Self::named(ending(path)?)
     }
 
     /// Returns the format of a file to read.
     pub fn of_input(path: &Path) -> Option<Self> {
-        Self::among(&ENDINGS, path)
+        Self::among(&ENDINGS, ending(path)?)
     }
 
-    fn among(endings: &[(&[u8; 4], Self)], path: &Path) -> Option<Self> {
-        let end = path.as_os_str().as_encoded_bytes().last_chunk::<4>()?;
-        endings.iter().find(|(ending, _)| ending.eq_ignore_ascii_case(end)).map(|&(_, format)| format)
+    /// Returns the format of files to write with this ending, which has no dot.
+    pub fn named(ending: &str) -> Option<Self> {
+        Self::among(&ENDINGS[..WRITTEN], ending)
     }
 
-    /// Returns the format with this name, which is an ending without the dot.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::of(Path::new(&format!(".{name}"))).filter(|_| name.len() == 3)
+    fn among(endings: &[(&str, Self)], ending: &str) -> Option<Self> {
+        endings.iter().find(|(known, _)| known.eq_ignore_ascii_case(ending)).map(|&(_, format)| format)
+    }
+
+    /// True if the name has the ending of a picture in a format that is not read.
+    pub fn is_unread_picture(path: &Path) -> bool {
+        let is_ending = |ending: &OsStr| UNREAD.iter().any(|unread| ending.eq_ignore_ascii_case(unread));
+        path.extension().is_some_and(is_ending)
     }
 
     /// True if its files can say which part of a larger picture they are.
@@ -90,6 +105,12 @@ impl Format {
     pub(super) fn is_blue_first(self) -> bool {
         matches!(self, Self::Tga | Self::Bmp)
     }
+}
+
+/// Returns the last three bytes of a name, if a dot precedes them.
+fn ending(path: &Path) -> Option<&str> {
+    let [b'.', ending @ ..] = path.as_os_str().as_encoded_bytes().last_chunk::<4>()? else { return None };
+    str::from_utf8(ending).ok()
 }
 
 /// The mark at the start of a text in UTF-8.
@@ -129,8 +150,8 @@ pub(super) fn identify(path: &Path, bytes: &[u8]) -> Result<Format, Diagnostic> 
     let start = &bytes[..bytes.len().min(START)];
     let foreign = FOREIGN.iter().find(|(mark, ..)| start.starts_with(mark));
     Err(match (known(start), foreign, Format::of_input(path)) {
-        (Some((format, _)), _, Some(named)) if format == named => return Ok(format),
-        (Some((_, ending)), ..) => {
+        (Some(ending), _, Some(named)) if Format::among(&ENDINGS, ending) == Some(named) => return Ok(named),
+        (Some(ending), ..) => {
             let right = path.with_extension(ending);
             let right = quoted(right.file_name().unwrap_or_default());
             Diagnostic::error(format!("it is {}", named_file(ending))).with_hint(format!("name it {right}"))
@@ -142,28 +163,28 @@ pub(super) fn identify(path: &Path, bytes: &[u8]) -> Result<Format, Diagnostic> 
     })
 }
 
-/// Returns a format, and the ending of its files' names.
-fn known(start: &[u8]) -> Option<(Format, &'static str)> {
+/// Returns the ending of files that begin like this.
+fn known(start: &[u8]) -> Option<&'static str> {
     match start {
-        [0x89, b'P', b'N', b'G', ..] => Some((Format::Png, "png")),
-        [b'B', b'M', ..] => Some((Format::Bmp, "bmp")),
-        [0x76, 0x2f, 0x31, 0x01, ..] => Some((Format::Exr, "exr")),
+        [0x89, b'P', b'N', b'G', ..] => Some("png"),
+        [b'B', b'M', ..] => Some("bmp"),
+        [0x76, 0x2f, 0x31, 0x01, ..] => Some("exr"),
         _ => netpbm(start.strip_prefix(BYTE_ORDER_MARK).unwrap_or(start))
-            .or_else(|| is_tga(start).then_some((Format::Tga, "tga"))),
+            .or_else(|| is_tga(start).then_some("tga")),
     }
 }
 
-fn netpbm(text: &[u8]) -> Option<(Format, &'static str)> {
+fn netpbm(text: &[u8]) -> Option<&'static str> {
     let (&[b'P', kind], rest) = text.split_first_chunk()? else { return None };
     if rest.first().is_some_and(|&byte| byte != b'#' && !byte.is_ascii_whitespace()) {
         return None;
     }
     match kind {
-        b'1' | b'4' => Some((Format::Ppm, "pbm")),
-        b'2' | b'5' => Some((Format::Ppm, "pgm")),
-        b'3' | b'6' => Some((Format::Ppm, "ppm")),
-        b'7' => Some((Format::Ppm, "pam")),
-        b'F' | b'f' => Some((Format::Pfm, "pfm")),
+        b'1' | b'4' => Some("pbm"),
+        b'2' | b'5' => Some("pgm"),
+        b'3' | b'6' => Some("ppm"),
+        b'7' => Some("pam"),
+        b'F' | b'f' => Some("pfm"),
         _ => None,
     }
 }
@@ -202,5 +223,27 @@ fn unknown(start: &[u8], named: Format) -> Diagnostic {
             let name = named_file(&format!("{named:?}"));
             Diagnostic::error(format!("it is not {name}, since it begins with {shown}"))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_texts_name_all_endings() {
+        let named = |text: &str| {
+            let words = text.split([',', ' ']).filter_map(|word| word.strip_prefix('.'));
+            words.map(str::to_owned).collect::<std::collections::BTreeSet<_>>()
+        };
+        let endings = |of: &[(&str, Format)], is_named: fn(Format) -> bool| {
+            of.iter()
+                .filter(|(_, format)| is_named(*format))
+                .map(|(ending, _)| (*ending).to_owned())
+                .collect()
+        };
+        assert_eq!(named(Format::READ), endings(&ENDINGS, |_| true));
+        assert_eq!(named(Format::WRITTEN), endings(&ENDINGS[..WRITTEN], |_| true));
+        assert_eq!(named(Format::BYTES), endings(&ENDINGS[..WRITTEN], |format| !format.is_float()));
     }
 }

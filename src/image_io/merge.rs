@@ -25,24 +25,25 @@ impl Merge {
     pub fn open(paths: &[PathBuf], region: Option<Window>) -> Result<Self, Diagnostic> {
         let mut parts = paths.iter().map(|path| PartFile::open(path)).collect::<Result<Vec<_>, _>>()?;
         let failed = |problem: String| Err(Diagnostic::error(problem));
-        let Some(PartFile { path, part: first, .. }) = parts.first().cloned() else {
+        let Some(first) = parts.first().cloned() else {
             return failed("there are no parts".into());
         };
-        for PartFile { path: other, part, .. } in &parts {
+        for part in &parts {
             let ([w, h], [w0, h0]) = (part.whole, first.whole);
             let difference = match part.fingerprint == first.fingerprint {
                 _ if [w, h] != [w0, h0] => format!("of {w} x {h} pixels instead of {w0} x {h0}"),
                 false => "of another layer, scene, mesh, flag or version of this program".into(),
                 true => continue,
             };
-            let [other, path] = [other, &path].map(quoted);
+            let [other, path] = [&part.path, &first.path].map(quoted);
             return failed(format!(
                 "{other} and {path} are not parts of one picture: the first is {difference}"
             ));
         }
-        let [width, height] = first.whole.map(|side| side as usize);
-        let target = region.unwrap_or(Window { x: 0, y: 0, width, height });
-        if !target.fits([width, height]) {
+        let PartFile { whole, fingerprint, .. } = first;
+        let target = region.unwrap_or(Window::whole(whole));
+        if !target.fits(whole) {
+            let [width, height] = whole;
             return failed(format!(
                 "`-region` reaches beyond the whole picture of {width} x {height} pixels"
             ));
@@ -52,12 +53,12 @@ impl Merge {
         }
         parts.retain(|part| part.window.overlaps(&target));
         parts.sort_by_key(|part| part.window.y);
-        let is_part = [target.width, target.height] != [width, height];
-        let part = is_part.then(|| Part { at: [target.x, target.y].map(|n| n as u32), ..first });
+        let is_part = target != Window::whole(whole);
+        let part = is_part.then_some(Part { whole, at: [target.x, target.y], fingerprint });
         Ok(Self { parts, target, part })
     }
 
-    /// Width and height of the result in pixels.
+    /// Returns the width and height of the result in pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.target.width, self.target.height]
     }
@@ -81,7 +82,7 @@ impl Merge {
             for (part, rows) in &mut open {
                 rows.next(&mut bytes)?;
                 let pixels = (part.window.x..).zip(bytes.as_chunks().0);
-                for (x, &pixel) in pixels.filter(|(x, _)| (target.x..target.right()).contains(x)) {
+                for (x, &pixel) in pixels.filter(|&(x, _)| target.contains([x, y])) {
                     let known = &mut row[x - target.x];
                     match sources[x - target.x].replace(part) {
                         Some(other) if *known != pixel => {
@@ -143,9 +144,13 @@ mod tests {
             (&[[0, 0, 8, 7]], [0, 0, 9, 7], Some([8, 0, 1, 7])),
             (&[[0, 0, 9, 3], [0, 6, 9, 1]], [0, 0, 9, 7], Some([0, 3, 9, 3])),
         ] {
-            let part = Part { whole: [9, 7], at: [0, 0], fingerprint: 0 };
-            let file = |tile| PartFile { path: "a.tga".into(), part: part.clone(), window: window(tile) };
-            let tiles: Vec<PartFile> = tiles.iter().copied().map(file).collect();
+            let file = |&tile| PartFile {
+                path: "a.tga".into(),
+                whole: [9, 7],
+                window: window(tile),
+                fingerprint: 0,
+            };
+            let tiles: Vec<PartFile> = tiles.iter().map(file).collect();
             assert_eq!(first_gap(&tiles, window(target)), gap.map(window), "{tiles:?}");
         }
     }

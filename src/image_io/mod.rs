@@ -2,11 +2,10 @@
 //! when all are complete. The reader takes any common variant. Parts of a picture say where they lie, and are put
 //! together.
 
-mod decoding;
+mod common_to_readers;
 mod distinct_files;
 mod exr;
 mod format;
-mod header;
 mod merge;
 mod netpbm;
 mod output;
@@ -14,8 +13,9 @@ mod part;
 mod reader;
 mod rows;
 mod writer;
+mod written_headers;
 
-pub use decoding::{Remarks, Wanted};
+pub use common_to_readers::{ReadNotes, Wanted};
 pub use distinct_files::{ReadFile, Written, check_distinct};
 pub use format::{Content, Format};
 pub use merge::Merge;
@@ -45,9 +45,4 @@ pub fn beside(path: &Path, word: &str) -> PathBuf {
 fn cannot(action: &str, path: &Path, reason: impl Into<Diagnostic>) -> Diagnostic {
     let reason = reason.into();
     Diagnostic { message: format!("cannot {action} {}: {}", quoted(path), reason.message), ..reason }
-}
-
-/// Returns the error of a file to write whose name ends in none of the endings of pictures.
-fn unknown_ending() -> Diagnostic {
-    Diagnostic::error("its name must end in .tga, .png, .bmp, .ppm, .pfm or .exr")
 }

@@ -5,7 +5,7 @@
 //! of the file. If the rest is longer, its pixels may be shifted, and the file is refused unless line feeds written as
 //! CR LF explain every byte.
 
-use super::decoding::{Remarks, Wanted, beyond_bytes, level, no_pixels, too_short, zeros};
+use super::common_to_readers::{ReadNotes, Wanted, beyond_bytes, level, no_pixels, too_short, zeros};
 use super::format::{BYTE_ORDER_MARK, CUT_HEADER, OTHER_TEXT};
 use crate::base::escape::quoted;
 use crate::diagnostic::Diagnostic;
@@ -50,7 +50,7 @@ impl Header {
 }
 
 /// Reads a picture from the start of a file.
-pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
+pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, ReadNotes), Diagnostic> {
     let start = file.strip_prefix(BYTE_ORDER_MARK).unwrap_or(file);
     let mut text = Text { start, rest: start, size: None };
     let kind = text.word()?;
@@ -76,9 +76,8 @@ pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, R
         return text.numbers(&header, zeros(header.size, limit, wanted)?);
     }
     let picture = zeros(header.size, limit, Wanted::Bytes)?.into_bytes();
-    let (picture, remarks) =
-        if is_plain { text.plain(&header, picture)? } else { text.raw(&header, picture)? };
-    Ok((Pixels::Bytes(picture), remarks))
+    let (picture, notes) = if is_plain { text.plain(&header, picture)? } else { text.raw(&header, picture)? };
+    Ok((Pixels::Bytes(picture), notes))
 }
 
 /// A file, of which the header or all is text.
@@ -123,7 +122,7 @@ impl<'a> Text<'a> {
     }
 
     /// Reads the samples of a plain picture, after which the file has no more words.
-    fn plain(mut self, header: &Header, mut picture: Picture) -> Result<(Picture, Remarks), Diagnostic> {
+    fn plain(mut self, header: &Header, mut picture: Picture) -> Result<(Picture, ReadNotes), Diagnostic> {
         let [width, height] = header.size;
         for pixel in picture.pixels_mut().as_chunks_mut().0 {
             let mut samples = [0; 3];
@@ -132,13 +131,13 @@ impl<'a> Text<'a> {
             }
             header.set(pixel, |channel| samples[channel]);
         }
-        let Some(word) = self.next_word() else { return Ok((picture, Remarks::default())) };
+        let Some(word) = self.next_word() else { return Ok((picture, ReadNotes::default())) };
         let hint = parse::<f64>(word).is_none().then(|| OTHER_TEXT.into());
         let problem = format!("follows the last of {width} x {height} pixels");
         Err(Diagnostic { hint, ..self.bad_word(word, &problem) })
     }
 
-    fn raw(self, header: &Header, mut picture: Picture) -> Result<(Picture, Remarks), Diagnostic> {
+    fn raw(self, header: &Header, mut picture: Picture) -> Result<(Picture, ReadNotes), Diagnostic> {
         let Header { channels, bits, white, size: [_, height], .. } = *header;
         let (row_bytes, height) = (header.row_bytes() as usize, height as usize);
         let (samples, has_line_end) = self.samples(row_bytes * height)?;
@@ -165,15 +164,15 @@ impl<'a> Text<'a> {
                 transparent += alphas.filter(|&alpha| alpha < white).count() as u64;
             }
         }
-        Ok((picture, Remarks { transparent, has_line_end, ..Remarks::default() }))
+        Ok((picture, ReadNotes { transparent, has_line_end, ..ReadNotes::default() }))
     }
 
     /// Reads numbers in single precision. Their rows are stored from the bottom.
-    fn numbers(self, header: &Header, mut picture: Pixels) -> Result<(Pixels, Remarks), Diagnostic> {
+    fn numbers(self, header: &Header, mut picture: Pixels) -> Result<(Pixels, ReadNotes), Diagnostic> {
         let Header { channels, size: [_, height], is_little_endian, .. } = *header;
         let (row_bytes, height) = (header.row_bytes() as usize, height as usize);
         let (samples, has_line_end) = self.samples(row_bytes * height)?;
-        let mut remarks = Remarks { has_line_end, ..Remarks::default() };
+        let mut notes = ReadNotes { has_line_end, ..ReadNotes::default() };
         let number = |&bytes: &[u8; 4]| match is_little_endian {
             true => f64::from(f32::from_le_bytes(bytes)),
             false => f64::from(f32::from_be_bytes(bytes)),
@@ -184,12 +183,20 @@ impl<'a> Text<'a> {
                 |pixel: &[[u8; 4]]| [0, channels / 2, channels - 1].map(|index| number(&pixel[index]));
             let colors: Vec<Color> = pixels.map(|pixel| color(pixel).into()).collect();
             picture.set([0, y], &colors);
-            remarks.clamped += beyond_bytes(&colors);
+            notes.clamped += beyond_bytes(&colors);
         }
-        Ok((picture, remarks))
+        Ok((picture, notes))
     }
 
-    /// Returns the samples, which take `needed` bytes, and whether a line end follows them.
+    /// Returns the samples, which take `needed` bytes, and whether a line end follows them. After the last word of the
+    /// header and its one white space, a file may have:
+    ///
+    /// | bytes | reason |
+    /// |---|---|
+    /// | the samples | as the format says |
+    /// | LF, the samples | the white space is a CR, since all lines of the header end in CR LF |
+    /// | the samples, then LF or CR LF | a program has ended the last line, unless the samples begin with white space |
+    /// | LF, the samples with a CR before each LF | the white space is a CR, since the file was written as text |
     fn samples(&self, needed: usize) -> Result<(Cow<'a, [u8]>, bool), Diagnostic> {
         let (rest, [width, height]) = (self.rest, self.size.unwrap_or_default());
         let head = &self.start[..self.start.len() - rest.len()];

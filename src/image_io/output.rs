@@ -3,17 +3,18 @@
 //! Until then the content is in memory or, if it is long, in a temporary file without a name, so that nothing is left
 //! however the program ends. It gets a temporary name beside its target only to be renamed.
 
+use super::cannot;
 use super::format::{Content, Format};
-use super::{cannot, unknown_ending};
 use crate::base::escape::quoted;
-use crate::base::memory;
+use crate::base::stdio::is_stdio;
+use crate::base::{lock, memory};
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Picture};
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use tempfile::{NamedTempFile, SpooledData, SpooledTempFile, TempPath};
 
 /// The longest content that is kept in memory, in bytes.
@@ -56,7 +57,7 @@ impl OutputFile {
     ///
     /// A pipe or a device is opened, which may block until there is a reader.
     pub fn prepare(path: &Path) -> Result<Self, Diagnostic> {
-        if path == Path::new("-") {
+        if is_stdio(path) {
             return Ok(Self::standard_output());
         }
         match Target::of(path) {
@@ -73,13 +74,6 @@ impl OutputFile {
     /// True for a pipe, a device or standard output.
     pub fn is_stream(&self) -> bool {
         matches!(self.target, Target::Stream(_))
-    }
-
-    /// Writes a picture in the format that the file's name tells. If this fails and the target is a regular file,
-    /// nothing is written.
-    pub fn write(self, picture: &Picture) -> Result<(), Diagnostic> {
-        let format = self.written(Format::of(&self.path).ok_or_else(unknown_ending))?;
-        self.picture(format, picture)?.put_in_place()
     }
 
     /// Returns the file with this picture.
@@ -207,7 +201,7 @@ impl CompleteFile {
 }
 
 /// Puts files in their places, the pipes, devices and standard output first. If one fails, no regular file is replaced
-/// or made: those that were in place already are taken away again, and earlier files are put back.
+/// or made: new files are removed, and files already replaced are restored.
 ///
 /// They are not flushed to the disk first, because that takes many times as long as rendering a small picture.
 pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), Diagnostic> {
@@ -217,7 +211,7 @@ pub fn put_in_place(files: Vec<CompleteFile>) -> Result<(), Diagnostic> {
     }
     // A program that ends for want of memory removes no temporary file.
     memory::ask(WORKING_MEMORY)?;
-    let _naming = NAMING.lock().unwrap_or_else(PoisonError::into_inner);
+    let _naming = lock(&NAMING);
     let mut named = Vec::with_capacity(regular.len());
     for file in regular {
         let path = file.output.path.clone();
@@ -272,7 +266,7 @@ impl Replaced {
         Ok(Self { target: target.to_owned(), earlier, is_replaced: false })
     }
 
-    /// Puts the earlier file back, or takes the new one away. Returns advice if that fails.
+    /// Restores the earlier file, or removes the new one. Returns advice if that fails.
     fn put_back(self) -> Option<String> {
         let target = quoted(&self.target);
         let Some(earlier) = self.earlier else {

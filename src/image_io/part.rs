@@ -13,9 +13,9 @@ pub(super) const PNG_COMMENT: &str = "Comment";
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Width and height of the whole picture in pixels.
-    pub whole: [u32; 2],
+    pub whole: [usize; 2],
     /// The part's top left pixel: its column and row in the whole, from the top left.
-    pub at: [u32; 2],
+    pub at: [usize; 2],
     /// A hash of everything that the bytes of the whole picture depend on.
     pub fingerprint: u128,
 }
@@ -27,7 +27,7 @@ impl Part {
         let ["part", "of", width, "x", height, "at", x, y, "fingerprint", fingerprint] = words[..] else {
             return None;
         };
-        let number = |word: &str| word.trim_end_matches([',', ';']).parse().ok();
+        let number = |word: &str| Some(word.trim_end_matches([',', ';']).parse::<u32>().ok()? as usize);
         let whole = [number(width)?, number(height)?];
         let fingerprint = u128::from_str_radix(fingerprint, 16).ok()?;
         let part = Self { whole, at: [number(x)?, number(y)?], fingerprint };

@@ -3,8 +3,8 @@
 //! The message of an error is the reason alone, to which [`read_picture`] adds the file.
 
 use super::cannot;
-use super::decoding::{
-    Remarks, Wanted, check_bytes, level, no_pixels, open_regular, refused, too_short, undecoded, zeros,
+use super::common_to_readers::{
+    ReadNotes, Wanted, check_bytes, level, no_pixels, open_regular, refused, too_short, undecoded, zeros,
 };
 use super::format::{CUT_HEADER, Format, TGA_HEADER, identify};
 use super::{exr, netpbm};
@@ -45,8 +45,8 @@ pub fn read_picture(path: &Path) -> Result<Picture, Diagnostic> {
     read_pixels(path, Wanted::Bytes).map(|(picture, _)| picture.into_bytes())
 }
 
-/// Reads a picture like [`read_picture`], with remarks.
-pub fn read_pixels(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
+/// Reads a picture like [`read_picture`], with notes.
+pub fn read_pixels(path: &Path, wanted: Wanted) -> Result<(Pixels, ReadNotes), Diagnostic> {
     load_pixels(path, wanted).map_err(|reason| cannot("read", path, reason))
 }
 
@@ -58,7 +58,7 @@ pub fn read_picture_from(name: &Path, bytes: &[u8], limit: u64) -> Result<Pictur
 }
 
 /// Reads a picture like [`read_pixels`]. The message of an error does not name the file.
-pub fn load_pixels(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
+pub fn load_pixels(path: &Path, wanted: Wanted) -> Result<(Pixels, ReadNotes), Diagnostic> {
     let file = open_regular(path)?;
     let length = file.metadata()?.len();
     if length > LONGEST_FILE {
@@ -69,7 +69,7 @@ pub fn load_pixels(path: &Path, wanted: Wanted) -> Result<(Pixels, Remarks), Dia
     decode(path, &bytes, MAX_BYTES, wanted)
 }
 
-fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, Remarks), Diagnostic> {
+fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, ReadNotes), Diagnostic> {
     let format = identify(name, bytes)?;
     let max_pixels = MAX_PIXELS_PER_BYTE * bytes.len() as u64;
     check_stated_size(format, bytes, max_pixels, limit)?;
@@ -86,8 +86,8 @@ fn decode(name: &Path, bytes: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixe
     };
     // A TGA file without bits of alpha may have anything in the fourth byte of a pixel.
     let has_alpha = format != Format::Tga || bytes[TGA_HEADER - 1] & 0xf != 0;
-    let remarks = Remarks { transparent: if has_alpha { transparent } else { 0 }, ..Remarks::default() };
-    Ok((Pixels::Bytes(picture), remarks))
+    let notes = ReadNotes { transparent: if has_alpha { transparent } else { 0 }, ..ReadNotes::default() };
+    Ok((Pixels::Bytes(picture), notes))
 }
 
 /// Refuses a file whose header states a size that the image crate would refuse in its own words: without pixels, or, in
@@ -139,6 +139,7 @@ fn decoded<D: ImageDecoder>(
     let decoder = decoder.map_err(|error| refused_by_image(error, Diagnostic::error(CUT_HEADER)))?;
     let (width, height) = decoder.dimensions();
     let (size, color_type, length) = ([width, height], decoder.color_type(), decoder.total_bytes());
+    // For TGA and BMP. The size of a PNG file has been checked before.
     match u64::from(width) * u64::from(height) {
         0 => return Err(no_pixels()),
         pixels if pixels > max_pixels => return Err(too_short(size)),

@@ -1,7 +1,7 @@
 //! The rows of TGA and PNG files as this program writes them, one by one, and the part of a picture that they state.
 
 use super::cannot;
-use super::decoding::{open_regular, too_short, undecoded};
+use super::common_to_readers::{open_regular, too_short, undecoded};
 use super::format::{CUT_HEADER, Format, START, TGA_HEADER, identify};
 use super::part::{PNG_COMMENT, Part};
 use crate::diagnostic::Diagnostic;
@@ -11,14 +11,16 @@ use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// The file of a part, encoded as this program does.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PartFile {
     /// The path as the user gave it.
     pub path: PathBuf,
-    /// The place in the whole that the file states.
-    pub part: Part,
+    /// Width and height of the whole picture in pixels.
+    pub whole: [usize; 2],
     /// The part's place in the whole.
     pub window: Window,
+    /// A hash of everything that the bytes of the whole picture depend on.
+    pub fingerprint: u128,
 }
 
 impl PartFile {
@@ -26,15 +28,15 @@ impl PartFile {
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         let no_part = |problem: String| cannot("merge", path, Diagnostic::error(problem));
         let Rows { size: [width, height], comment, .. } = Rows::open(path)?;
-        let part = comment.as_deref().and_then(Part::parse).ok_or_else(|| {
+        let part = comment.as_deref().and_then(Part::parse);
+        let Part { whole, at: [x, y], fingerprint } = part.ok_or_else(|| {
             no_part(format!("it is a picture of {width} x {height} pixels, not a part written by `-region`"))
         })?;
-        let [x, y, width, height] = [part.at[0], part.at[1], width, height].map(|n| n as usize);
         let window = Window { x, y, width, height };
-        if !window.fits(part.whole.map(|side| side as usize)) {
+        if !window.fits(whole) {
             return Err(no_part("its place lies outside its picture".into()));
         }
-        Ok(Self { path: path.to_owned(), part, window })
+        Ok(Self { path: path.to_owned(), whole, window, fingerprint })
     }
 }
 
@@ -42,11 +44,11 @@ impl PartFile {
 pub struct Rows {
     path: PathBuf,
     /// Width and height in pixels.
-    pub(super) size: [u32; 2],
+    pub(super) size: [usize; 2],
     comment: Option<String>,
     decoder: Decoder,
     /// The number of rows that have not been read.
-    left: u32,
+    left: usize,
 }
 
 enum Decoder {
@@ -75,21 +77,21 @@ impl Rows {
             Format::Bmp | Format::Ppm | Format::Pfm | Format::Exr => Ok(None),
         });
         match read {
-            Ok(Some((size, comment, decoder))) if !size.contains(&0) => {
+            Ok(Some(Opened { size, comment, decoder })) if !size.contains(&0) => {
                 Ok(Self { path: path.to_owned(), size, comment, decoder, left: size[1] })
             }
-            Ok(_) => Err(cannot(
-                "merge",
-                path,
-                Diagnostic::error("it is not encoded like a part written by `-region`"),
-            )),
+            // `-convert` reads such a file in another way, and does not show the error.
+            Ok(_) => {
+                let problem = "it is not encoded like a part written by `-region`";
+                Err(cannot("merge", path, Diagnostic::error(problem)))
+            }
             Err(error) => Err(cannot("read", path, undecoded(error, Diagnostic::error(CUT_HEADER)))),
         }
     }
 
     /// Reads the next row as bytes of red, green and blue. The last one of a PNG file is checked with what follows it.
     pub(super) fn next(&mut self, rgb: &mut Vec<u8>) -> Result<(), Diagnostic> {
-        rgb.resize(self.size[0] as usize * CHANNELS, 0);
+        rgb.resize(self.size[0] * CHANNELS, 0);
         self.left = self.left.saturating_sub(1);
         let read = match &mut self.decoder {
             Decoder::Tga(source) => {
@@ -107,27 +109,34 @@ impl Rows {
     }
 }
 
-/// The size of a picture, its comment and its rows. `None` if the file is not encoded as this program does.
-type Found = Option<([u32; 2], Option<String>, Decoder)>;
+/// A file whose header has been read.
+struct Opened {
+    size: [usize; 2],
+    comment: Option<String>,
+    decoder: Decoder,
+}
 
-fn tga(mut source: BufReader<File>) -> io::Result<Found> {
+/// Reads the header of a TGA file. Returns `None` if the file is not encoded as this program does.
+fn tga(mut source: BufReader<File>) -> io::Result<Option<Opened>> {
     let mut header = [0; TGA_HEADER];
     source.read_exact(&mut header)?;
     let mut id = vec![0; header[0].into()];
     source.read_exact(&mut id)?;
     let [_, 0, 2, 0, 0, 0, 0, 0, _, _, _, _, w0, w1, h0, h1, 24, 32] = header else { return Ok(None) };
-    let size = [[w0, w1], [h0, h1]].map(|side| u32::from(u16::from_le_bytes(side)));
-    Ok(Some((size, String::from_utf8(id).ok(), Decoder::Tga(source))))
+    let size = [[w0, w1], [h0, h1]].map(|side| usize::from(u16::from_le_bytes(side)));
+    Ok(Some(Opened { size, comment: String::from_utf8(id).ok(), decoder: Decoder::Tga(source) }))
 }
 
-fn png(source: BufReader<File>) -> io::Result<Found> {
+/// Reads what precedes the rows of a PNG file, like [`tga`].
+fn png(source: BufReader<File>) -> io::Result<Option<Opened>> {
     let mut options = png::DecodeOptions::default();
     options.set_skip_ancillary_crc_failures(false);
     let reader = png::Decoder::new_with_options(source, options).read_info()?;
     let info = reader.info();
     let text = info.uncompressed_latin1_text.iter().find(|chunk| chunk.keyword == PNG_COMMENT);
-    let (size, comment) = ([info.width, info.height], text.map(|chunk| chunk.text.clone()));
+    let size = [info.width, info.height].map(|side| side as usize);
+    let comment = text.map(|chunk| chunk.text.clone());
     let is_own =
         !info.interlaced && (info.color_type, info.bit_depth) == (png::ColorType::Rgb, png::BitDepth::Eight);
-    Ok(is_own.then(|| (size, comment, Decoder::Png(Box::new(reader)))))
+    Ok(is_own.then(|| Opened { size, comment, decoder: Decoder::Png(Box::new(reader)) }))
 }

@@ -2,15 +2,16 @@
 
 use super::beside;
 use super::format::{Content, Format};
-use super::header::{bmp_row, exr_row, header};
 use super::output::{CompleteFile, OutputFile};
 use super::part::{PNG_COMMENT, Part};
 use super::rows::Rows;
+use super::written_headers::{bmp_row, exr_row, header};
+use crate::base::lock;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{BLUE_FIRST, CHANNELS, Color, RED_FIRST, truncate_to_bytes};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use tempfile::SpooledTempFile;
 
 /// The length of a PNG file's chunks of compressed rows, in bytes.
@@ -59,19 +60,13 @@ pub struct PictureWriter {
 #[derive(Clone)]
 struct Shared(Arc<Mutex<SpooledTempFile>>);
 
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, SpooledTempFile> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 impl Write for Shared {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.lock().write(bytes)
+        lock(&self.0).write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.lock().flush()
+        lock(&self.0).flush()
     }
 }
 
@@ -92,7 +87,7 @@ impl OutputFile {
             Ok::<_, Diagnostic>(encoder.transpose()?.map(Box::new))
         };
         let png = self.written(begin())?;
-        let (output, top) = (self, part.map_or(0, |part| part.at[1] as usize));
+        let (output, top) = (self, part.map_or(0, |part| part.at[1]));
         let (rows, bytes, exceptional) = (0, vec![], Exceptional::default());
         Ok(PictureWriter { output, format, size, content, top, spool, png, rows, bytes, exceptional })
     }
@@ -165,7 +160,7 @@ impl PictureWriter {
         let mut write = || match &mut self.png {
             Some(encoder) => encoder.write_all(&self.bytes),
             None => {
-                let mut spool = self.spool.lock();
+                let mut spool = lock(&self.spool.0);
                 if matches!(self.format, Format::Bmp | Format::Pfm) {
                     // Their rows are stored from the bottom: from the end of one, it is two rows to the next.
                     let rows = if self.rows == 0 { self.size[1].saturating_sub(1) as i64 } else { -2 };
@@ -217,16 +212,15 @@ impl PictureWriter {
     /// Returns the file of the picture, which has all of its rows.
     pub fn complete(self) -> Result<CompleteFile, Diagnostic> {
         self.output.written(self.png.map_or(Ok(()), |encoder| encoder.finish()))?;
-        let content = std::mem::replace(&mut *self.spool.lock(), tempfile::spooled_tempfile(0));
+        let content = std::mem::replace(&mut *lock(&self.spool.0), tempfile::spooled_tempfile(0));
         Ok(CompleteFile { output: self.output, content })
     }
 }
 
 /// Returns a file with the picture of these rows, none of which has been read.
 pub fn convert(mut rows: Rows, file: OutputFile, format: Format) -> Result<CompleteFile, Diagnostic> {
-    let size = rows.size.map(|side| side as usize);
-    let mut writer = file.begin(format, size, Content::Colors, None)?;
-    writer.copy(&mut rows, size[1])?;
+    let mut writer = file.begin(format, rows.size, Content::Colors, None)?;
+    writer.copy(&mut rows, writer.size[1])?;
     writer.complete()
 }
 
@@ -243,8 +237,8 @@ fn png_encoder(
     size: [usize; 2],
     part: Option<&Part>,
 ) -> Result<png::StreamWriter<'static, Shared>, png::EncodingError> {
-    let [width, height] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-    let mut encoder = png::Encoder::new(spool, width, height);
+    let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let mut encoder = png::Encoder::new(spool, number(size[0]), number(size[1]));
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
@@ -253,9 +247,10 @@ fn png_encoder(
         encoder.add_text_chunk(PNG_COMMENT.into(), part.to_string())?;
     }
     let mut writer = encoder.write_header()?;
-    if let Some(Part { at: [x, y], .. }) = part {
+    if let Some(part) = part {
         const UNIT_PIXEL: u8 = 0;
-        let offsets = [&x.to_be_bytes()[..], &y.to_be_bytes(), &[UNIT_PIXEL]].concat();
+        let [x, y] = part.at.map(|n| number(n).to_be_bytes());
+        let offsets = [&x[..], &y, &[UNIT_PIXEL]].concat();
         writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &offsets)?;
     }
     writer.into_stream_writer_with_size(PNG_CHUNK)

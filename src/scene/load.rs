@@ -4,6 +4,7 @@ mod named_files;
 
 use crate::base::escape::quoted;
 use crate::base::patience::{Endless, Patience};
+use crate::base::stdio::is_stdio;
 use crate::diagnostic::{Diagnostic, limited};
 use crate::image_io::ReadFile;
 use crate::scene::edition::{Choice, Edition, newer_language};
@@ -110,7 +111,7 @@ pub fn load(path: &Path) -> Result<LoadedScene, Diagnostic> {
 
 /// Reads a scene like [`load`], using `hints`.
 pub fn load_with(path: &Path, hints: &Hints) -> Result<LoadedScene, Diagnostic> {
-    let is_standard_input = path == Path::new("-");
+    let is_standard_input = is_stdio(path);
     let bytes = if is_standard_input { read_stream(io::stdin().lock()) } else { read_scene(path) };
     let path = if is_standard_input { Path::new("standard input") } else { path };
     let bytes = bytes.map_err(|error| unreadable(path, &error))?;

@@ -1,6 +1,7 @@
 //! Compares picture files and shows where they differ.
 
-use raytracer::image_io::{self, OutputFile};
+use raytracer::diagnostic::Diagnostic;
+use raytracer::image_io::{self, Format, OutputFile};
 use raytracer::picture::Picture;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -32,8 +33,12 @@ pub fn files(expected: &Path, actual: &Path, name: &str) -> Result<(), String> {
 
 fn show(picture: &Picture, path: &Path) -> Result<(), String> {
     fs::create_dir_all(failure_folder()).map_err(|error| error.to_string())?;
-    let file = OutputFile::prepare(path).map_err(|error| error.to_string())?;
-    file.write(picture).map_err(|error| error.to_string())
+    write(path, picture).map_err(|error| error.to_string())
+}
+
+fn write(path: &Path, picture: &Picture) -> Result<(), Diagnostic> {
+    let format = Format::of(path).expect("the name of a picture");
+    OutputFile::prepare(path)?.picture(format, picture)?.put_in_place()
 }
 
 /// The difference of two pictures of the same size.
@@ -136,7 +141,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let save = |name: &str, picture: &Picture| {
-            OutputFile::prepare(&path(name)).unwrap().write(picture).unwrap();
+            write(&path(name), picture).unwrap();
         };
         let picture = grey_but((0, 0), [1, 2, 3]);
         save("a.tga", &picture);

@@ -1,9 +1,8 @@
 //! The causes of a difference: each wrong picture is made in an independent way where there is one, and its cause must
 //! be named.
 
-use crate::support::{Folder, Tga};
+use crate::support::{Folder, Tga, write_picture};
 use raytracer::cli::{self, Command};
-use raytracer::image_io::OutputFile;
 use raytracer::picture::Picture;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::load;
@@ -61,7 +60,7 @@ pub fn is_named(found: &str, words: &str) -> bool {
 }
 
 pub fn write(folder: &Folder, picture: &Picture) {
-    OutputFile::prepare(&folder.path().join("a.png")).unwrap().write(picture).unwrap();
+    write_picture(&folder.path().join("a.png"), picture).unwrap();
 }
 
 fn check_all(failures: &[String]) {

@@ -154,6 +154,7 @@ const FAULTS: &[(&str, &str)] = &[
     ("-input s.txt -size 1 4369 -render_filter f.tga 15", "-render_filter"),
     ("-compare a.tga", "-input ... -reference"),
     ("-compare a.jpg -reference b.tga", "-compare ... a.jpg"),
+    ("-convert a.PSD -output a.png", "-convert ... a.PSD ... convert it to PNG first"),
     ("-input s.txt -compare", "-compare"),
     ("-input s.txt -difference d.png", "-compare ... -reference"),
     ("-input s.txt -tolerance 1 2", "-compare ... -reference"),

@@ -1,7 +1,6 @@
 //! `-compare` and `-reference`: two pictures, or one and what a scene shows.
 
-use crate::support::{Folder, Run};
-use raytracer::image_io::OutputFile;
+use crate::support::{Folder, Run, write_picture};
 use raytracer::picture::Picture;
 
 const SCENE: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 4 }
@@ -23,7 +22,7 @@ fn write_changed(folder: &Folder, name: &str, levels: u8, pixels: usize) {
     let mut bytes = original.pixels.concat();
     bytes[..3 * pixels].iter_mut().for_each(|byte| *byte += levels);
     let picture = Picture::from_rgb(original.width as u32, original.height as u32, bytes);
-    OutputFile::prepare(&folder.path().join(name)).unwrap().write(&picture).unwrap();
+    write_picture(&folder.path().join(name), &picture).unwrap();
 }
 
 /// The value of a line in the block.

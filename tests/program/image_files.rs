@@ -1,6 +1,6 @@
 //! Picture files: their bytes, and the files on disk after writing them succeeds or fails.
 
-use raytracer::diagnostic::Diagnostic;
+use super::support::write_picture;
 use raytracer::image_io::{OutputFile, read_picture};
 use raytracer::picture::Picture;
 use std::fs;
@@ -18,10 +18,6 @@ fn sample() -> Picture {
     picture
 }
 
-fn write(path: &Path, picture: &Picture) -> Result<(), Diagnostic> {
-    OutputFile::prepare(path)?.write(picture)
-}
-
 fn names(folder: &TempDir) -> Vec<String> {
     let entries = fs::read_dir(folder.path()).unwrap();
     let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
@@ -33,7 +29,7 @@ fn names(folder: &TempDir) -> Vec<String> {
 fn tga_has_the_course_s_header_and_blue_first_rows_from_the_top() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("a.tga");
-    write(&path, &sample()).unwrap();
+    write_picture(&path, &sample()).unwrap();
     let bytes = fs::read(&path).unwrap();
     assert_eq!(bytes[..18], [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 2, 0, 24, 32]);
     let top = [1, 0, 135, 1, 1, 95, 1, 2, 55];
@@ -45,7 +41,7 @@ fn tga_has_the_course_s_header_and_blue_first_rows_from_the_top() {
 fn bmp_is_24_bits_and_uncompressed_with_padded_blue_first_rows_from_the_bottom() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("a.bmp");
-    write(&path, &sample()).unwrap();
+    write_picture(&path, &sample()).unwrap();
     let bytes = fs::read(&path).unwrap();
     let header =
         b"BM\x4e\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x03\0\0\0\x02\0\0\0\x01\0\x18\0\0\0\0\0\x18\0\0\0";
@@ -59,7 +55,7 @@ fn bmp_is_24_bits_and_uncompressed_with_padded_blue_first_rows_from_the_bottom()
 fn ppm_is_three_lines_and_red_first_rows_from_the_top() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("a.ppm");
-    write(&path, &sample()).unwrap();
+    write_picture(&path, &sample()).unwrap();
     let expected =
         [&b"P6\n3 2\n255\n"[..], &[135, 0, 1, 95, 1, 1, 55, 2, 1, 255, 0, 0, 215, 1, 0, 175, 2, 0]].concat();
     assert_eq!(fs::read(&path).unwrap(), expected);
@@ -70,7 +66,7 @@ fn all_formats_of_bytes_come_back_as_written() {
     let folder = tempdir().unwrap();
     for name in ["a.tga", "a.png", "B.TGA", "b.Png", "a.bmp", "a.ppm"] {
         let path = folder.path().join(name);
-        write(&path, &sample()).unwrap();
+        write_picture(&path, &sample()).unwrap();
         assert_eq!(read_picture(&path).unwrap(), sample(), "{name}");
     }
     assert_eq!(read_picture(&folder.path().join("a.png")).unwrap().get(0, 0), Some([255, 0, 0]));
@@ -81,9 +77,9 @@ fn all_formats_of_bytes_come_back_as_written() {
 fn a_failed_write_leaves_the_old_picture_and_no_other_file() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("a.tga");
-    write(&path, &sample()).unwrap();
+    write_picture(&path, &sample()).unwrap();
     let wide = Picture::new(65536, 1).unwrap();
-    let error = write(&path, &wide).unwrap_err();
+    let error = write_picture(&path, &wide).unwrap_err();
     let expected = format!("cannot write `{}`: 65536 x 1 is above 65535 pixels a side", path.display());
     assert_eq!(error.message, expected);
     assert_eq!(names(&folder), ["a.tga"]);
@@ -108,10 +104,10 @@ mod unix {
         let folder = tempdir().unwrap();
         let (path, plain) = (folder.path().join("a.tga"), folder.path().join("plain"));
         fs::write(&plain, "").unwrap();
-        write(&path, &sample()).unwrap();
+        write_picture(&path, &sample()).unwrap();
         assert_eq!(mode(&path), mode(&plain));
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
-        write(&path, &sample()).unwrap();
+        write_picture(&path, &sample()).unwrap();
         assert_eq!(mode(&path), 0o640);
     }
 
@@ -123,7 +119,7 @@ mod unix {
         symlink(&target, &link).unwrap();
         // The target does not exist the first time.
         for _ in 0..2 {
-            write(&link, &sample()).unwrap();
+            write_picture(&link, &sample()).unwrap();
             assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
             assert_eq!(read_picture(&link).unwrap(), sample());
         }
@@ -134,7 +130,7 @@ mod unix {
     fn write_protection_is_respected() {
         let folder = tempdir().unwrap();
         let path = folder.path().join("a.tga");
-        write(&path, &sample()).unwrap();
+        write_picture(&path, &sample()).unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
         // The superuser may write to any file.
         assert_eq!(OutputFile::prepare(&path).is_ok(), is_root());

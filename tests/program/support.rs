@@ -1,5 +1,8 @@
 //! Shared by the tests of the program: temporary folders, runs of the program, small scenes and pictures.
 
+use raytracer::diagnostic::Diagnostic;
+use raytracer::image_io::{Format, OutputFile};
+use raytracer::picture::Picture;
 use std::ffi::OsString;
 use std::fs;
 use std::io::{Write, pipe};
@@ -122,6 +125,12 @@ impl Folder {
     pub fn tga(&self, name: &str) -> Tga {
         Tga::read(&self.read(name))
     }
+}
+
+/// Writes a picture in the format that its name tells.
+pub fn write_picture(path: &Path, picture: &Picture) -> Result<(), Diagnostic> {
+    let format = Format::of(path).expect("the name of a picture");
+    OutputFile::prepare(path)?.picture(format, picture)?.put_in_place()
 }
 
 pub const CAMERA: &str = "OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 2 }\n";

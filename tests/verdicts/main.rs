@@ -15,7 +15,7 @@ mod textures;
 use cases::{CASES, Opened};
 use mistake::Mistake;
 use names::name_of;
-use raytracer::image_io::OutputFile;
+use raytracer::image_io::{Format, OutputFile};
 use raytracer::picture::Picture;
 use raytracer::render::Request;
 use raytracer::render::renderer::{Meshes, Renderer};
@@ -202,7 +202,8 @@ fn dump() {
     let folder = Path::new(&folder);
     fs::create_dir_all(folder).unwrap();
     let write = |name: String, picture: &Picture| {
-        OutputFile::prepare(&folder.join(name + ".tga")).unwrap().write(picture).unwrap();
+        let file = OutputFile::prepare(&folder.join(name + ".tga")).unwrap();
+        file.picture(Format::Tga, picture).unwrap().put_in_place().unwrap();
     };
     let mut manifest = String::from("case\tflags\tmistake\tpixels\n");
     for case in CASES {

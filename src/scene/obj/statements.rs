@@ -195,7 +195,6 @@ impl<'a> Statements<'a> {
     }
 
     fn face(&mut self, words: &[&'a [u8]]) -> Result<(), Diagnostic> {
-        let mut decimal = itoa::Buffer::new();
         self.lines.push(b'f');
         for &word in &words[1..] {
             let Some([Some(vertex), coordinate, _]) = corner(word) else {
@@ -206,10 +205,11 @@ impl<'a> Statements<'a> {
             let coordinate = coordinate.filter(|_| self.is_textured);
             let coordinate = coordinate.map(|index| self.coordinates.number(index));
             self.lines.push(b' ');
-            self.lines.extend_from_slice(decimal.format(vertex).as_bytes());
+            // An index that is still negative names a missing point, and the lines are not used.
+            push_decimal(vertex.unsigned_abs(), &mut self.lines);
             if let Some(coordinate) = coordinate {
                 self.lines.push(b'/');
-                self.lines.extend_from_slice(decimal.format(coordinate).as_bytes());
+                push_decimal(coordinate.unsigned_abs(), &mut self.lines);
             }
             self.corners.push(Corner { word, vertex, coordinate });
         }
@@ -404,6 +404,14 @@ fn is_odd_blank(character: char) -> bool {
     let has_no_width = matches!(character, '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{feff}');
     let is_blank = !character.is_ascii() && character.is_whitespace();
     is_blank || has_no_width || character == char::REPLACEMENT_CHARACTER
+}
+
+/// Writes a number in decimal, in fewer steps than `write!`.
+fn push_decimal(number: u64, text: &mut Vec<u8>) {
+    if number >= 10 {
+        push_decimal(number / 10, text);
+    }
+    text.push(b'0' + (number % 10) as u8);
 }
 
 /// Suggests a fix for a word that is not a corner.

@@ -41,7 +41,7 @@ fn named(kind: &'static str, single: &[&[u8]], all: &[&[u8]]) -> Vec<NamedFile> 
     names.map(|name| (kind, String::from_utf8_lossy(&name).into_owned())).collect()
 }
 
-/// Returns the pictures that a statement of a material library names: the last word, or all behind the keyword.
+/// Returns the pictures that a statement of a material library names: the last word, or all after the keyword.
 fn pictures_of(words: &[&[u8]]) -> Vec<NamedFile> {
     const KEYWORDS: [&[u8]; 5] = [b"bump", b"disp", b"decal", b"refl", b"norm"];
     if !words[0].starts_with(b"map_") && !KEYWORDS.contains(&words[0]) {

@@ -60,11 +60,6 @@ pub enum Reason {
     Unreadable,
 }
 
-/// The endings of pictures in formats that are not read.
-const UNREAD: [&str; 19] = [
-    "jpg", "jpeg", "jfif", "gif", "webp", "tif", "tiff", "heic", "heif", "avif", "jxl", "jp2", "hdr", "psd",
-    "xcf", "svg", "pdf", "ico", "dds",
-];
 /// The number of files that are named for a picture that they may be meant for.
 const NAMED: usize = 2;
 /// The largest number of letters in which a misspelt name differs.
@@ -130,8 +125,7 @@ impl Pairing {
         let taken_paths: HashSet<&PathBuf> = taken.iter().flatten().collect();
         let not_graded = |Listed { path, kind }: &Listed| {
             let is_read = Format::of_input(path).is_some();
-            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-            let is_picture = is_read || ending.is_some_and(|ending| UNREAD.contains(&ending.as_str()));
+            let is_picture = is_read || Format::is_unread_picture(path);
             let meant_for = meant_for(path, is_picture, &all_parts);
             let reason = match kind {
                 Kind::Folder => return None,

@@ -11,7 +11,7 @@
 
 use super::*;
 use crate::base::patience::Endless;
-use crate::image_io::{OutputFile, read_picture};
+use crate::image_io::{Format, OutputFile, read_picture};
 use std::path::Path;
 
 /// The reference implementation computes in f32. Where a flat picture of ones has derivatives of 1e-7 instead of 0, the
@@ -128,7 +128,8 @@ fn write_pictures(folder: &str) {
     for case in &CASES {
         for (picture, letter) in case.pictures().iter().zip(["a", "b"]) {
             let path = Path::new(folder).join(format!("{}_{letter}.png", case.name));
-            OutputFile::prepare(&path).unwrap().write(picture).unwrap();
+            let file = OutputFile::prepare(&path).unwrap().picture(Format::Png, picture).unwrap();
+            file.put_in_place().unwrap();
             assert_eq!(&read_picture(&path).unwrap(), picture);
         }
     }

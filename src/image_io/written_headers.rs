@@ -20,7 +20,7 @@ pub(super) fn header(
     content: Content,
     part: Option<&Part>,
 ) -> Result<Vec<u8>, Diagnostic> {
-    let whole = part.map_or(size, |part| part.whole.map(|side| side as usize));
+    let whole = part.map_or(size, |part| part.whole);
     let has_short_sides = matches!(format, Format::Tga | Format::Pfm | Format::Exr);
     if let (true, [width, height]) = (has_short_sides, whole)
         && width.max(height) > u16::MAX.into()
@@ -39,7 +39,7 @@ pub(super) fn header(
         // The negative number says that the lowest byte comes first.
         Format::Pfm => format!("P{}\n{width} {height}\n-1.0\n", if is_grey { 'f' } else { 'F' }).into_bytes(),
         Format::Exr => {
-            let at = part.map_or([0; 2], |part| part.at.map(|n| n as usize));
+            let at = part.map_or([0; 2], |part| part.at);
             exr(size, whole, at, if is_grey { &["Z"] } else { &["B", "G", "R"] })
         }
     })
@@ -50,7 +50,7 @@ pub(super) fn header(
 /// has an origin, the offset of its lower left corner from the whole picture's, and an image ID.
 fn tga([width, height]: [usize; 2], part: Option<&Part>) -> Vec<u8> {
     let origin = part.map_or([0; 2], |part| {
-        let below = part.whole[1].saturating_sub(part.at[1]).saturating_sub(height as u32);
+        let below = part.whole[1].saturating_sub(part.at[1]).saturating_sub(height);
         [part.at[0], below]
     });
     let [[x0, x1], [y0, y1]] = origin.map(|side| (side as u16).to_le_bytes());

@@ -1,11 +1,11 @@
-//! Helpers of all readers: opening a file, the errors of its size and its end, and samples that become
-//! levels.
+//! Code that all readers share: opening a file, the errors of its size and its end, and samples that become levels.
 
 use crate::base::escape::quoted;
 use crate::base::memory::Bytes;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{CHANNELS, Color, Pixels};
 use std::error::Error;
+use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::iter;
@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Facts that a user should know about a picture that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Remarks {
+pub struct ReadNotes {
     /// The number of pixels with a channel below 0, above 1 or NaN, which a byte cannot store.
     pub clamped: u64,
     /// The number of pixels whose alpha, which is ignored, is not opaque.
@@ -39,7 +39,7 @@ pub(super) fn open_regular(path: &Path) -> Result<File, Diagnostic> {
     }
 }
 
-/// Returns the error of a file that its decoder does not read. `too_early` is the error of one that ends too early.
+/// Converts a decoder's error. The result is `too_early` if the file ends too early.
 pub(super) fn undecoded(error: io::Error, too_early: Diagnostic) -> Diagnostic {
     match error.kind() {
         ErrorKind::UnexpectedEof => too_early,
@@ -77,7 +77,7 @@ pub(super) fn no_pixels() -> Diagnostic {
     Diagnostic::error("the picture has no pixels")
 }
 
-pub(super) fn too_short([width, height]: [u32; 2]) -> Diagnostic {
+pub(super) fn too_short([width, height]: [impl Display; 2]) -> Diagnostic {
     Diagnostic::error(format!("it is too short for {width} x {height} pixels"))
 }
 

@@ -1,0 +1,11 @@
+//! The path `-`, which stands for standard input or standard output.
+
+use std::path::Path;
+
+/// The path.
+pub const STDIO: &str = "-";
+
+/// True if the path stands for standard input or standard output.
+pub fn is_stdio(path: &Path) -> bool {
+    path == Path::new(STDIO)
+}
