@@ -167,7 +167,7 @@ fn measure_requests(
         let mut colors = vec![];
         let mut take_row = |_: usize, row: &[Color]| {
             colors.extend_from_slice(row);
-            ControlFlow::Continue(())
+            Ok(())
         };
         let go_on = |_| ControlFlow::Continue(());
         let (rendered, time) = one.install(|| {

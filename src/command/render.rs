@@ -12,7 +12,6 @@ use super::{End, Outcome, threads};
 use crate::cli::{Comparison, Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{Exceptional, OutputFile};
-use crate::picture::Color;
 use crate::render::renderer::{Meshes, Prepared, Renderer};
 use crate::render::{Layer, Rendered, Request, Stop, Stopped, Tracing};
 use crate::sampling::filter::Filter;
@@ -68,14 +67,13 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let mut products = Products::begin(pictures, &prepared, &request, options.compares_numbers())?;
 
     // Render rows.
-    let rendered = render_rows(options, &prepared, &request, &mut products, signals)?;
-    let mut rendered = match rendered {
-        Ok(rendered) => rendered,
-        Err(rows) => {
+    let mut rendered = match render_rows(options, &prepared, &request, &mut products, signals) {
+        Err(Stopped::Cancelled { rows }) => {
             let kept = products.keep_parts(rows)?;
             parts::lines(argv, options, rows, &kept).iter().for_each(|line| log.say(line));
             return Err(signals.received().unwrap_or_else(|| End::from(Stopped::Cancelled { rows })));
         }
+        rendered => rendered?,
     };
     let rendering = lap() - products.encoding;
 
@@ -113,31 +111,21 @@ fn request(options: &Options) -> Request {
     request
 }
 
-/// Returns what was counted, or the number of complete rows if a signal came.
+/// Renders until a signal comes.
 fn render_rows(
     options: &Options,
     prepared: &Prepared,
     request: &Request,
     products: &mut Products,
     signals: &Signals,
-) -> Result<Result<Rendered, usize>, Diagnostic> {
-    let mut taken = Ok(());
-    let mut take_row = |layer: usize, row: &[Color]| {
-        taken = products.take_row(layer, row);
-        if taken.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-    };
+) -> Result<Rendered, Stopped> {
     signals.note_first();
     let progress = ProgressLine::new(options.progress);
     let watch = |rows| {
         progress.show(|passed| rows_text("rendering", rows, passed));
         signals.goes_on()
     };
-    let rendered = prepared.render_rows(request, &watch, &mut take_row);
-    taken?;
-    match rendered {
-        Err(Stopped::Cancelled { rows }) => Ok(Err(rows)),
-        rendered => Ok(Ok(rendered?)),
-    }
+    prepared.render_rows(request, &watch, &mut |layer, row| products.take_row(layer, row))
 }
 
 fn statistics(
@@ -188,7 +176,7 @@ fn repeated(
             ControlFlow::Continue(())
         };
         let start = Instant::now();
-        prepared.render_rows(request, &watch, &mut |_, _| ControlFlow::Continue(()))?;
+        prepared.render_rows(request, &watch, &mut |_, _| Ok(()))?;
         times.push(start.elapsed());
     }
     Repeats::of(times).ok_or_else(|| Diagnostic::error("nothing was rendered"))

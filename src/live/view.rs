@@ -16,7 +16,6 @@ use crate::render::{Cost, Layer, Progress, Request, Stop, TakeRow, Tracing};
 use crate::scene::Camera;
 use crate::tools::explain::CostMap;
 use self_cell::self_cell;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A view of a scene, as the controls and the hand have set it.
@@ -93,7 +92,7 @@ impl Scenes {
         let mut take_row = |_: usize, row: &[Color]| {
             nans += picture.set([0, rows], row);
             rows += 1;
-            ControlFlow::Continue(())
+            Ok(())
         };
         let (ready, counts) = self.render(view, layer, stop, &mut take_row)?;
         let costs = view.cost.map(|cost| CostMap::new(cost, counts, ready.borrow_dependent(), &request));
@@ -114,14 +113,7 @@ impl Scenes {
         let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
         let size = view.request(layer).layer_size(&layer);
         let mut writer = file.begin(output.format, size, content, None)?;
-        let mut written = Ok(());
-        let mut take_row = |_: usize, row: &[Color]| {
-            written = writer.row(row);
-            if written.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        };
-        let rendered = self.render(view, layer, stop, &mut take_row);
-        written?;
-        rendered?;
+        self.render(view, layer, stop, &mut |_, row| writer.row(row))?;
         Ok(writer.complete()?)
     }
 
