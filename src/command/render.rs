@@ -93,8 +93,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let statistics = statistics(options, &prepared, &request, &rendered, timings)?;
     let repeats =
         options.repeat.map(|count| repeated(options, &prepared, &request, count, rendering)).transpose()?;
-    let pixel =
-        options.pixel.map(|pixel| explanation(options, &renderer, prepared, pixel)).transpose()?.flatten();
+    let pixel = options.pixel.map(|pixel| explanation(options, &renderer, prepared, pixel)).transpose()?;
     let compare = |pair: Pair| pair.compare(Some(&renderer), picture.as_ref(), files.difference, &outputs);
     let comparison = pair.map(compare).transpose()?;
     let renderer = Some(&renderer);
@@ -204,24 +203,21 @@ fn meshes(options: &Options) -> Meshes {
     if keeps { Meshes::Kept } else { Meshes::Moved }
 }
 
-/// Returns the rays behind a pixel, traced and counted as by the course's program; `None` if it is outside the window.
+/// Returns the rays behind a pixel, traced and counted as by the course's program.
 fn explanation(
     options: &Options,
     renderer: &Renderer,
     prepared: Prepared,
     pixel: [usize; 2],
-) -> Result<Option<PixelTree>, Diagnostic> {
+) -> Result<PixelTree, Diagnostic> {
     let request = Request { tracing: Tracing::Counted, ..options.request() };
-    if (0..2).any(|axis| pixel[axis] >= request.size[axis]) {
-        return Ok(None);
-    }
     let prepared = match options.tracing() {
         Tracing::Counted => prepared,
         Tracing::Fast => options.prepare(renderer, &request)?,
     };
     let explainer = Explainer::new(&prepared)?;
     let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
-    explainer.pixel(&request, pixel, &stop).map(Some)
+    explainer.pixel(&request, pixel, &stop)
 }
 
 /// Returns the notes and warnings about a scene and the flags that it is rendered with.
