@@ -167,7 +167,7 @@ fn repeated(
     first: Duration,
 ) -> Result<Repeats, Diagnostic> {
     let progress = ProgressLine::new(options.progress);
-    let mut times = vec![first];
+    let mut others = vec![];
     for number in 2..=count {
         let doing = format!("rendering {number} of {count}");
         let watch = |rows| {
@@ -176,9 +176,9 @@ fn repeated(
         };
         let start = Instant::now();
         prepared.render_rows(request, &watch, &mut |_, _| Ok(()))?;
-        times.push(start.elapsed());
+        others.push(start.elapsed());
     }
-    Repeats::of(times).ok_or_else(|| Diagnostic::error("nothing was rendered"))
+    Ok(Repeats::of(first, others))
 }
 
 /// Warns about pixels that the files do not show as they are.
