@@ -112,7 +112,9 @@ fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
     let bench =
         Bench { many: &many, one: &one, clock: &processor_time, watch: &|_, _| ControlFlow::Continue(()) };
     let own = Setting::new(options.request(), Edition::default());
-    Ok(error_report::measure(&renderer, &own, bench, false)?)
+    // The own filter alone.
+    let plan = &error_report::plan(&renderer.scene, renderer.world(), &own)[..1];
+    Ok(error_report::measure(&renderer, &own, plan, bench, String::new())?)
 }
 
 fn add_report(text: &mut String, report: &ErrorReport) {

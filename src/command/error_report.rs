@@ -13,9 +13,7 @@ use crate::diagnostic::Diagnostic;
 use crate::image_io::{check_distinct, put_in_place};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::scene::edition::Edition;
-use crate::tools::error_report::{
-    Answer, Bench, ErrorReport, Setting, USUAL_TARGETS, csv, measure, page, text,
-};
+use crate::tools::error_report::{Answer, Bench, Setting, USUAL_TARGETS, csv, measure, page, plan, text};
 use crate::tools::warnings::no_lights;
 use std::fs;
 use std::path::Path;
@@ -52,7 +50,8 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     };
     let bench = Bench { many: &many, one: &one, clock: &processor_time, watch: &watch };
     let own = Setting::new(options.request(), options.edition.unwrap_or_default());
-    let report = ErrorReport { origin: origin(), ..measure(&renderer, &own, bench, true)? };
+    let plan = plan(&renderer.scene, renderer.world(), &own);
+    let report = measure(&renderer, &own, &plan, bench, origin())?;
     drop(line);
 
     // Report.

@@ -1,7 +1,7 @@
 //! Renders and measures one setting after the other.
 
 use super::numerical::{self, Numerical};
-use super::plan::{plan, with_octaves};
+use super::plan::with_octaves;
 use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
@@ -40,24 +40,24 @@ const RENDERINGS: f64 = 4.0;
 /// The approximate number of samples of an adaptive setting.
 const ADAPTIVE_SAMPLES: f64 = 16.0;
 
-/// Measures the settings of a scene, or those with the filter of `own` alone. `own` is the setting of the command line.
-/// The renderer must have kept the scene's meshes and must have no threads of its own. If the watch ends the sweep, the
-/// report has the finished settings.
+/// Measures the settings of a [`plan`](super::plan()), whose lists have a filter each and are not empty. `own` is the
+/// setting of the command line, and `origin` names the program, the machine and the date. The renderer must have kept
+/// the scene's meshes and must have no threads of its own. If the watch ends the sweep, the report has the finished
+/// settings.
 pub fn measure(
     renderer: &Renderer,
     own: &Setting,
+    plan: &[Vec<Setting>],
     bench: Bench,
-    all_filters: bool,
+    origin: String,
 ) -> Result<ErrorReport, Diagnostic> {
-    let mut plan = plan(&renderer.scene, renderer.world(), own);
-    plan.truncate(if all_filters { plan.len() } else { 1 });
     let start = Instant::now();
     let report = ErrorReport {
         size: own.request.size,
         groups: vec![],
         numerical: None,
         planned: plan.iter().map(Vec::len).sum(),
-        origin: String::new(),
+        origin,
         time: Duration::ZERO,
     };
     let half = f64::from(reference::SAMPLES) / bench.many.current_num_threads() as f64;
