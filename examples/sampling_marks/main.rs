@@ -12,8 +12,8 @@
 mod scenes;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use raytracer::base::processor_time::processor_time;
 use raytracer::cli::{Command, Options, parse};
-use raytracer::command::processor_time;
 use raytracer::picture::{Color, FloatPicture};
 use raytracer::render::adaptive::Adaptive;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};

@@ -3,5 +3,6 @@
 pub mod escape;
 pub mod memory;
 pub mod patience;
+pub mod processor_time;
 pub mod shell;
 pub mod shortcut;

@@ -2,7 +2,6 @@
 
 use super::log::Log;
 use super::outputs::prepare_report;
-use super::processor_time::processor_time;
 use super::progress::ProgressLine;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
@@ -48,7 +47,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
         line.show(|passed| told(share, doing, passed));
         signals.goes_on()
     };
-    let bench = Bench { many: &many, one: &one, clock: &processor_time, watch: &watch };
+    let bench = Bench { many: &many, one: &one, watch: &watch };
     let own = Setting::new(options.request(), options.edition.unwrap_or_default());
     let plan = plan(&renderer.scene, renderer.world(), &own);
     let report = measure(&renderer, &own, &plan, bench, origin())?;

@@ -6,6 +6,7 @@ use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::base::patience::Patience;
+use crate::base::processor_time::processor_time;
 use crate::caster::NotBuilt;
 use crate::diagnostic::Diagnostic;
 use crate::picture::FloatPicture;
@@ -17,14 +18,13 @@ use rayon::ThreadPool;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// The threads, the clock and the watch used for measurements.
+/// The threads and the watch used for measurements.
 #[derive(Clone, Copy)]
 pub struct Bench<'a> {
     /// The threads that render references.
     pub many: &'a ThreadPool,
     /// The single thread whose time is measured.
     pub one: &'a ThreadPool,
-    pub clock: &'a (dyn Fn() -> Duration + Sync),
     /// Receives the completed fraction, from 0 to 1, and the current activity. It may end the sweep.
     pub watch: &'a (dyn Fn(f64, &str) -> ControlFlow<()> + Sync),
 }
@@ -186,9 +186,9 @@ impl Sweep<'_> {
     fn repeat(&self, setting: &Setting, prepared: &Prepared) -> Result<Repeated, Ended> {
         let (label, mut times) = (setting.label(), Vec::new());
         loop {
-            let start = (self.bench.clock)();
+            let start = processor_time();
             let (colors, rays) = self.render(self.bench.one, prepared, &setting.request, 0.0, &label)?;
-            times.push((self.bench.clock)().saturating_sub(start));
+            times.push(processor_time().saturating_sub(start));
             let is_enough = times.len() >= FEWEST && times.iter().sum::<Duration>() >= ENOUGH;
             if is_enough || times.len() >= MOST {
                 times.sort();
