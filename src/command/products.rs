@@ -2,7 +2,7 @@
 
 use super::parts::{part, window};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, PictureWriter};
+use crate::image_io::{CompleteFile, Exceptional, Format, OutputFile, PictureWriter};
 use crate::picture::{Color, Pixels};
 use crate::render::renderer::Prepared;
 use crate::render::{Cost, Layer, Request, Window};
@@ -58,9 +58,8 @@ impl<'r> Products<'r> {
                 (None, _) => Product::Kept(Pixels::zeros(size, keeps_numbers)?, 0),
                 (Some((file, format)), Layer::Cost(cost)) => Product::Costs(file, format, cost),
                 (Some((file, format)), layer) => {
-                    let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
                     let part = request.window.and_then(|window| part(prepared, request, window, layer));
-                    Product::File(Box::new(file.begin(format, size, content, part.as_ref())?))
+                    Product::File(Box::new(file.begin(format, size, layer.content(), part.as_ref())?))
                 }
             })
         };

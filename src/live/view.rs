@@ -9,7 +9,7 @@ use crate::caster::choose::{Resolution, Structure};
 use crate::caster::insertion::{bounds_of, most_references};
 use crate::caster::lattice::Lattice;
 use crate::cli::{Options, Output};
-use crate::image_io::{CompleteFile, Content, OutputFile};
+use crate::image_io::{CompleteFile, OutputFile};
 use crate::picture::{Color, Picture, Pixels};
 use crate::render::renderer::Prepared;
 use crate::render::{Cost, Layer, Progress, Request, Stop, TakeRow, Tracing};
@@ -110,9 +110,8 @@ impl Scenes {
             let painted = self.paint(&View { cost: Some(cost), ..view.clone() }, stop)?;
             return Ok(file.picture(output.format, &painted.picture)?);
         }
-        let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
         let size = view.request(layer).layer_size(&layer);
-        let mut writer = file.begin(output.format, size, content, None)?;
+        let mut writer = file.begin(output.format, size, layer.content(), None)?;
         self.render(view, layer, stop, &mut |_, row| writer.row(row))?;
         Ok(writer.complete()?)
     }
