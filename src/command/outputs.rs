@@ -2,13 +2,12 @@
 
 use super::log::Log;
 use super::signals::Signals;
-use super::{End, refused};
+use super::{End, parts, refused};
 use crate::cli::{Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{
     CompleteFile, OutputFile, ReadFile, Written, check_distinct, part_beside, put_in_place,
 };
-use crate::render::Layer;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -26,9 +25,9 @@ pub fn check(options: &Options, in_scene: Vec<ReadFile>) -> Result<(), End> {
     let named = options.written().chain(prints.then_some(standard_output));
     let named = named.map(|file| Written::Named(file.to_owned()));
     // A stopped run writes a part of a picture.
+    let request = options.request();
     let part = |output: &Output| {
-        let has_parts =
-            !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
+        let has_parts = !output.is_standard_output() && parts::has_parts(&request, output.layer);
         let part = part_beside(&output.file, output.format).filter(|_| has_parts)?;
         Some(Written::PartOf { picture: output.file.clone(), part })
     };

@@ -12,11 +12,16 @@ use std::ffi::{OsStr, OsString};
 use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 
-/// Returns what the part in this window says about the whole picture of a layer. `None` if the layer has no parts: it
-/// shows the filter, is scaled by the most expensive pixel, or its pixels are reduced or displaced.
-pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
+/// Returns true if a layer has parts. It has none if it shows the filter, is scaled by the most expensive pixel, or its
+/// pixels are reduced or displaced.
+pub fn has_parts(request: &Request, layer: Layer) -> bool {
     let is_whole = request.is_reduced || request.sampler == Sampler::DISPLACED;
-    if is_whole || matches!(layer, Layer::Filter { .. } | Layer::Cost(_)) {
+    !is_whole && !matches!(layer, Layer::Filter { .. } | Layer::Cost(_))
+}
+
+/// Returns what the part in this window says about the whole picture of a layer. `None` if the layer has no parts.
+pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
+    if !has_parts(request, layer) {
         return None;
     }
     let pixels = |pair: [usize; 2]| layer.size(pair).map(|n| u32::try_from(n).unwrap_or(u32::MAX));
