@@ -1,7 +1,7 @@
 //! The flags of a page: the flags of the command line that shape a picture, within limits.
 
 use super::http::Answer;
-use super::limits::MAX_SIDE;
+use super::limits::MAX_SIDE_PIXELS;
 use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options};
 use std::ffi::OsString;
@@ -16,7 +16,7 @@ fn amounts(options: &Options) -> [(&'static str, usize, usize); 5] {
     };
     let side = options.request().size.into_iter().fold(0, usize::max);
     [
-        ("side", side, MAX_SIDE),
+        ("side", side, MAX_SIDE_PIXELS),
         ("samples", samples as usize, 1024),
         // Each may double the rays.
         ("bounces", options.effects.bounces as usize, 16),

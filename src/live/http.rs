@@ -3,7 +3,7 @@
 //! The head of a request, which is easy to get wrong, is parsed by `httparse`, the parser of hyper. This module decides
 //! what is allowed and how long it may take. No crate with a whole server limits the time of whole requests.
 
-use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
+use super::limits::{MAX_HEAD_BYTES, MAX_HEADERS, SEND_TIME};
 use crate::diagnostic::Diagnostic;
 use httparse::{EMPTY_HEADER, Error, Request, Status};
 use serde_json::Value;
@@ -46,10 +46,10 @@ impl<'s> Connection<'s> {
                     self.received.drain(..length);
                     return Ok(Ok(head));
                 }
-                Ok(None) if self.received.len() >= MAX_HEAD => {
+                Ok(None) if self.received.len() >= MAX_HEAD_BYTES => {
                     return Ok(Err(Answer::text(431, "the head of the request is too long")));
                 }
-                Ok(None) => self.receive(MAX_HEAD, deadline)?,
+                Ok(None) => self.receive(MAX_HEAD_BYTES, deadline)?,
                 Err(answer) => return Ok(Err(answer)),
             }
         }

@@ -57,7 +57,7 @@ impl OpenScene {
 
     /// Returns the memory in bytes of a copy of the scene.
     pub fn bytes(&self) -> u64 {
-        self.primitives() as u64 * BYTES_PER_PRIMITIVE
+        self.primitives() as u64 * SCENE_BYTES_PER_PRIMITIVE
     }
 }
 
@@ -125,7 +125,7 @@ impl Scenes {
             let most = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
             return Err(Diagnostic::error(most));
         }
-        memory::ask(primitives as u64 * BYTES_PER_PRIMITIVE)?;
+        memory::ask(primitives as u64 * SCENE_BYTES_PER_PRIMITIVE)?;
         let revision = 1 + self.last.fetch_add(1, Ordering::Relaxed);
         let scene = Arc::new(OpenScene::new(revision, named, loaded, stop)?);
         let mut typed = lock(&self.typed);

@@ -59,7 +59,7 @@ impl Server {
             let server = Arc::new(self);
             for stream in server.listener.incoming() {
                 // Connections wait until the requests that are being ended have given their memory back.
-                while memory::keep_reserve().and_then(|()| memory::ask(2 * STACK)).is_err() {
+                while memory::keep_reserve().and_then(|()| memory::ask(2 * STACK_BYTES)).is_err() {
                     thread::sleep(Duration::from_millis(20));
                 }
                 // There may be no file descriptors or threads left; some will be free again.
@@ -88,7 +88,7 @@ impl Server {
                 let _ = server.answer_all(&served, &end);
                 server.close(&served);
             };
-            let thread = thread::Builder::new().name("connection".into()).stack_size(STACK as usize);
+            let thread = thread::Builder::new().name("connection".into()).stack_size(STACK_BYTES as usize);
             match thread.spawn(serve) {
                 Ok(_) => return Ok(()),
                 // There is no room for a thread until another ends.
@@ -161,7 +161,7 @@ impl Server {
     /// Returns the head of a request that may be answered, and the length of its body.
     fn admitted(&self, head: Head) -> Result<(Head, usize), Answer> {
         self.key.admit(&head)?;
-        let most = if head.path == "/reference" { MAX_PICTURE_FILE } else { MAX_QUESTION };
+        let most = if head.path == "/reference" { MAX_PICTURE_FILE_BYTES } else { MAX_QUESTION_BYTES };
         match head.length {
             Some(length) if length > most => Err(Answer::text(413, &format!("at most {most} bytes"))),
             None if head.is_post => Err(Answer::text(411, "the length of the body must be given")),

@@ -119,12 +119,12 @@ impl Session {
             return Ok(self.start());
         }
         if path == "/reference" {
-            return within(20, BYTES_OF_FILES, &|_| self.take_reference(query, body));
+            return within(20, FILE_BYTES, &|_| self.take_reference(query, body));
         }
         if path == "/scene" {
             let typed: Typed = question(body)?;
-            let of_meshes = if typed.text.contains("TriangleMesh") { BYTES_OF_FILES } else { 0 };
-            let bytes = of_meshes + typed.text.len() as u64 * BYTES_PER_CHARACTER;
+            let of_meshes = if typed.text.contains("TriangleMesh") { FILE_BYTES } else { 0 };
+            let bytes = of_meshes + typed.text.len() as u64 * PARSER_BYTES_PER_BYTE;
             return within(20, bytes, &|stop| self.type_in(&typed, stop));
         }
         let Question { view, sketch, pixel } = question(body)?;
@@ -345,7 +345,7 @@ fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Answer> {
 }
 
 fn clipped(size: [usize; 2]) -> [usize; 2] {
-    size.map(|side| side.clamp(1, MAX_SIDE))
+    size.map(|side| side.clamp(1, MAX_SIDE_PIXELS))
 }
 
 /// Red, green, blue and an opaque alpha, as a canvas takes them.

@@ -48,7 +48,7 @@ impl View {
     /// Returns the memory in bytes of the picture, or of comparing it with another.
     pub fn bytes(&self) -> u64 {
         let [width, height] = self.request(Layer::Color).size.map(|side| side as u64);
-        width * height * BYTES_PER_PIXEL
+        width * height * VIEW_BYTES_PER_PIXEL
     }
 }
 
@@ -154,7 +154,7 @@ impl Scenes {
                 let reason = "-grid: these cells hold more than this page allows: choose fewer";
                 return Err(Answer::text(422, reason));
             }
-            memory::ask(references.saturating_mul(BYTES_PER_REFERENCE))?;
+            memory::ask(references.saturating_mul(GRID_BYTES_PER_REFERENCE))?;
         }
         // Without the lock, so that others need not wait. Two requests may prepare the same.
         let ready =

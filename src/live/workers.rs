@@ -5,7 +5,7 @@
 //! bounded here.
 
 use super::http::Answer;
-use super::limits::{FEW_BYTES, MAX_BYTES, MAX_CONNECTIONS, STACK};
+use super::limits::{FEW_BYTES, MAX_BYTES, MAX_CONNECTIONS, STACK_BYTES};
 use super::lock;
 use crate::base::memory;
 use crate::render::Stop;
@@ -36,7 +36,7 @@ struct State {
 
 impl Workers {
     pub fn new(threads: usize) -> Self {
-        let connections = MAX_CONNECTIONS as u64 * STACK;
+        let connections = MAX_CONNECTIONS as u64 * STACK_BYTES;
         let budget = memory::free_space(MAX_BYTES + connections).saturating_sub(connections);
         Self { threads, budget, state: Mutex::default() }
     }
@@ -53,7 +53,7 @@ impl Workers {
         let stop = &Stop::at(Instant::now() + time);
         if self.budget < MAX_BYTES {
             // In a limited address space the threads of a request count too, with something to spare.
-            bytes = bytes.saturating_add((self.threads as u64 + 2) * STACK);
+            bytes = bytes.saturating_add((self.threads as u64 + 2) * STACK_BYTES);
         }
         let threads = self.start(bytes, stop, has_left)?;
         let (mut found, mut has_memory) = (None, true);
@@ -102,7 +102,8 @@ impl Workers {
         }
         // With the lock, so that several requests do not start their threads where there is room for one.
         memory::keep_reserve().map_err(|_| no_memory())?;
-        let build = || ThreadPoolBuilder::new().num_threads(self.threads).stack_size(STACK as usize).build();
+        let build =
+            || ThreadPoolBuilder::new().num_threads(self.threads).stack_size(STACK_BYTES as usize).build();
         let threads = state.idle.pop().map_or_else(build, Ok);
         let threads = threads.map_err(|error| Answer::text(503, &format!("no threads: {error}")))?;
         state.taken += bytes;
