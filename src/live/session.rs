@@ -1,6 +1,6 @@
 //! Answers the questions of pages.
 
-use super::flags::{Most, most, options};
+use super::flags::{Amounts, options};
 use super::http::Answer;
 use super::limits::*;
 use super::lock;
@@ -35,7 +35,7 @@ pub struct Session {
     line: Options,
     /// The pictures that a page can write.
     outputs: Vec<Output>,
-    most: Most,
+    most: Amounts,
     scenes: Scenes,
     /// The picture from elsewhere that views are compared with.
     reference: Mutex<Option<Arc<Reference>>>,
@@ -103,7 +103,7 @@ impl Session {
             input: input.to_owned(),
             line: line.clone(),
             outputs: line.outputs.iter().filter(may_write).cloned().collect(),
-            most: most(line, size),
+            most: Amounts::most(line, size),
             scenes: Scenes::open(line, input)?,
             reference: Mutex::new(reference),
             workers: Workers::new(line.threads.unwrap_or_else(cores)),
@@ -151,7 +151,7 @@ impl Session {
     ) -> Result<View, Answer> {
         let closed = |reason| Answer::text(410, reason);
         let scene = self.scenes.scene(scene).ok_or_else(|| closed("the scene is closed"))?;
-        let options = options(&words, &self.most)?;
+        let options = options(&words, self.most)?;
         if options.edition != scene.named {
             return Err(closed("the scene is open in another edition"));
         }
@@ -180,7 +180,7 @@ impl Session {
     }
 
     fn type_in(&self, Typed { text, words }: &Typed, stop: &Stop) -> Found {
-        let named = options(words, &self.most)?.edition;
+        let named = options(words, self.most)?.edition;
         let meta = match self.scenes.type_in(text.clone(), named, stop) {
             Ok(scene) => json!({ "scene": description(&scene) }),
             Err(error) => {
@@ -263,7 +263,7 @@ impl Session {
     /// Takes a picture from elsewhere, in the bytes of a file whose name the query has.
     fn take_reference(&self, query: &str, file: &[u8]) -> Found {
         let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
-        let most = self.most[0];
+        let most = self.most.side;
         // Up to four channels of two bytes.
         let picture = read_picture_from(Path::new(&name), file, 8 * (most as u64).pow(2))?;
         let [width, height] = picture.size();
