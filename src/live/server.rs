@@ -12,7 +12,6 @@ use askama::Template;
 use std::io;
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::path::Path;
-use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -31,13 +30,16 @@ pub struct Server {
 
 struct Open {
     stream: TcpStream,
-    /// `HAS_NO_KEY`, `RESTS` or `ASKS`. A connection with a lower rank makes room first; one that asks never does.
-    rank: AtomicU8,
+    rank: Mutex<Rank>,
 }
 
-const HAS_NO_KEY: u8 = 0;
-const RESTS: u8 = 1;
-const ASKS: u8 = 2;
+/// The state of a connection. Where there are too many, one of the lowest rank makes room; one that asks never does.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    HasNoKey,
+    Rests,
+    Asks,
+}
 
 impl Server {
     /// Opens the scene of a command line, and listens on the loopback interface at this port, where 0 is any free one.
@@ -75,7 +77,7 @@ impl Server {
 
     /// Serves a connection on a thread of its own until it is closed. One without room is closed at once.
     fn serve(self: &Arc<Self>, stream: TcpStream, end: Sender<()>) -> io::Result<()> {
-        let own = Arc::new(Open { stream, rank: AtomicU8::new(HAS_NO_KEY) });
+        let own = Arc::new(Open { stream, rank: Mutex::new(Rank::HasNoKey) });
         // Here, not on its thread: connections make room in the order in which they came.
         if !self.add(own.clone()) {
             return Ok(());
@@ -111,8 +113,8 @@ impl Server {
     fn add(&self, own: Arc<Open>) -> bool {
         let mut open = lock(&self.open);
         if open.len() >= MAX_CONNECTIONS {
-            let ranks = open.iter().map(|other| other.rank.load(Ordering::Relaxed)).enumerate();
-            let first = ranks.filter(|&(_, rank)| rank < ASKS).min_by_key(|&(_, rank)| rank);
+            let ranks = open.iter().map(|other| *lock(&other.rank)).enumerate();
+            let first = ranks.filter(|&(_, rank)| rank < Rank::Asks).min_by_key(|&(_, rank)| rank);
             let Some((place, _)) = first else { return false };
             let _ = open.remove(place).stream.shutdown(Shutdown::Both);
         }
@@ -133,7 +135,7 @@ impl Server {
             };
             time = IDLE_TIME;
             // The connection asks for something only when the body has arrived.
-            own.rank.store(RESTS, Ordering::Relaxed);
+            *lock(&own.rank) = Rank::Rests;
             let body = connection.body(length, Instant::now() + BODY_TIME)?;
             let answer = match (head.is_post, head.path.as_str()) {
                 (false, "/") => page()?,
@@ -141,14 +143,14 @@ impl Server {
                 (true, "/quit") => Answer::text(200, "ended"),
                 (true, "/alive") => alive(&connection),
                 (true, path) => {
-                    own.rank.store(ASKS, Ordering::Relaxed);
+                    *lock(&own.rank) = Rank::Asks;
                     let mut has_left = || connection.has_left();
                     let found = self.session.answer(path, &head.query, &body, &mut has_left);
                     found.unwrap_or_else(|refusal| refusal)
                 }
             };
             connection.send(&answer, head.closes)?;
-            own.rank.store(RESTS, Ordering::Relaxed);
+            *lock(&own.rank) = Rank::Rests;
             if head.is_post && head.path == "/quit" {
                 let _ = end.send(());
             }
