@@ -36,6 +36,8 @@ pub struct OpenScene {
     pub choice: Choice,
     /// The files of its meshes and pictures.
     pub files: Vec<ReadFile>,
+    /// The files of its meshes, in the order of the renderer's meshes.
+    mesh_files: Vec<PathBuf>,
     pub renderer: Renderer,
 }
 
@@ -46,9 +48,9 @@ impl OpenScene {
         loaded: LoadedScene,
         patience: &dyn Patience,
     ) -> Result<Self, Diagnostic> {
-        let (choice, files) = (loaded.choice.clone(), loaded.files());
+        let (choice, files, mesh_files) = (loaded.choice.clone(), loaded.files(), loaded.mesh_files.clone());
         let renderer = Renderer::within(loaded, Meshes::Kept, patience)?;
-        Ok(Self { revision, named, choice, files, renderer })
+        Ok(Self { revision, named, choice, files, mesh_files, renderer })
     }
 
     pub fn primitives(&self) -> usize {
@@ -138,7 +140,7 @@ impl Scenes {
 
     /// Returns a mesh that the command line's scene names. It may lie anywhere.
     fn known_mesh(&self, name: &str) -> Option<(ObjFile, PathBuf)> {
-        let OpenScene { renderer, files, .. } = &*self.first;
+        let OpenScene { renderer, mesh_files, .. } = &*self.first;
         let index = renderer.scene.meshes.iter().position(|known| known.name == name)?;
         let known = &renderer.scene.meshes[index];
         let content = ObjFile {
@@ -147,7 +149,7 @@ impl Scenes {
             texture_coordinates: known.texture_coordinates.to_vec(),
             ..ObjFile::default()
         };
-        Some((content, files[index].1.clone()))
+        Some((content, mesh_files[index].clone()))
     }
 
     /// Reads a mesh in the scene's folder or below it. Neither the name nor a link may lead out of the folder. `left`
