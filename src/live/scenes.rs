@@ -2,10 +2,8 @@
 
 use super::limits::*;
 use super::lock;
-use super::view::{Preparation, Ready};
 use crate::base::memory;
 use crate::base::patience::{Endless, Patience};
-use crate::caster::choose::Structure;
 use crate::cli::Options;
 use crate::diagnostic::Diagnostic;
 use crate::image_io::ReadFile;
@@ -66,15 +64,11 @@ impl OpenScene {
 pub struct Scenes {
     path: PathBuf,
     hints: Hints,
-    /// The command line's structure, which has no limit.
-    pub structure: Structure,
     pub first: Arc<OpenScene>,
     /// In the order of their last use.
     typed: Mutex<Vec<Arc<OpenScene>>>,
     /// The last revision.
     last: AtomicU64,
-    /// The last scenes that were prepared, the newest last.
-    pub ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
 }
 
 impl Scenes {
@@ -82,9 +76,8 @@ impl Scenes {
     pub fn open(line: &Options, path: &Path) -> Result<Self, Diagnostic> {
         let hints = line.hints();
         let first = OpenScene::new(0, hints.edition, load::load_with(path, &hints)?, &Endless)?;
-        let (path, structure, first) = (path.to_owned(), line.structure, Arc::new(first));
-        let (typed, last, ready) = Default::default();
-        Ok(Self { path, hints, structure, first, typed, last, ready })
+        let (typed, last) = Default::default();
+        Ok(Self { path: path.to_owned(), hints, first: Arc::new(first), typed, last })
     }
 
     /// Returns the scene of this revision, if it is open.

@@ -5,9 +5,11 @@ use super::http::Answer;
 use super::limits::*;
 use super::lock;
 use super::objects::object_map;
+use super::painting::{Painted, complete, paint};
+use super::prepared::PreparedScenes;
 use super::rays::Rays;
 use super::scenes::{OpenScene, Scenes};
-use super::view::{Painted, View};
+use super::view::View;
 use super::workers::Workers;
 use crate::base::escape::quoted;
 use crate::base::memory;
@@ -37,6 +39,7 @@ pub struct Session {
     outputs: Vec<Output>,
     most: Amounts,
     scenes: Scenes,
+    prepared: PreparedScenes,
     /// The picture from elsewhere that views are compared with.
     reference: Mutex<Option<Arc<Reference>>>,
     workers: Workers,
@@ -105,6 +108,7 @@ impl Session {
             outputs: line.outputs.iter().filter(may_write).cloned().collect(),
             most: Amounts::most(line, size),
             scenes: Scenes::open(line, input)?,
+            prepared: PreparedScenes::new(line.structure),
             reference: Mutex::new(reference),
             workers: Workers::new(line.threads.unwrap_or_else(cores)),
         })
@@ -193,7 +197,7 @@ impl Session {
 
     fn picture(&self, view: &View, stop: &Stop) -> Found {
         let start = Instant::now();
-        let Painted { picture, costs, nans } = self.scenes.paint(view, stop)?;
+        let Painted { picture, costs, nans } = paint(&self.prepared, view, stop)?;
         let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         let counts = costs.iter().flat_map(|map| map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
@@ -236,7 +240,7 @@ impl Session {
         }
         let written = self.outputs.iter().map(|output| output.file.clone());
         check_distinct(written, self.line.files().chain(view.scene.files.clone()))?;
-        let files = self.outputs.iter().map(|output| self.scenes.complete(view, output, stop));
+        let files = self.outputs.iter().map(|output| complete(&self.prepared, view, output, stop));
         put_in_place(files.collect::<Result<_, _>>()?)?;
         let names: Vec<String> = self.outputs.iter().map(|output| quoted(&output.file)).collect();
         Ok(Answer::described(&json!({ "said": format!("saved {}", names.join(", ")) }), &[]))
@@ -244,7 +248,7 @@ impl Session {
 
     fn objects(&self, view: &View, stop: &Stop) -> Found {
         let size = clipped(view.options.picture_size());
-        let ready = self.scenes.ready(view, Tracing::Fast, false, stop)?;
+        let ready = self.prepared.get(view, Tracing::Fast, false, stop)?;
         let (objects, places) = object_map(ready.borrow_dependent(), view.camera, size, stop)?;
         Ok(Answer::described(&json!({ "size": size, "objects": objects }), &[&places]))
     }
@@ -253,7 +257,7 @@ impl Session {
         if view.options.reduced {
             return Err(Answer::text(422, "the pixels of a picture that is reduced are not traced"));
         }
-        let ready = self.scenes.ready(view, Tracing::Counted, false, stop)?;
+        let ready = self.prepared.get(view, Tracing::Counted, false, stop)?;
         let prepared = ready.borrow_dependent();
         let tree = Explainer::new(prepared)?.pixel(&view.request(Layer::Color), pixel, stop)?;
         let rays = Rays::of(&tree, view.scene.renderer.bounds(), prepared.cells());
@@ -313,7 +317,7 @@ impl Session {
         let reference = self.reference();
         let reference = reference.ok_or_else(|| Answer::text(422, "there is no picture to compare with"))?;
         // Costs are no colours, and their map has a scale beside it.
-        Ok((reference, self.scenes.paint(&View { cost: None, ..view.clone() }, stop)?))
+        Ok((reference, paint(&self.prepared, &View { cost: None, ..view.clone() }, stop)?))
     }
 
     fn reference(&self) -> Option<Arc<Reference>> {
