@@ -1,6 +1,6 @@
 //! The flags of a page: the flags of the command line that shape a picture, within limits.
 
-use super::http::Answer;
+use super::http::Response;
 use super::limits::MAX_SIDE_PIXELS;
 use crate::caster::choose::{Resolution, Structure};
 use crate::cli::{self, Command, Options};
@@ -61,7 +61,7 @@ impl Amounts {
 
 /// Returns what these flags ask for. Errors: the message of the command line's parser, a flag that does more than shape
 /// a picture, or more than the limits allow.
-pub fn options(words: &[String], most: Amounts) -> Result<Options, Answer> {
+pub fn options(words: &[String], most: Amounts) -> Result<Options, Response> {
     let line = ["raytracer", "-input", "scene.txt", "-gui"];
     let line = line.into_iter().chain(words.iter().map(String::as_str)).map(OsString::from);
     let options = match cli::parse(line)? {
@@ -71,12 +71,12 @@ pub fn options(words: &[String], most: Amounts) -> Result<Options, Answer> {
         {
             *options
         }
-        _ => return Err(Answer::text(422, "these flags cannot be given here")),
+        _ => return Err(Response::text(422, "these flags cannot be given here")),
     };
     for ((name, asked), (_, most)) in Amounts::of(&options).named().into_iter().zip(most.named()) {
         if asked > most {
             let reason = format!("{name}: {asked} is more than this page allows, {most}");
-            return Err(Answer::text(422, &reason));
+            return Err(Response::text(422, &reason));
         }
     }
     Ok(options)

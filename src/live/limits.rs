@@ -17,7 +17,7 @@ pub const MAX_CONNECTIONS: usize = 32;
 pub const HEAD_TIME: Duration = Duration::from_secs(5);
 /// The time for the body of a request to arrive.
 pub const BODY_TIME: Duration = Duration::from_secs(20);
-/// The time for an answer to be received.
+/// The time for a response to be received.
 pub const SEND_TIME: Duration = Duration::from_secs(60);
 /// The time that a connection with the key may rest.
 pub const IDLE_TIME: Duration = Duration::from_secs(120);

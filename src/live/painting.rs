@@ -1,6 +1,6 @@
 //! Renders views, for the page and for files.
 
-use super::http::Answer;
+use super::http::Response;
 use super::prepared::{PreparedScenes, Ready};
 use super::view::View;
 use crate::cli::Output;
@@ -20,7 +20,7 @@ pub struct Painted {
 }
 
 /// Paints a view, unless it is stopped.
-pub fn paint(scenes: &PreparedScenes, view: &View, stop: &Stop) -> Result<Painted, Answer> {
+pub fn paint(scenes: &PreparedScenes, view: &View, stop: &Stop) -> Result<Painted, Response> {
     let layer = view.cost.map_or(Layer::Color, Layer::Cost);
     let request = view.request(layer);
     let mut picture = Pixels::zeros(request.layer_size(&layer), false)?;
@@ -45,7 +45,7 @@ pub fn complete(
     view: &View,
     output: &Output,
     stop: &Stop,
-) -> Result<CompleteFile, Answer> {
+) -> Result<CompleteFile, Response> {
     let (file, layer) = (OutputFile::prepare(&output.file)?, output.layer);
     if let Layer::Cost(cost) = layer {
         let painted = paint(scenes, &View { cost: Some(cost), ..view.clone() }, stop)?;
@@ -64,7 +64,7 @@ fn render(
     layer: Layer,
     stop: &Stop,
     take_row: TakeRow,
-) -> Result<(Arc<Ready>, Vec<u64>), Answer> {
+) -> Result<(Arc<Ready>, Vec<u64>), Response> {
     let request = view.request(layer);
     let ready = scenes.get(view, request.tracing, view.options.visualize_grid, stop)?;
     let watch = |progress: Progress| stop.watch(progress);

@@ -1,6 +1,6 @@
 //! Scenes stay prepared, so that their next picture starts at once.
 
-use super::http::Answer;
+use super::http::Response;
 use super::limits::*;
 use super::lock;
 use super::scenes::{OpenScene, is_too_large};
@@ -56,7 +56,7 @@ impl PreparedScenes {
         tracing: Tracing,
         draws_cells: bool,
         stop: &Stop,
-    ) -> Result<Arc<Ready>, Answer> {
+    ) -> Result<Arc<Ready>, Response> {
         let (scene, structure) = (&view.scene, view.options.structure);
         let whole = Request { layers: vec![Layer::Color], tracing, draws_cells, ..view.options.request() };
         let rays = (structure == Structure::Grid(Resolution::Auto)).then(|| whole.camera_rays());
@@ -70,7 +70,7 @@ impl PreparedScenes {
             let is_own = scene.revision == 0 && structure == self.own;
             if references > MAX_REFERENCES && !is_own {
                 let reason = "-grid: these cells hold more than this page allows: choose fewer";
-                return Err(Answer::text(422, reason));
+                return Err(Response::text(422, reason));
             }
             memory::ask(references.saturating_mul(GRID_BYTES_PER_REFERENCE))?;
         }

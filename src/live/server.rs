@@ -1,7 +1,7 @@
 //! Listens, and answers the requests of each connection in turn.
 
 use super::access::Key;
-use super::http::{Answer, Connection, Head};
+use super::http::{Connection, Head, Response};
 use super::limits::*;
 use super::lock;
 use super::session::Session;
@@ -86,7 +86,7 @@ impl Server {
         loop {
             let (server, served, end) = (self.clone(), own.clone(), end.clone());
             let serve = move || {
-                // A browser that has vanished reads no answer.
+                // A browser that has vanished reads no response.
                 let _ = server.answer_all(&served, &end);
                 server.close(&served);
             };
@@ -131,16 +131,16 @@ impl Server {
             let head = connection.head(Instant::now() + time)?;
             let (head, length) = match head.and_then(|head| self.admitted(head)) {
                 Ok(admitted) => admitted,
-                Err(answer) => return connection.refuse(&answer),
+                Err(response) => return connection.refuse(&response),
             };
             time = IDLE_TIME;
             // The connection asks for something only when the body has arrived.
             *lock(&own.rank) = Rank::Rests;
             let body = connection.body(length, Instant::now() + BODY_TIME)?;
-            let answer = match (head.is_post, head.path.as_str()) {
+            let response = match (head.is_post, head.path.as_str()) {
                 (false, "/") => page()?,
-                (false, _) => Answer::text(404, "there is nothing here"),
-                (true, "/quit") => Answer::text(200, "ended"),
+                (false, _) => Response::text(404, "there is nothing here"),
+                (true, "/quit") => Response::text(200, "ended"),
                 (true, "/alive") => alive(&connection),
                 (true, path) => {
                     *lock(&own.rank) = Rank::Asks;
@@ -149,7 +149,7 @@ impl Server {
                     found.unwrap_or_else(|refusal| refusal)
                 }
             };
-            connection.send(&answer, head.closes)?;
+            connection.send(&response, head.closes)?;
             *lock(&own.rank) = Rank::Rests;
             if head.is_post && head.path == "/quit" {
                 let _ = end.send(());
@@ -161,24 +161,24 @@ impl Server {
     }
 
     /// Returns the head of a request that may be answered, and the length of its body.
-    fn admitted(&self, head: Head) -> Result<(Head, usize), Answer> {
+    fn admitted(&self, head: Head) -> Result<(Head, usize), Response> {
         self.key.admit(&head)?;
         let most = if head.path == "/reference" { MAX_PICTURE_FILE_BYTES } else { MAX_QUESTION_BYTES };
         match head.length {
-            Some(length) if length > most => Err(Answer::text(413, &format!("at most {most} bytes"))),
-            None if head.is_post => Err(Answer::text(411, "the length of the body must be given")),
+            Some(length) if length > most => Err(Response::text(413, &format!("at most {most} bytes"))),
+            None if head.is_post => Err(Response::text(411, "the length of the body must be given")),
             length => Ok((head, length.unwrap_or(0))),
         }
     }
 }
 
 /// Answers late: a page that waits for it notices at once when the program ends, since the connection breaks.
-fn alive(connection: &Connection) -> Answer {
+fn alive(connection: &Connection) -> Response {
     let end = Instant::now() + ALIVE_TIME;
     while Instant::now() < end && !connection.has_left() {
         thread::sleep(Duration::from_millis(500));
     }
-    Answer::text(200, "alive")
+    Response::text(200, "alive")
 }
 
 /// The page: one document, whose own parts have a mark that is new each time.
@@ -189,7 +189,7 @@ struct Page {
 }
 
 /// Returns the page. Its policy lets nothing run or be loaded but its own parts.
-fn page() -> io::Result<Answer> {
+fn page() -> io::Result<Response> {
     let page = Page { mark: Key::new()?.0 };
     let policy = format!(
         "default-src 'none'; script-src 'nonce-{0}'; style-src 'nonce-{0}'; connect-src 'self'; img-src data:; \
@@ -197,5 +197,5 @@ fn page() -> io::Result<Answer> {
         page.mark
     );
     let body = page.render().map_err(io::Error::other)?.into_bytes();
-    Ok(Answer { status: 200, content_type: "text/html; charset=utf-8", policy, body })
+    Ok(Response { status: 200, content_type: "text/html; charset=utf-8", policy, body })
 }

@@ -1,7 +1,7 @@
 //! Answers the questions of pages.
 
 use super::flags::{Amounts, options};
-use super::http::Answer;
+use super::http::Response;
 use super::limits::*;
 use super::lock;
 use super::objects::object_map;
@@ -83,7 +83,7 @@ struct Shown {
     cost: Option<Cost>,
 }
 
-type Found = Result<Answer, Answer>;
+type Found = Result<Response, Response>;
 
 impl Session {
     /// Opens the scene of a command line.
@@ -139,12 +139,12 @@ impl Session {
             "/cause" => within(60, view.bytes() + 2 * view.scene.bytes(), &|stop| self.cause(&view, stop)),
             "/objects" => within(20, view.bytes(), &|stop| self.objects(&view, stop)),
             "/trace" => {
-                let pixel = pixel.ok_or_else(|| Answer::text(400, "not a question: it names no pixel"))?;
+                let pixel = pixel.ok_or_else(|| Response::text(400, "not a question: it names no pixel"))?;
                 within(20, 0, &|stop| self.trace(&view, pixel, stop))
             }
             // The command line may name pictures that no page would show.
             "/save" => within(600, view.bytes(), &|stop| self.save(&view, stop)),
-            _ => Err(Answer::text(404, "there is nothing here")),
+            _ => Err(Response::text(404, "there is nothing here")),
         }
     }
 
@@ -152,22 +152,23 @@ impl Session {
         &self,
         Shown { scene, words, camera, cost }: Shown,
         sketch: Option<[usize; 2]>,
-    ) -> Result<View, Answer> {
-        let closed = |reason| Answer::text(410, reason);
+    ) -> Result<View, Response> {
+        let closed = |reason| Response::text(410, reason);
         let scene = self.scenes.scene(scene).ok_or_else(|| closed("the scene is closed"))?;
         let options = options(&words, self.most)?;
         if options.edition != scene.named {
             return Err(closed("the scene is open in another edition"));
         }
         let options = options.in_edition(scene.choice.edition);
-        let in_block = |error: Diagnostic| Answer::text(422, &error.in_file(Path::new("camera")).headline());
+        let in_block =
+            |error: Diagnostic| Response::text(422, &error.in_file(Path::new("camera")).headline());
         let camera = camera.map(|block| parse_camera(&block).map_err(in_block)).transpose()?;
         let view = View { scene, words, options, camera, cost, sketch: sketch.map(clipped) };
         memory::ask(view.bytes())?;
         Ok(view)
     }
 
-    fn start(&self) -> Answer {
+    fn start(&self) -> Response {
         let (first, reference) = (&self.scenes.first, self.reference());
         let outputs: Vec<_> = self.outputs.iter().map(|output| output.file.to_string_lossy()).collect();
         let meta = json!({
@@ -180,7 +181,7 @@ impl Session {
             "most": self.most,
             "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
         });
-        Answer::described(&meta, &[])
+        Response::described(&meta, &[])
     }
 
     fn type_in(&self, Typed { text, words }: &Typed, stop: &Stop) -> Found {
@@ -192,7 +193,7 @@ impl Session {
                 json!({ "error": { "at": at, "problem": error.message, "hint": error.hint } })
             }
         };
-        Ok(Answer::described(&meta, &[]))
+        Ok(Response::described(&meta, &[]))
     }
 
     fn picture(&self, view: &View, stop: &Stop) -> Found {
@@ -209,7 +210,7 @@ impl Session {
             "costs": costs.map(|map| map.to_string()),
             "command": self.command_line(view),
         });
-        Ok(Answer::described(&meta, &[&rgba(&picture), &counts]))
+        Ok(Response::described(&meta, &[&rgba(&picture), &counts]))
     }
 
     /// Returns the command line that writes the picture of a view.
@@ -236,32 +237,32 @@ impl Session {
     fn save(&self, view: &View, stop: &Stop) -> Found {
         if self.outputs.is_empty() {
             let reason = "the command line names no picture to write; copy the one below";
-            return Err(Answer::text(422, reason));
+            return Err(Response::text(422, reason));
         }
         let written = self.outputs.iter().map(|output| output.file.clone());
         check_distinct(written, self.line.files().chain(view.scene.files.clone()))?;
         let files = self.outputs.iter().map(|output| complete(&self.prepared, view, output, stop));
         put_in_place(files.collect::<Result<_, _>>()?)?;
         let names: Vec<String> = self.outputs.iter().map(|output| quoted(&output.file)).collect();
-        Ok(Answer::described(&json!({ "said": format!("saved {}", names.join(", ")) }), &[]))
+        Ok(Response::described(&json!({ "said": format!("saved {}", names.join(", ")) }), &[]))
     }
 
     fn objects(&self, view: &View, stop: &Stop) -> Found {
         let size = clipped(view.options.picture_size());
         let ready = self.prepared.get(view, Tracing::Fast, false, stop)?;
         let (objects, places) = object_map(ready.borrow_dependent(), view.camera, size, stop)?;
-        Ok(Answer::described(&json!({ "size": size, "objects": objects }), &[&places]))
+        Ok(Response::described(&json!({ "size": size, "objects": objects }), &[&places]))
     }
 
     fn trace(&self, view: &View, pixel: [usize; 2], stop: &Stop) -> Found {
         if view.options.reduced {
-            return Err(Answer::text(422, "the pixels of a picture that is reduced are not traced"));
+            return Err(Response::text(422, "the pixels of a picture that is reduced are not traced"));
         }
         let ready = self.prepared.get(view, Tracing::Counted, false, stop)?;
         let prepared = ready.borrow_dependent();
         let tree = Explainer::new(prepared)?.pixel(&view.request(Layer::Color), pixel, stop)?;
         let rays = Rays::of(&tree, view.scene.renderer.bounds(), prepared.cells());
-        Ok(Answer::described(&json!({ "pixel": pixel, "rays": rays }), &[]))
+        Ok(Response::described(&json!({ "pixel": pixel, "rays": rays }), &[]))
     }
 
     /// Takes a picture from elsewhere, in the bytes of a file whose name the query has.
@@ -274,10 +275,10 @@ impl Session {
         if width.max(height) > most {
             let reason =
                 format!("a page shows pictures of at most {most} pixels a side, not {width} x {height}");
-            return Err(Answer::text(422, &reason));
+            return Err(Response::text(422, &reason));
         }
         let reference = Arc::new(Reference { name, picture });
-        let said = Answer::described(&summary(&reference), &[]);
+        let said = Response::described(&summary(&reference), &[]);
         *lock(&self.reference) = Some(reference);
         Ok(said)
     }
@@ -295,7 +296,7 @@ impl Session {
         // The last of the panels that stand side by side.
         let [all, panel] = [shown.width(), picture.width()].map(|width| 4 * width as usize);
         let difference: Vec<&[u8]> = difference.chunks_exact(all).map(|row| &row[all - panel..]).collect();
-        Ok(Answer::described(&meta, &[&rgba(picture), &rgba(&own.picture), &difference.concat()]))
+        Ok(Response::described(&meta, &[&rgba(picture), &rgba(&own.picture), &difference.concat()]))
     }
 
     /// Finds the cause of the difference, in the words of the command line; null if no cause can be tried.
@@ -309,13 +310,14 @@ impl Session {
         let original = || Original::watched(&view.scene.renderer, &request, &watch);
         let original = can_try.then(original).flatten();
         let cause = original.map(|original| original.explain(picture).to_string());
-        Ok(Answer::described(&json!({ "cause": cause }), &[]))
+        Ok(Response::described(&json!({ "cause": cause }), &[]))
     }
 
     /// Returns the picture from elsewhere, and the view's.
-    fn pair(&self, view: &View, stop: &Stop) -> Result<(Arc<Reference>, Painted), Answer> {
+    fn pair(&self, view: &View, stop: &Stop) -> Result<(Arc<Reference>, Painted), Response> {
         let reference = self.reference();
-        let reference = reference.ok_or_else(|| Answer::text(422, "there is no picture to compare with"))?;
+        let reference =
+            reference.ok_or_else(|| Response::text(422, "there is no picture to compare with"))?;
         // Costs are no colours, and their map has a scale beside it.
         Ok((reference, paint(&self.prepared, &View { cost: None, ..view.clone() }, stop)?))
     }
@@ -344,8 +346,8 @@ fn summary(reference: &Reference) -> Value {
     json!({ "name": reference.name, "size": reference.picture.size() })
 }
 
-fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Answer> {
-    serde_json::from_slice(body).map_err(|error| Answer::text(400, &format!("not a question: {error}")))
+fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Response> {
+    serde_json::from_slice(body).map_err(|error| Response::text(400, &format!("not a question: {error}")))
 }
 
 fn clipped(size: [usize; 2]) -> [usize; 2] {
