@@ -59,7 +59,7 @@ pub struct Options {
     pub structure: Structure,
     /// Draws the grid's cells in place of the scene. There is a grid if so.
     pub visualize_grid: bool,
-    pub comparison: Option<Comparison>,
+    pub comparison: Option<ComparisonOptions>,
     pub stats: bool,
     /// The number of renderings, 1 to 10000, if their times are to be compared.
     pub repeat: Option<u32>,
@@ -101,7 +101,7 @@ pub struct LivePage {
 
 /// A comparison of two pictures. A picture without a file is rendered; at least one has a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct ComparisonOptions {
     /// The picture in question.
     #[serde(serialize_with = "lossy_or_null")]
     pub picture: Option<PathBuf>,
@@ -114,7 +114,7 @@ pub struct Comparison {
     pub tolerance: Option<Tolerance>,
 }
 
-impl Comparison {
+impl ComparisonOptions {
     fn new(flags: &Flags) -> Result<Option<Self>, Diagnostic> {
         if flags.compare.is_none() && flags.reference.is_none() {
             return Ok(None);
@@ -198,7 +198,7 @@ impl Options {
             filter: filter(&flags),
             structure: flags.grid.as_deref().map_or(Ok(Structure::Any), structure)?,
             visualize_grid: flags.visualize_grid,
-            comparison: Comparison::new(&flags)?,
+            comparison: ComparisonOptions::new(&flags)?,
             stats: flags.stats,
             repeat: flags.repeat,
             strict: flags.strict,
@@ -254,7 +254,7 @@ impl Options {
         if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
             return fail("-visualize_grid needs a grid, as in '-grid 20 20 20'");
         }
-        let needs_scene = self.comparison.as_ref().is_some_and(Comparison::needs_scene);
+        let needs_scene = self.comparison.as_ref().is_some_and(ComparisonOptions::needs_scene);
         match self.compared_layer() {
             None if needs_scene => {
                 return fail(
@@ -364,7 +364,7 @@ impl Options {
             sampler: self.sampler,
             adaptive: self.adaptive,
             has_floats: self.outputs.iter().any(has_float_colors)
-                || self.comparison.as_ref().is_some_and(Comparison::needs_scene)
+                || self.comparison.as_ref().is_some_and(ComparisonOptions::needs_scene)
                     && self.compares_numbers()
                     && self.compared_layer() == Some(Layer::Color),
             filter: self.filter,

@@ -75,7 +75,7 @@ impl Files {
 /// The pictures of a comparison.
 pub struct Pair<'o> {
     options: &'o Options,
-    wanted: &'o cli::Comparison,
+    wanted: &'o cli::ComparisonOptions,
     /// The picture in question, unless it is the rendered one.
     picture: Option<Pixels>,
     /// The picture to compare with, unless it is the rendered one.

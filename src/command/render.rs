@@ -9,7 +9,7 @@ use super::progress::{ProgressLine, rows_text};
 use super::report::Report;
 use super::signals::Signals;
 use super::{End, Outcome, threads};
-use crate::cli::{Comparison, Options, Output};
+use crate::cli::{ComparisonOptions, Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{Exceptional, OutputFile};
 use crate::render::renderer::{Meshes, Prepared, Renderer};
@@ -248,7 +248,7 @@ fn doubts_about(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic> 
 fn shows_colors(options: &Options) -> bool {
     let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
     options.outputs.iter().any(|output| has_layer(&output.layer))
-        || options.comparison.as_ref().is_some_and(Comparison::needs_scene)
+        || options.comparison.as_ref().is_some_and(ComparisonOptions::needs_scene)
         || options.stats
         || options.pixel.is_some()
         || options.page.is_some()
