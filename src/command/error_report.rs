@@ -30,7 +30,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let written = files.clone().into_iter().chain(["-".into()]);
     check_distinct(written, options.files().chain(loaded.files())).map_err(refused)?;
     let remarks = [no_lights(&loaded.scene), loaded.choice.remark()];
-    remarks.into_iter().flatten().for_each(|found| log.tell(found));
+    remarks.into_iter().flatten().for_each(|found| log.log(found));
     let options = &options.in_edition(loaded.choice.edition);
 
     // Prepare. Other octaves are other scenes with the same meshes.
@@ -64,7 +64,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let _ = signals.end_at_once();
     put_in_place(complete)?;
     if report.measured() < report.planned {
-        log.tell(Diagnostic::note("stopped: the report has the measurements made so far"));
+        log.log(Diagnostic::note("stopped: the report has the measurements made so far"));
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let text = text(&report, &answers);

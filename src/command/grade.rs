@@ -59,7 +59,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     for column in &columns {
         if let Some(problem) = &column.problem {
             let name = escape(&column.picture);
-            log.tell(Diagnostic::warning(format!("no reference for {name}: {problem}")));
+            log.log(Diagnostic::warning(format!("no reference for {name}: {problem}")));
         }
     }
     if columns.iter().all(|column| column.problem.is_some()) {
@@ -157,6 +157,6 @@ fn tell_other_names(folder: &Folder, wanted: &[&OsStr], log: &Log) {
             count => format!(", and {} more", count - 1),
         };
         let [name, picture] = [name, *picture].map(|name| escape(&name.to_string_lossy()));
-        log.tell(Diagnostic::note(format!("{name}: graded {} as {picture}{more}", escape(file))));
+        log.log(Diagnostic::note(format!("{name}: graded {} as {picture}{more}", escape(file))));
     }
 }

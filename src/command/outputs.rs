@@ -48,7 +48,7 @@ impl Outputs {
         let own = Self(all.0.clone());
         signals.before_end(move || {
             if let Err(error) = own.name_all() {
-                Log::default().tell(error);
+                Log::default().log(error);
             }
         });
         if let Err(end) = signals.end_at_once() {
