@@ -28,9 +28,9 @@ enum Product {
     /// A picture file, written row by row.
     File(Box<PictureWriter>),
     /// A picture, and the number of its rows so far.
-    Kept(Pixels, usize),
+    Kept { picture: Pixels, rows: usize },
     /// The file that gets the map of the costs.
-    Costs(OutputFile, Format, Cost),
+    Costs { file: OutputFile, format: Format, cost: Cost },
 }
 
 /// The results of a render whose rows are all taken.
@@ -55,8 +55,8 @@ impl<'r> Products<'r> {
         let begin = |&layer: &Layer| {
             let size = request.layer_size(&layer);
             Ok(match (files.next(), layer) {
-                (None, _) => Product::Kept(Pixels::zeros(size, keeps_numbers)?, 0),
-                (Some((file, format)), Layer::Cost(cost)) => Product::Costs(file, format, cost),
+                (None, _) => Product::Kept { picture: Pixels::zeros(size, keeps_numbers)?, rows: 0 },
+                (Some((file, format)), Layer::Cost(cost)) => Product::Costs { file, format, cost },
                 (Some((file, format)), layer) => {
                     let part = request.window.and_then(|window| part(prepared, request, window, layer));
                     Product::File(Box::new(file.begin(format, size, layer.content(), part.as_ref())?))
@@ -79,12 +79,12 @@ impl<'r> Products<'r> {
         }
         match &mut self.layers[layer] {
             Product::File(writer) => writer.row(row)?,
-            Product::Kept(picture, rows) => {
+            Product::Kept { picture, rows } => {
                 picture.set([0, *rows], row);
                 *rows += 1;
             }
             // Costs have no rows.
-            Product::Costs(..) => {}
+            Product::Costs { .. } => {}
         }
         self.encoding += start.elapsed();
         Ok(())
@@ -129,11 +129,11 @@ impl<'r> Products<'r> {
         for product in self.layers {
             match product {
                 Product::File(writer) => finished.files.push(writer.complete()?),
-                Product::Kept(Pixels::Numbers(picture), _) => {
+                Product::Kept { picture: Pixels::Numbers(picture), .. } => {
                     finished.picture = Some(Pixels::Numbers(picture.in_single_precision()));
                 }
-                Product::Kept(picture, _) => finished.picture = Some(picture),
-                Product::Costs(file, format, cost) => {
+                Product::Kept { picture, .. } => finished.picture = Some(picture),
+                Product::Costs { file, format, cost } => {
                     let counts = std::mem::take(&mut counts);
                     let map = CostMap::new(cost, counts, self.prepared, self.request);
                     finished.files.push(file.picture(format, &map.draw()?)?);
