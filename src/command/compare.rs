@@ -84,7 +84,7 @@ pub struct Pair<'o> {
 
 impl<'o> Pair<'o> {
     /// Reads the pictures, if a comparison is asked for. Returns an error if one cannot be read, or if their sizes
-    /// differ; `None` if the live page is left to compare at the other size.
+    /// differ; `None` if the sizes differ and the live page compares the pictures.
     pub fn open(options: &'o Options, log: &Log) -> Result<Option<Self>, Diagnostic> {
         let Some(wanted) = &options.comparison else { return Ok(None) };
         let read = |path: &Option<_>| path.as_deref().map(|path| read(path, options, log)).transpose();

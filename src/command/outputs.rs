@@ -40,8 +40,8 @@ pub fn check(options: &Options, in_scene: Vec<ReadFile>) -> Result<(), End> {
 pub struct Outputs(Arc<Mutex<Vec<CompleteFile>>>);
 
 impl Outputs {
-    /// Writes the files that are pipes, devices or standard output, and keeps the others. Writing may wait for ever, so
-    /// from now on a signal ends the program, after the kept files have got their names.
+    /// Writes to pipes, devices and standard output at once, and keeps the other files. A reader may never come, so from
+    /// now on a signal ends the program, once the kept files have their names.
     pub fn new(files: Vec<CompleteFile>, signals: &Signals) -> Result<Self, End> {
         let (streams, regular) = files.into_iter().partition(CompleteFile::is_stream);
         let all = Self(Arc::new(Mutex::new(regular)));

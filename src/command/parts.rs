@@ -36,7 +36,7 @@ const PICTURES: &[u8] = b"4";
 /// text and the model of the scene, its meshes and pictures, and the flags that change the layer.
 ///
 /// It is SipHash-1-3 with 128 bits and a key of zeros, which is the same on every machine and in every version of its
-/// crate. It tells apart what was mixed up by mistake, not by malice.
+/// crate. It finds parts that are mixed up by mistake, not forged ones.
 fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
     let (scene, world) = (&prepared.renderer().scene, prepared.renderer().world());
     let Request { size, effects, sampler, adaptive, filter, .. } = request;
