@@ -316,7 +316,7 @@ fn a_row_that_is_not_taken_ends_the_render() {
     );
     for count in 1..=order.len() {
         let (result, taken) = rows(&scene(""), &request, Tracing::Fast, count);
-        assert_eq!(result.err(), Some(Stopped::Output(refusal())));
+        assert_eq!(result.map_err(Diagnostic::from), Err(refusal()));
         assert_eq!(taken, all[..count]);
     }
 }
