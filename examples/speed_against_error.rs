@@ -4,7 +4,6 @@
 
 use rayon::ThreadPoolBuilder;
 use raytracer::cli::{Command, Options, parse};
-use raytracer::command::processor_time;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::scene::load::load;
@@ -109,10 +108,11 @@ fn measure(scene: &str, flags: &str) -> Result<ErrorReport, Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
     let renderer = Renderer::new(load(&path)?, Meshes::Kept)?;
     let (many, one) = (ThreadPoolBuilder::new().build()?, ThreadPoolBuilder::new().num_threads(1).build()?);
-    let bench =
-        Bench { many: &many, one: &one, clock: &processor_time, watch: &|_, _| ControlFlow::Continue(()) };
+    let bench = Bench { many: &many, one: &one, watch: &|_, _| ControlFlow::Continue(()) };
     let own = Setting::new(options.request(), Edition::default());
-    Ok(error_report::measure(&renderer, &own, bench, false)?)
+    // The own filter alone.
+    let plan = &error_report::plan(&renderer.scene, renderer.world(), &own)[..1];
+    Ok(error_report::measure(&renderer, &own, plan, bench, String::new())?)
 }
 
 fn add_report(text: &mut String, report: &ErrorReport) {

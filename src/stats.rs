@@ -73,12 +73,14 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// Summarizes these times. Returns `None` if there are no times.
-    pub fn of(mut times: Vec<Duration>) -> Option<Self> {
+    /// Summarizes the time of the first render and those of the others.
+    pub fn of(first: Duration, others: Vec<Duration>) -> Self {
+        let mut times = others;
+        times.push(first);
         times.sort();
-        let (least, most) = (*times.first()?, *times.last()?);
+        let (least, most) = (times[0], times[times.len() - 1]);
         let median = (times[(times.len() - 1) / 2] + times[times.len() / 2]) / 2;
-        Some(Self { times: times.len(), least, median, spread: most - least })
+        Self { times: times.len(), least, median, spread: most - least }
     }
 }
 
@@ -218,11 +220,14 @@ mod tests {
 
     #[test]
     fn repeats_have_the_least_the_median_and_the_spread() {
-        let of = |times: &[u64]| Repeats::of(times.iter().map(|&ms| Duration::from_millis(ms)).collect());
+        let of = |first, others: &[u64]| {
+            let others = others.iter().map(|&ms| Duration::from_millis(ms)).collect();
+            Repeats::of(Duration::from_millis(first), others)
+        };
         let [least, median, spread] = [2, 4, 9].map(Duration::from_millis);
-        assert_eq!(of(&[11, 4, 2]), Some(Repeats { times: 3, least, median, spread }));
-        assert_eq!(of(&[11, 5, 3, 2]), Some(Repeats { times: 4, least, median, spread }));
-        assert_eq!(of(&[]), None);
+        assert_eq!(of(11, &[4, 2]), Repeats { times: 3, least, median, spread });
+        assert_eq!(of(3, &[11, 5, 2]), Repeats { times: 4, least, median, spread });
+        assert_eq!(of(2, &[]), Repeats { times: 1, least, median: least, spread: Duration::ZERO });
     }
 
     #[test]

@@ -12,8 +12,8 @@
 mod scenes;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use raytracer::base::processor_time::processor_time;
 use raytracer::cli::{Command, Options, parse};
-use raytracer::command::processor_time;
 use raytracer::picture::{Color, FloatPicture};
 use raytracer::render::adaptive::Adaptive;
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
@@ -167,7 +167,7 @@ fn measure_requests(
         let mut colors = vec![];
         let mut take_row = |_: usize, row: &[Color]| {
             colors.extend_from_slice(row);
-            ControlFlow::Continue(())
+            Ok(())
         };
         let go_on = |_| ControlFlow::Continue(());
         let (rendered, time) = one.install(|| {

@@ -3,6 +3,7 @@
 pub mod escape;
 pub mod memory;
 pub mod patience;
+pub mod processor_time;
 pub mod shell;
 pub mod shortcut;
 pub mod stdio;

@@ -2,7 +2,7 @@
 
 use super::error::{fail, value};
 use super::flags::{Flags, MAX_INT};
-use super::options::{Comparison, Given, LivePage, Options, ShowProgress};
+use super::options::{ComparisonOptions, Given, LivePage, Options, ShowProgress};
 use super::outputs::outputs;
 use super::values::{NOT_NEGATIVE, Sides, number, picture};
 use crate::base::stdio::is_stdio;
@@ -56,7 +56,7 @@ impl Options {
             filter: filter(&flags),
             structure: flags.grid.as_deref().map_or(Ok(Structure::Any), structure)?,
             visualize_grid: flags.visualize_grid,
-            comparison: Comparison::new(&flags)?,
+            comparison: ComparisonOptions::new(&flags)?,
             stats: flags.stats,
             repeat: flags.repeat,
             strict: flags.strict,
@@ -89,7 +89,7 @@ impl Options {
         if self.visualize_grid && !matches!(self.structure, Structure::Grid(_)) {
             return fail("-visualize_grid needs a grid, as in '-grid 20 20 20'");
         }
-        let needs_scene = self.comparison.as_ref().is_some_and(Comparison::needs_scene);
+        let needs_scene = self.comparison.as_ref().is_some_and(ComparisonOptions::needs_scene);
         match self.compared_layer() {
             None if needs_scene => {
                 return fail(
@@ -112,7 +112,7 @@ impl Options {
     }
 }
 
-impl Comparison {
+impl ComparisonOptions {
     fn new(flags: &Flags) -> Result<Option<Self>, Diagnostic> {
         if flags.compare.is_none() && flags.reference.is_none() {
             return Ok(None);

@@ -16,7 +16,7 @@ mod options;
 mod from_flags;
 
 pub use flags::command;
-pub use options::{Comparison, Given, LivePage, Options, ShowProgress};
+pub use options::{ComparisonOptions, Given, LivePage, Options, ShowProgress};
 pub use outputs::Output;
 pub use words::{command_of_merge, command_of_rest};
 

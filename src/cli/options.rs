@@ -52,7 +52,7 @@ pub struct Options {
     pub structure: Structure,
     /// Draws the grid's cells in place of the scene. There is a grid if so.
     pub visualize_grid: bool,
-    pub comparison: Option<Comparison>,
+    pub comparison: Option<ComparisonOptions>,
     pub stats: bool,
     /// The number of renderings, 1 to 10000, if their times are to be compared.
     pub repeat: Option<u32>,
@@ -94,7 +94,7 @@ pub struct LivePage {
 
 /// A comparison of two pictures. A picture without a file is rendered; at least one has a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct ComparisonOptions {
     /// The picture in question.
     #[serde(serialize_with = "lossy_or_null")]
     pub picture: Option<PathBuf>,
@@ -107,7 +107,7 @@ pub struct Comparison {
     pub tolerance: Option<Tolerance>,
 }
 
-impl Comparison {
+impl ComparisonOptions {
     /// Returns true if all pictures with a file are of floating-point numbers.
     pub(super) fn has_only_numbers(&self) -> bool {
         let is_float = |file: &PathBuf| Format::of_input(file).is_some_and(Format::is_float);
@@ -241,7 +241,7 @@ impl Options {
             sampler: self.sampler,
             adaptive: self.adaptive,
             has_floats: self.outputs.iter().any(has_float_colors)
-                || self.comparison.as_ref().is_some_and(Comparison::needs_scene)
+                || self.comparison.as_ref().is_some_and(ComparisonOptions::needs_scene)
                     && self.compares_numbers()
                     && self.compared_layer() == Some(Layer::Color),
             filter: self.filter,

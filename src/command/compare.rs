@@ -75,7 +75,7 @@ impl Files {
 /// The pictures of a comparison.
 pub struct Pair<'o> {
     options: &'o Options,
-    wanted: &'o cli::Comparison,
+    wanted: &'o cli::ComparisonOptions,
     /// The picture in question, unless it is the rendered one.
     picture: Option<Pixels>,
     /// The picture to compare with, unless it is the rendered one.
@@ -84,7 +84,7 @@ pub struct Pair<'o> {
 
 impl<'o> Pair<'o> {
     /// Reads the pictures, if a comparison is asked for. Returns an error if one cannot be read, or if their sizes
-    /// differ; `None` if the live page is left to compare at the other size.
+    /// differ; `None` if the sizes differ and the live page compares the pictures.
     pub fn open(options: &'o Options, log: &Log) -> Result<Option<Self>, Diagnostic> {
         let Some(wanted) = &options.comparison else { return Ok(None) };
         let read = |path: &Option<_>| path.as_deref().map(|path| read(path, options, log)).transpose();
@@ -101,7 +101,7 @@ impl<'o> Pair<'o> {
                 return Err(pair.cannot_compare([a, b]));
             }
             let note = "the picture to compare has another size: only the page compares the two";
-            log.tell(Diagnostic::note(note));
+            log.log(Diagnostic::note(note));
             return Ok(None);
         }
         Ok(Some(pair))
@@ -182,24 +182,24 @@ fn rendered_size(options: &Options) -> Option<[usize; 2]> {
 fn read(path: &Path, options: &Options, log: &Log) -> Result<Pixels, Diagnostic> {
     let (picture, remarks) = read_pixels(path, Wanted::Numbers)?;
     let clamped = if options.compares_numbers() { 0 } else { remarks.clamped };
-    tell(&ReadNotes { clamped, ..remarks }, path, "compared", log);
+    log_notes(&ReadNotes { clamped, ..remarks }, path, "compared", log);
     Ok(picture)
 }
 
-/// Tells how many pixels of a picture are clamped, where `done` is "compared" or "converted", if its alpha is ignored, and
-/// if a line end follows the last pixel.
-pub fn tell(remarks: &ReadNotes, path: &Path, done: &str, log: &Log) {
-    let ReadNotes { clamped, transparent, has_line_end } = remarks;
+/// Logs how many pixels of a picture are clamped, if its alpha is ignored, and if a line end follows the last pixel.
+/// `done` is "compared" or "converted".
+pub fn log_notes(notes: &ReadNotes, path: &Path, done: &str, log: &Log) {
+    let ReadNotes { clamped, transparent, has_line_end } = notes;
     let shown = quoted(path);
     if *clamped > 0 {
         let message = format!("{clamped} pixels of {shown} are outside 0 to 1 and are {done} clamped");
-        log.tell(Diagnostic::note(message));
+        log.log(Diagnostic::note(message));
     }
     if *transparent > 0 {
         let message = format!("ignored the alpha of {shown}: {transparent} of its pixels are not opaque");
-        log.tell(Diagnostic::note(message));
+        log.log(Diagnostic::note(message));
     }
     if *has_line_end {
-        log.tell(Diagnostic::note(format!("ignored a line end after the last pixel of {shown}")));
+        log.log(Diagnostic::note(format!("ignored a line end after the last pixel of {shown}")));
     }
 }

@@ -1,6 +1,6 @@
 //! Writes a picture in another format, or joins the parts of one.
 
-use super::compare::tell;
+use super::compare::log_notes;
 use super::log::Log;
 use super::outputs::Outputs;
 use super::progress::{ProgressLine, rows_text};
@@ -27,7 +27,7 @@ pub fn run(options: &Converting, signals: &Signals, log: &Log) -> Result<Outcome
             Ok(rows) => convert(rows, file, output.format)?,
             Err(_) => {
                 let (read, remarks) = read_pixels(picture, Wanted::Bytes)?;
-                tell(&remarks, picture, "converted", log);
+                log_notes(&remarks, picture, "converted", log);
                 file.picture(output.format, &read.bytes())?
             }
         },

@@ -2,7 +2,6 @@
 
 use super::log::Log;
 use super::outputs::prepare_report;
-use super::processor_time::processor_time;
 use super::progress::ProgressLine;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
@@ -13,9 +12,7 @@ use crate::diagnostic::Diagnostic;
 use crate::image_io::{check_distinct, put_in_place};
 use crate::render::renderer::{Meshes, Renderer};
 use crate::scene::edition::Edition;
-use crate::tools::error_report::{
-    Answer, Bench, ErrorReport, Setting, USUAL_TARGETS, csv, measure, page, text,
-};
+use crate::tools::error_report::{Answer, Bench, Setting, USUAL_TARGETS, csv, measure, page, plan, text};
 use crate::tools::warnings::no_lights;
 use std::fs;
 use std::path::Path;
@@ -33,7 +30,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let written = files.clone().into_iter().chain(["-".into()]);
     check_distinct(written, options.files().chain(loaded.files())).map_err(refused)?;
     let remarks = [no_lights(&loaded.scene), loaded.choice.remark()];
-    remarks.into_iter().flatten().for_each(|found| log.tell(found));
+    remarks.into_iter().flatten().for_each(|found| log.log(found));
     let options = &options.in_edition(loaded.choice.edition);
 
     // Prepare. Other octaves are other scenes with the same meshes.
@@ -50,9 +47,10 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
         line.show(|passed| told(share, doing, passed));
         signals.goes_on()
     };
-    let bench = Bench { many: &many, one: &one, clock: &processor_time, watch: &watch };
+    let bench = Bench { many: &many, one: &one, watch: &watch };
     let own = Setting::new(options.request(), options.edition.unwrap_or_default());
-    let report = ErrorReport { origin: origin(), ..measure(&renderer, &own, bench, true)? };
+    let plan = plan(&renderer.scene, renderer.world(), &own);
+    let report = measure(&renderer, &own, &plan, bench, origin())?;
     drop(line);
 
     // Report.
@@ -66,7 +64,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     let _ = signals.end_at_once();
     put_in_place(complete)?;
     if report.measured() < report.planned {
-        log.tell(Diagnostic::note("stopped: the report has the measurements made so far"));
+        log.log(Diagnostic::note("stopped: the report has the measurements made so far"));
     }
     let passes = target.is_none() || answers.iter().all(Answer::is_reached) && !answers.is_empty();
     let text = text(&report, &answers);

@@ -59,7 +59,7 @@ pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, E
     for column in &columns {
         if let Some(problem) = &column.problem {
             let name = escape(&column.picture);
-            log.tell(Diagnostic::warning(format!("no reference for {name}: {problem}")));
+            log.log(Diagnostic::warning(format!("no reference for {name}: {problem}")));
         }
     }
     if columns.iter().all(|column| column.problem.is_some()) {
@@ -158,6 +158,6 @@ fn tell_other_names<'c>(folder: &Folder, columns: &'c [Column], log: &Log) {
             count => format!(", and {count} more"),
         };
         let name = escape(&name.to_string_lossy());
-        log.tell(Diagnostic::note(format!("{name}: graded {} as {}{more}", escape(file), escape(picture))));
+        log.log(Diagnostic::note(format!("{name}: graded {} as {}{more}", escape(file), escape(picture))));
     }
 }

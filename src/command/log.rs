@@ -15,7 +15,7 @@ pub struct Log(RefCell<Vec<String>>);
 
 impl Log {
     /// Writes a diagnostic to standard error, in colour on a terminal.
-    pub fn tell(&self, found: Diagnostic) {
+    pub fn log(&self, found: Diagnostic) {
         let (plain, colored) = (found.to_string(), found.colored());
         self.say(if has_reader() && has_color() { &colored } else { &plain });
         self.0.borrow_mut().push(plain);
@@ -26,20 +26,20 @@ impl Log {
         let _ = writeln!(stderr(), "{line}");
     }
 
-    /// Tells these notes and warnings, with places in `source`. If `is_strict`, warnings are errors, and end the run.
+    /// Writes these notes and warnings, with places in `source`. If `is_strict`, warnings are errors, and end the run.
     pub fn warn(&self, all: Vec<Diagnostic>, is_strict: bool, source: &Source) -> Result<(), End> {
         let mut ends = false;
         for mut found in all {
             if is_strict && found.severity != Severity::Note {
                 (found.severity, ends) = (Severity::Error, true);
             }
-            self.tell(if found.places.is_empty() { found } else { source.locate(found) });
+            self.log(if found.places.is_empty() { found } else { source.locate(found) });
         }
         if ends { Err(End { error: None, status: 1 }) } else { Ok(()) }
     }
 
     /// Tells a person at a terminal which files a run wrote in this time.
-    pub fn tell_written(&self, written: &[PathBuf], took: Duration) {
+    pub fn log_written(&self, written: &[PathBuf], took: Duration) {
         if has_reader() && !written.is_empty() {
             let files: Vec<String> = written.iter().map(quoted).collect();
             self.say(&format!("wrote {} in {}", files.join(", "), time(took)));

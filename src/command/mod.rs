@@ -4,7 +4,6 @@ mod signals;
 mod log;
 mod progress;
 mod threads;
-mod processor_time;
 mod outputs;
 mod parts;
 mod products;
@@ -21,7 +20,6 @@ use crate::diagnostic::Diagnostic;
 use crate::image_io::OutputFile;
 use log::Log;
 use outputs::Outputs;
-pub use processor_time::processor_time;
 use signals::Signals;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -36,7 +34,7 @@ const DIFFERENT: u8 = 3;
 /// Why a run ends before it is complete.
 #[derive(Debug)]
 pub struct End {
-    /// The error to tell; `None` if there is nothing to tell.
+    /// `None` if there is no error to write.
     error: Option<Diagnostic>,
     status: u8,
 }
@@ -78,7 +76,7 @@ pub fn run(argv: &[OsString]) -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(DIFFERENT),
         Err(End { error, status }) => {
-            error.into_iter().for_each(|error| log.tell(error));
+            error.into_iter().for_each(|error| log.log(error));
             ExitCode::from(status)
         }
     }
@@ -92,7 +90,7 @@ fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
     let Outcome { text, written, passes } = match &command {
         Command::Print(text) => Outcome::new(text.clone(), [], ShowProgress::Never),
         Command::Render(options) => {
-            live::note(options).iter().for_each(|note| log.tell(Diagnostic::note(*note)));
+            live::note(options).iter().for_each(|note| log.log(Diagnostic::note(*note)));
             if options.input.is_some() {
                 render::run(options, argv, &signals, log)?
             } else {
@@ -104,7 +102,7 @@ fn run_command(argv: &[OsString], log: &Log) -> Result<bool, End> {
         Command::ReportErrors(options) => error_report::run(options, &signals, log)?,
     };
     Outputs::default().add(OutputFile::standard_output().text(&text)?)?;
-    log.tell_written(&written, start.elapsed());
+    log.log_written(&written, start.elapsed());
     if let Command::Render(options) = &command {
         live::show(options, &signals, log)?;
     }

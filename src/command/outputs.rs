@@ -2,14 +2,13 @@
 
 use super::log::Log;
 use super::signals::Signals;
-use super::{End, refused};
+use super::{End, parts, refused};
 use crate::base::lock;
 use crate::cli::{Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{
     CompleteFile, OutputFile, ReadFile, Written, check_distinct, part_beside, put_in_place,
 };
-use crate::render::Layer;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
@@ -27,9 +26,9 @@ pub fn check(options: &Options, in_scene: Vec<ReadFile>) -> Result<(), End> {
     let named = options.written().chain(prints.then_some(standard_output));
     let named = named.map(|file| Written::Named(file.to_owned()));
     // A stopped run writes a part of a picture.
+    let request = options.request();
     let part = |output: &Output| {
-        let has_parts =
-            !output.is_standard_output() && !matches!(output.layer, Layer::Filter { .. } | Layer::Cost(_));
+        let has_parts = !output.is_standard_output() && parts::has_parts(&request, output.layer);
         let part = part_beside(&output.file, output.format).filter(|_| has_parts)?;
         Some(Written::PartOf { picture: output.file.clone(), part })
     };
@@ -42,15 +41,15 @@ pub fn check(options: &Options, in_scene: Vec<ReadFile>) -> Result<(), End> {
 pub struct Outputs(Arc<Mutex<Vec<CompleteFile>>>);
 
 impl Outputs {
-    /// Writes the files that are pipes, devices or standard output, and keeps the others. Writing may wait for ever, so
-    /// from now on a signal ends the program, after the kept files have got their names.
+    /// Writes to pipes, devices and standard output at once, and keeps the other files. A reader may never come, so from
+    /// now on a signal ends the program, once the kept files have their names.
     pub fn new(files: Vec<CompleteFile>, signals: &Signals) -> Result<Self, End> {
         let (streams, regular) = files.into_iter().partition(CompleteFile::is_stream);
         let all = Self(Arc::new(Mutex::new(regular)));
         let own = Self(all.0.clone());
         signals.before_end(move || {
             if let Err(error) = own.name_all() {
-                Log::default().tell(error);
+                Log::default().log(error);
             }
         });
         if let Err(end) = signals.end_at_once() {

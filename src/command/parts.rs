@@ -12,11 +12,16 @@ use std::ffi::{OsStr, OsString};
 use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 
-/// Returns what the part in this window says about the whole picture of a layer. `None` if the layer has no parts: it
-/// shows the filter, is scaled by the most expensive pixel, or its pixels are reduced or displaced.
-pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
+/// Returns true if a layer has parts. It has none if it shows the filter, is scaled by the most expensive pixel, or its
+/// pixels are reduced or displaced.
+pub fn has_parts(request: &Request, layer: Layer) -> bool {
     let is_whole = request.is_reduced || request.sampler == Sampler::DISPLACED;
-    if is_whole || matches!(layer, Layer::Filter { .. } | Layer::Cost(_)) {
+    !is_whole && !matches!(layer, Layer::Filter { .. } | Layer::Cost(_))
+}
+
+/// Returns what the part in this window says about the whole picture of a layer. `None` if the layer has no parts.
+pub fn part(prepared: &Prepared, request: &Request, window: Window, layer: Layer) -> Option<Part> {
+    if !has_parts(request, layer) {
         return None;
     }
     let (whole, at) = (layer.size(request.size), layer.size([window.x, window.y]));
@@ -30,7 +35,7 @@ const PICTURES: &[u8] = b"4";
 /// text and the model of the scene, its meshes and pictures, and the flags that change the layer.
 ///
 /// It is SipHash-1-3 with 128 bits and a key of zeros, which is the same on every machine and in every version of its
-/// crate. It tells apart what was mixed up by mistake, not by malice.
+/// crate. It finds parts that are mixed up by mistake, not forged ones.
 fn fingerprint(prepared: &Prepared, request: &Request, layer: Layer) -> u128 {
     let (scene, world) = (&prepared.renderer().scene, prepared.renderer().world());
     let Request { size, effects, sampler, adaptive, filter, .. } = request;

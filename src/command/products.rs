@@ -2,7 +2,7 @@
 
 use super::parts::{part, window};
 use crate::diagnostic::Diagnostic;
-use crate::image_io::{CompleteFile, Content, Exceptional, Format, OutputFile, PictureWriter};
+use crate::image_io::{CompleteFile, Exceptional, Format, OutputFile, PictureWriter};
 use crate::picture::{Color, Pixels};
 use crate::render::renderer::Prepared;
 use crate::render::{Cost, Layer, Request, Window};
@@ -28,9 +28,9 @@ enum Product {
     /// A picture file, written row by row.
     File(Box<PictureWriter>),
     /// A picture, and the number of its rows so far.
-    Kept(Pixels, usize),
+    Kept { picture: Pixels, rows: usize },
     /// The file that gets the map of the costs.
-    Costs(OutputFile, Format, Cost),
+    Costs { file: OutputFile, format: Format, cost: Cost },
 }
 
 /// The results of a render whose rows are all taken.
@@ -55,12 +55,11 @@ impl<'r> Products<'r> {
         let begin = |&layer: &Layer| {
             let size = request.layer_size(&layer);
             Ok(match (files.next(), layer) {
-                (None, _) => Product::Kept(Pixels::zeros(size, keeps_numbers)?, 0),
-                (Some((file, format)), Layer::Cost(cost)) => Product::Costs(file, format, cost),
+                (None, _) => Product::Kept { picture: Pixels::zeros(size, keeps_numbers)?, rows: 0 },
+                (Some((file, format)), Layer::Cost(cost)) => Product::Costs { file, format, cost },
                 (Some((file, format)), layer) => {
-                    let content = if layer.is_distance() { Content::Distances } else { Content::Colors };
                     let part = request.window.and_then(|window| part(prepared, request, window, layer));
-                    Product::File(Box::new(file.begin(format, size, content, part.as_ref())?))
+                    Product::File(Box::new(file.begin(format, size, layer.content(), part.as_ref())?))
                 }
             })
         };
@@ -80,12 +79,12 @@ impl<'r> Products<'r> {
         }
         match &mut self.layers[layer] {
             Product::File(writer) => writer.row(row)?,
-            Product::Kept(picture, rows) => {
+            Product::Kept { picture, rows } => {
                 picture.set([0, *rows], row);
                 *rows += 1;
             }
             // Costs have no rows.
-            Product::Costs(..) => {}
+            Product::Costs { .. } => {}
         }
         self.encoding += start.elapsed();
         Ok(())
@@ -130,11 +129,11 @@ impl<'r> Products<'r> {
         for product in self.layers {
             match product {
                 Product::File(writer) => finished.files.push(writer.complete()?),
-                Product::Kept(Pixels::Numbers(picture), _) => {
+                Product::Kept { picture: Pixels::Numbers(picture), .. } => {
                     finished.picture = Some(Pixels::Numbers(picture.in_single_precision()));
                 }
-                Product::Kept(picture, _) => finished.picture = Some(picture),
-                Product::Costs(file, format, cost) => {
+                Product::Kept { picture, .. } => finished.picture = Some(picture),
+                Product::Costs { file, format, cost } => {
                     let counts = std::mem::take(&mut counts);
                     let map = CostMap::new(cost, counts, self.prepared, self.request);
                     finished.files.push(file.picture(format, &map.draw()?)?);

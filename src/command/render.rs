@@ -9,10 +9,9 @@ use super::progress::{ProgressLine, rows_text};
 use super::report::Report;
 use super::signals::Signals;
 use super::{End, Outcome, threads};
-use crate::cli::{Comparison, Options, Output};
+use crate::cli::{ComparisonOptions, Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{Exceptional, OutputFile};
-use crate::picture::Color;
 use crate::render::renderer::{Meshes, Prepared, Renderer};
 use crate::render::{Layer, Rendered, Request, Stop, Stopped, Tracing};
 use crate::sampling::filter::Filter;
@@ -68,14 +67,13 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let mut products = Products::begin(pictures, &prepared, &request, options.compares_numbers())?;
 
     // Render rows.
-    let rendered = render_rows(options, &prepared, &request, &mut products, signals)?;
-    let mut rendered = match rendered {
-        Ok(rendered) => rendered,
-        Err(rows) => {
+    let mut rendered = match render_rows(options, &prepared, &request, &mut products, signals) {
+        Err(Stopped::Cancelled { rows }) => {
             let kept = products.keep_parts(rows)?;
             parts::lines(argv, options, rows, &kept).iter().for_each(|line| log.say(line));
             return Err(signals.received().unwrap_or_else(|| End::from(Stopped::Cancelled { rows })));
         }
+        rendered => rendered?,
     };
     let rendering = lap() - products.encoding;
 
@@ -95,8 +93,7 @@ pub fn run(options: &Options, argv: &[OsString], signals: &Signals, log: &Log) -
     let statistics = statistics(options, &prepared, &request, &rendered, timings)?;
     let repeats =
         options.repeat.map(|count| repeated(options, &prepared, &request, count, rendering)).transpose()?;
-    let pixel =
-        options.pixel.map(|pixel| explanation(options, &renderer, prepared, pixel)).transpose()?.flatten();
+    let pixel = options.pixel.map(|pixel| explanation(options, &renderer, prepared, pixel)).transpose()?;
     let compare = |pair: Pair| pair.compare(Some(&renderer), picture.as_ref(), files.difference, &outputs);
     let comparison = pair.map(compare).transpose()?;
     let renderer = Some(&renderer);
@@ -113,31 +110,21 @@ fn request(options: &Options) -> Request {
     request
 }
 
-/// Returns what was counted, or the number of complete rows if a signal came.
+/// Renders until a signal comes.
 fn render_rows(
     options: &Options,
     prepared: &Prepared,
     request: &Request,
     products: &mut Products,
     signals: &Signals,
-) -> Result<Result<Rendered, usize>, Diagnostic> {
-    let mut taken = Ok(());
-    let mut take_row = |layer: usize, row: &[Color]| {
-        taken = products.take_row(layer, row);
-        if taken.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-    };
+) -> Result<Rendered, Stopped> {
     signals.note_first();
     let progress = ProgressLine::new(options.progress);
     let watch = |rows| {
         progress.show(|passed| rows_text("rendering", rows, passed));
         signals.goes_on()
     };
-    let rendered = prepared.render_rows(request, &watch, &mut take_row);
-    taken?;
-    match rendered {
-        Err(Stopped::Cancelled { rows }) => Ok(Err(rows)),
-        rendered => Ok(Ok(rendered?)),
-    }
+    prepared.render_rows(request, &watch, &mut |layer, row| products.take_row(layer, row))
 }
 
 fn statistics(
@@ -180,7 +167,7 @@ fn repeated(
     first: Duration,
 ) -> Result<Repeats, Diagnostic> {
     let progress = ProgressLine::new(options.progress);
-    let mut times = vec![first];
+    let mut others = vec![];
     for number in 2..=count {
         let doing = format!("rendering {number} of {count}");
         let watch = |rows| {
@@ -188,10 +175,10 @@ fn repeated(
             ControlFlow::Continue(())
         };
         let start = Instant::now();
-        prepared.render_rows(request, &watch, &mut |_, _| ControlFlow::Continue(()))?;
-        times.push(start.elapsed());
+        prepared.render_rows(request, &watch, &mut |_, _| Ok(()))?;
+        others.push(start.elapsed());
     }
-    Repeats::of(times).ok_or_else(|| Diagnostic::error("nothing was rendered"))
+    Ok(Repeats::of(first, others))
 }
 
 /// Warns about pixels that the files do not show as they are.
@@ -216,24 +203,21 @@ fn meshes(options: &Options) -> Meshes {
     if keeps { Meshes::Kept } else { Meshes::Moved }
 }
 
-/// Returns the rays behind a pixel, traced and counted as by the course's program; `None` if it is outside the window.
+/// Returns the rays behind a pixel, traced and counted as by the course's program.
 fn explanation(
     options: &Options,
     renderer: &Renderer,
     prepared: Prepared,
     pixel: [usize; 2],
-) -> Result<Option<PixelTree>, Diagnostic> {
+) -> Result<PixelTree, Diagnostic> {
     let request = Request { tracing: Tracing::Counted, ..options.request() };
-    if (0..2).any(|axis| pixel[axis] >= request.size[axis]) {
-        return Ok(None);
-    }
     let prepared = match options.tracing() {
         Tracing::Counted => prepared,
         Tracing::Fast => options.prepare(renderer, &request)?,
     };
     let explainer = Explainer::new(&prepared)?;
     let stop = Stop::at(Instant::now() + LONGEST_EXPLANATION);
-    explainer.pixel(&request, pixel, &stop).map(Some)
+    explainer.pixel(&request, pixel, &stop)
 }
 
 /// Returns the notes and warnings about a scene and the flags that it is rendered with.
@@ -264,7 +248,7 @@ fn warnings_about(loaded: &mut LoadedScene, options: &Options) -> Vec<Diagnostic
 fn shows_colors(options: &Options) -> bool {
     let has_layer = |layer: &Layer| matches!(layer, Layer::Color | Layer::Samples { .. } | Layer::Cost(_));
     options.outputs.iter().any(|output| has_layer(&output.layer))
-        || options.comparison.as_ref().is_some_and(Comparison::needs_scene)
+        || options.comparison.as_ref().is_some_and(ComparisonOptions::needs_scene)
         || options.stats
         || options.pixel.is_some()
         || options.page.is_some()

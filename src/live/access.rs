@@ -1,6 +1,6 @@
 //! Admits a request if it has the key and comes from the page itself, under a name of this machine.
 
-use super::http::{Answer, Head};
+use super::http::{Head, Response};
 use std::io;
 use subtle::ConstantTimeEq;
 
@@ -23,13 +23,13 @@ impl Key {
     /// A page of another origin can send requests here, and a name of its own can be made to resolve to this machine
     /// (DNS rebinding). The first has another `Origin`, the second another `Host`. Ports are not compared, since a
     /// tunnel may have another one at its end.
-    pub fn admit(&self, head: &Head) -> Result<(), Answer> {
-        let host = head.host.as_deref().ok_or_else(|| Answer::text(400, "the request names no host"))?;
+    pub fn admit(&self, head: &Head) -> Result<(), Response> {
+        let host = head.host.as_deref().ok_or_else(|| Response::text(400, "the request names no host"))?;
         if !is_this_machine(host) {
-            return Err(Answer::text(403, "this page is served to this machine only"));
+            return Err(Response::text(403, "this page is served to this machine only"));
         }
         if head.origin.as_ref().is_some_and(|origin| origin.strip_prefix("http://") != Some(host)) {
-            return Err(Answer::text(403, "another page cannot use this one"));
+            return Err(Response::text(403, "another page cannot use this one"));
         }
         // A form of another page can post to an address that it guesses, but cannot set a header.
         let in_query = head.query.strip_prefix("key=").filter(|_| !head.is_post);
@@ -37,7 +37,7 @@ impl Key {
         // The time that this takes does not tell how much of the key is right.
         match self.0.as_bytes().ct_eq(given.as_bytes()).into() {
             true => Ok(()),
-            false => Err(Answer::text(403, "open the address that the program prints: it has the key")),
+            false => Err(Response::text(403, "open the address that the program prints: it has the key")),
         }
     }
 }

@@ -1,9 +1,9 @@
-//! Requests and answers of HTTP/1.1, as far as a page needs them.
+//! Requests and responses of HTTP/1.1, as far as a page needs them.
 //!
 //! The head of a request, which is easy to get wrong, is parsed by `httparse`, the parser of hyper. This module decides
 //! what is allowed and how long it may take. No crate with a whole server limits the time of whole requests.
 
-use super::limits::{MAX_HEAD, MAX_HEADERS, SEND_TIME};
+use super::limits::{MAX_HEAD_BYTES, MAX_HEADERS, SEND_TIME};
 use crate::diagnostic::Diagnostic;
 use httparse::{EMPTY_HEADER, Error, Request, Status};
 use serde_json::Value;
@@ -39,18 +39,18 @@ impl<'s> Connection<'s> {
     }
 
     /// Returns the head of the next request, or why it is refused. All of it must arrive before the deadline.
-    pub fn head(&mut self, deadline: Instant) -> io::Result<Result<Head, Answer>> {
+    pub fn head(&mut self, deadline: Instant) -> io::Result<Result<Head, Response>> {
         loop {
             match parse_head(&self.received) {
                 Ok(Some((head, length))) => {
                     self.received.drain(..length);
                     return Ok(Ok(head));
                 }
-                Ok(None) if self.received.len() >= MAX_HEAD => {
-                    return Ok(Err(Answer::text(431, "the head of the request is too long")));
+                Ok(None) if self.received.len() >= MAX_HEAD_BYTES => {
+                    return Ok(Err(Response::text(431, "the head of the request is too long")));
                 }
-                Ok(None) => self.receive(MAX_HEAD, deadline)?,
-                Err(answer) => return Ok(Err(answer)),
+                Ok(None) => self.receive(MAX_HEAD_BYTES, deadline)?,
+                Err(response) => return Ok(Err(response)),
             }
         }
     }
@@ -79,7 +79,7 @@ impl<'s> Connection<'s> {
         }
     }
 
-    /// Returns true if the other side has closed the connection, and so no longer waits for its answer.
+    /// Returns true if the other side has closed the connection, and so no longer waits for its response.
     pub fn has_left(&self) -> bool {
         let found = self.stream.set_nonblocking(true).and_then(|()| self.stream.peek(&mut [0]));
         match self.stream.set_nonblocking(false).and(found) {
@@ -88,10 +88,10 @@ impl<'s> Connection<'s> {
         }
     }
 
-    /// Sends an answer. The other side may take a while to receive it, but not for ever.
-    pub fn send(&self, answer: &Answer, closes: bool) -> io::Result<()> {
+    /// Sends a response. The other side may take a while to receive it, but not for ever.
+    pub fn send(&self, response: &Response, closes: bool) -> io::Result<()> {
         let (mut stream, deadline) = (self.stream, Instant::now() + SEND_TIME);
-        for mut rest in [answer.head(closes).as_bytes(), &answer.body] {
+        for mut rest in [response.head(closes).as_bytes(), &response.body] {
             while !rest.is_empty() {
                 stream.set_write_timeout(Some(until(deadline)?))?;
                 rest = &rest[stream.write(rest)?..];
@@ -101,9 +101,9 @@ impl<'s> Connection<'s> {
     }
 
     /// Says why, and waits a little for the other side to read it before the connection is closed.
-    pub fn refuse(&mut self, answer: &Answer) -> io::Result<()> {
+    pub fn refuse(&mut self, response: &Response) -> io::Result<()> {
         const ENOUGH: usize = 1 << 16;
-        self.send(answer, true)?;
+        self.send(response, true)?;
         self.stream.shutdown(Shutdown::Write)?;
         self.body(ENOUGH, Instant::now() + Duration::from_millis(500)).map(drop)
     }
@@ -116,29 +116,29 @@ fn until(deadline: Instant) -> io::Result<Duration> {
 }
 
 /// Parses the head at the start of these bytes. Returns it with its length, or `None` if it is not complete.
-fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
+fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Response> {
     let mut headers = [EMPTY_HEADER; MAX_HEADERS];
     let mut request = Request::new(&mut headers);
     let end = match request.parse(bytes) {
         Ok(Status::Complete(end)) => end,
         Ok(Status::Partial) => return Ok(None),
-        Err(Error::TooManyHeaders) => return Err(Answer::text(431, "too many headers")),
-        Err(error) => return Err(Answer::text(400, &format!("not a request: {error}"))),
+        Err(Error::TooManyHeaders) => return Err(Response::text(431, "too many headers")),
+        Err(error) => return Err(Response::text(400, &format!("not a request: {error}"))),
     };
     let is_post = match request.method {
         Some("GET") => false,
         Some("POST") => true,
-        _ => return Err(Answer::text(405, "only GET and POST")),
+        _ => return Err(Response::text(405, "only GET and POST")),
     };
     let target = request.path.unwrap_or_default();
     let (path, query) = target.split_once('?').unwrap_or((target, ""));
     let header = |name| header(request.headers, name);
     // A number may have a sign, but a length has none.
     let number = |text: String| text.parse().ok().filter(|_| !text.starts_with('+'));
-    let unclear = || Answer::text(400, "the length of the body is unclear");
+    let unclear = || Response::text(400, "the length of the body is unclear");
     let length = header("content-length")?.map(|text| number(text).ok_or_else(unclear)).transpose()?;
     if header("transfer-encoding")?.is_some() {
-        return Err(Answer::text(411, "the length of the body must be given"));
+        return Err(Response::text(411, "the length of the body must be given"));
     }
     let is_close = |text: String| text.to_ascii_lowercase().contains("close");
     let head = Head {
@@ -155,19 +155,19 @@ fn parse_head(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
 }
 
 /// Returns the value of a header. Refuses one that could be read in two ways.
-fn header(headers: &[httparse::Header], name: &str) -> Result<Option<String>, Answer> {
+fn header(headers: &[httparse::Header], name: &str) -> Result<Option<String>, Response> {
     let mut found = headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
     let (Some(header), second) = (found.next(), found.next()) else { return Ok(None) };
     match std::str::from_utf8(header.value) {
         Ok(text) if second.is_none() => Ok(Some(text.trim().to_owned())),
-        Ok(_) => Err(Answer::text(400, &format!("the header `{name}` is given twice"))),
-        Err(_) => Err(Answer::text(400, &format!("the header `{name}` is not text"))),
+        Ok(_) => Err(Response::text(400, &format!("the header `{name}` is given twice"))),
+        Err(_) => Err(Response::text(400, &format!("the header `{name}` is not text"))),
     }
 }
 
-/// An answer to a request, or the reason why it is refused.
+/// A response to a request, or the reason why it is refused.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Answer {
+pub struct Response {
     pub status: u16,
     pub content_type: &'static str,
     /// The content security policy.
@@ -175,7 +175,7 @@ pub struct Answer {
     pub body: Vec<u8>,
 }
 
-impl Answer {
+impl Response {
     fn new(status: u16, content_type: &'static str, body: Vec<u8>) -> Self {
         Self { status, content_type, policy: "default-src 'none'; frame-ancestors 'none'".into(), body }
     }
@@ -208,7 +208,7 @@ impl Answer {
     }
 }
 
-impl<E: Into<Diagnostic>> From<E> for Answer {
+impl<E: Into<Diagnostic>> From<E> for Response {
     fn from(error: E) -> Self {
         Self::text(422, &error.into().in_one_line())
     }
@@ -219,7 +219,9 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Option<Head>, u16> {
-        parse_head(text.as_bytes()).map(|found| found.map(|(head, _)| head)).map_err(|answer| answer.status)
+        parse_head(text.as_bytes())
+            .map(|found| found.map(|(head, _)| head))
+            .map_err(|response| response.status)
     }
 
     #[test]

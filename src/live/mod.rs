@@ -13,6 +13,8 @@ mod flags;
 mod http;
 mod limits;
 mod objects;
+mod painting;
+mod prepared;
 mod rays;
 mod scenes;
 mod server;

@@ -31,7 +31,7 @@ pub struct Rays {
     /// The text of `-pixel`, line by line.
     pub text: Vec<String>,
     /// For each line of the text, the index of its line in space.
-    pub tells: Vec<Option<usize>>,
+    pub segments_of_lines: Vec<Option<usize>>,
     pub segments: Vec<Segment>,
     /// The cells that the rays pass through, each by its lower corner.
     pub cells: Vec<DVec3>,
@@ -57,7 +57,7 @@ impl Rays {
             }
         }
         let lines = tree.lines().into_iter().take(MAX_TEXT);
-        let (text, tells) = lines
+        let (text, segments_of_lines) = lines
             .map(|line| {
                 let drawn = |(ray, light)| drawn.get(&(ray, light)).or_else(|| drawn.get(&(ray, None)));
                 (line.text, line.about.and_then(drawn).copied())
@@ -67,7 +67,7 @@ impl Rays {
         let cells = lattice.as_ref().map(|lattice| cells_passed(lattice, tree)).unwrap_or_default();
         let cell_size = lattice.map_or(DVec3::ZERO, |lattice| lattice.cell_size);
         segments.truncate(MAX_DRAWN);
-        Self { text, tells, segments, cells, cell_size }
+        Self { text, segments_of_lines, segments, cells, cell_size }
     }
 }
 
@@ -160,7 +160,11 @@ mod tests {
         assert_eq!(drawn(&["camera", "reflected", "refracted"]), nodes().count());
         assert_eq!(drawn(&["light", "shadow"]), lights.filter(|light| light.shadow.is_some()).count());
         for (index, line) in rays.segments.iter().enumerate().filter(|(_, line)| line.kind != "normal") {
-            let first = rays.tells.iter().position(|&told| told == Some(index)).expect("a line of the text");
+            let first = rays
+                .segments_of_lines
+                .iter()
+                .position(|&told| told == Some(index))
+                .expect("a line of the text");
             let word = if line.kind == "shadow" { "light" } else { line.kind };
             assert!(rays.text[first].trim_start().starts_with(word), "{}", rays.text[first]);
             if line.kind == "shadow" {

@@ -2,10 +2,8 @@
 
 use super::limits::*;
 use super::lock;
-use super::view::{Preparation, Ready};
 use crate::base::memory;
 use crate::base::patience::{Endless, Patience};
-use crate::caster::choose::Structure;
 use crate::cli::Options;
 use crate::diagnostic::Diagnostic;
 use crate::image_io::ReadFile;
@@ -36,6 +34,8 @@ pub struct OpenScene {
     pub choice: Choice,
     /// The files of its meshes and pictures.
     pub files: Vec<ReadFile>,
+    /// The files of its meshes, in the order of the renderer's meshes.
+    mesh_files: Vec<PathBuf>,
     pub renderer: Renderer,
 }
 
@@ -46,9 +46,9 @@ impl OpenScene {
         loaded: LoadedScene,
         patience: &dyn Patience,
     ) -> Result<Self, Diagnostic> {
-        let (choice, files) = (loaded.choice.clone(), loaded.files());
+        let (choice, files, mesh_files) = (loaded.choice.clone(), loaded.files(), loaded.mesh_files.clone());
         let renderer = Renderer::within(loaded, Meshes::Kept, patience)?;
-        Ok(Self { revision, named, choice, files, renderer })
+        Ok(Self { revision, named, choice, files, mesh_files, renderer })
     }
 
     pub fn primitives(&self) -> usize {
@@ -57,22 +57,18 @@ impl OpenScene {
 
     /// Returns the memory in bytes of a copy of the scene.
     pub fn bytes(&self) -> u64 {
-        self.primitives() as u64 * BYTES_PER_PRIMITIVE
+        self.primitives() as u64 * SCENE_BYTES_PER_PRIMITIVE
     }
 }
 
 pub struct Scenes {
     path: PathBuf,
     hints: Hints,
-    /// The command line's structure, which has no limit.
-    pub structure: Structure,
     pub first: Arc<OpenScene>,
     /// In the order of their last use.
     typed: Mutex<Vec<Arc<OpenScene>>>,
     /// The last revision.
     last: AtomicU64,
-    /// The last scenes that were prepared, the newest last.
-    pub ready: Mutex<Vec<(Preparation, Arc<Ready>)>>,
 }
 
 impl Scenes {
@@ -80,9 +76,8 @@ impl Scenes {
     pub fn open(line: &Options, path: &Path) -> Result<Self, Diagnostic> {
         let hints = line.hints();
         let first = OpenScene::new(0, hints.edition, load::load_with(path, &hints)?, &Endless)?;
-        let (path, structure, first) = (path.to_owned(), line.structure, Arc::new(first));
-        let (typed, last, ready) = Default::default();
-        Ok(Self { path, hints, structure, first, typed, last, ready })
+        let (typed, last) = Default::default();
+        Ok(Self { path: path.to_owned(), hints, first: Arc::new(first), typed, last })
     }
 
     /// Returns the scene of this revision, if it is open.
@@ -125,7 +120,7 @@ impl Scenes {
             let most = format!("a page opens scenes of at most {MAX_PRIMITIVES} primitives");
             return Err(Diagnostic::error(most));
         }
-        memory::ask(primitives as u64 * BYTES_PER_PRIMITIVE)?;
+        memory::ask(primitives as u64 * SCENE_BYTES_PER_PRIMITIVE)?;
         let revision = 1 + self.last.fetch_add(1, Ordering::Relaxed);
         let scene = Arc::new(OpenScene::new(revision, named, loaded, stop)?);
         let mut typed = lock(&self.typed);
@@ -138,7 +133,7 @@ impl Scenes {
 
     /// Returns a mesh that the command line's scene names. It may lie anywhere.
     fn known_mesh(&self, name: &str) -> Option<(ObjFile, PathBuf)> {
-        let OpenScene { renderer, files, .. } = &*self.first;
+        let OpenScene { renderer, mesh_files, .. } = &*self.first;
         let index = renderer.scene.meshes.iter().position(|known| known.name == name)?;
         let known = &renderer.scene.meshes[index];
         let content = ObjFile {
@@ -147,7 +142,7 @@ impl Scenes {
             texture_coordinates: known.texture_coordinates.to_vec(),
             ..ObjFile::default()
         };
-        Some((content, files[index].1.clone()))
+        Some((content, mesh_files[index].clone()))
     }
 
     /// Reads a mesh in the scene's folder or below it. Neither the name nor a link may lead out of the folder. `left`

@@ -1,7 +1,7 @@
 //! Listens, and answers the requests of each connection in turn.
 
 use super::access::Key;
-use super::http::{Answer, Connection, Head};
+use super::http::{Connection, Head, Response};
 use super::limits::*;
 use super::lock;
 use super::session::Session;
@@ -12,7 +12,6 @@ use askama::Template;
 use std::io;
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::path::Path;
-use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -31,13 +30,16 @@ pub struct Server {
 
 struct Open {
     stream: TcpStream,
-    /// `HAS_NO_KEY`, `RESTS` or `ASKS`. A connection with a lower rank makes room first; one that asks never does.
-    rank: AtomicU8,
+    rank: Mutex<Rank>,
 }
 
-const HAS_NO_KEY: u8 = 0;
-const RESTS: u8 = 1;
-const ASKS: u8 = 2;
+/// The state of a connection. Where there are too many, one of the lowest rank makes room; one that asks never does.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    HasNoKey,
+    Rests,
+    Asks,
+}
 
 impl Server {
     /// Opens the scene of a command line, and listens on the loopback interface at this port, where 0 is any free one.
@@ -59,7 +61,7 @@ impl Server {
             let server = Arc::new(self);
             for stream in server.listener.incoming() {
                 // Connections wait until the requests that are being ended have given their memory back.
-                while memory::keep_reserve().and_then(|()| memory::ask(2 * STACK)).is_err() {
+                while memory::keep_reserve().and_then(|()| memory::ask(2 * STACK_BYTES)).is_err() {
                     thread::sleep(Duration::from_millis(20));
                 }
                 // There may be no file descriptors or threads left; some will be free again.
@@ -75,7 +77,7 @@ impl Server {
 
     /// Serves a connection on a thread of its own until it is closed. One without room is closed at once.
     fn serve(self: &Arc<Self>, stream: TcpStream, end: Sender<()>) -> io::Result<()> {
-        let own = Arc::new(Open { stream, rank: AtomicU8::new(HAS_NO_KEY) });
+        let own = Arc::new(Open { stream, rank: Mutex::new(Rank::HasNoKey) });
         // Here, not on its thread: connections make room in the order in which they came.
         if !self.add(own.clone()) {
             return Ok(());
@@ -84,11 +86,11 @@ impl Server {
         loop {
             let (server, served, end) = (self.clone(), own.clone(), end.clone());
             let serve = move || {
-                // A browser that has vanished reads no answer.
+                // A browser that has vanished reads no response.
                 let _ = server.answer_all(&served, &end);
                 server.close(&served);
             };
-            let thread = thread::Builder::new().name("connection".into()).stack_size(STACK as usize);
+            let thread = thread::Builder::new().name("connection".into()).stack_size(STACK_BYTES as usize);
             match thread.spawn(serve) {
                 Ok(_) => return Ok(()),
                 // There is no room for a thread until another ends.
@@ -111,8 +113,8 @@ impl Server {
     fn add(&self, own: Arc<Open>) -> bool {
         let mut open = lock(&self.open);
         if open.len() >= MAX_CONNECTIONS {
-            let ranks = open.iter().map(|other| other.rank.load(Ordering::Relaxed)).enumerate();
-            let first = ranks.filter(|&(_, rank)| rank < ASKS).min_by_key(|&(_, rank)| rank);
+            let ranks = open.iter().map(|other| *lock(&other.rank)).enumerate();
+            let first = ranks.filter(|&(_, rank)| rank < Rank::Asks).min_by_key(|&(_, rank)| rank);
             let Some((place, _)) = first else { return false };
             let _ = open.remove(place).stream.shutdown(Shutdown::Both);
         }
@@ -129,26 +131,26 @@ impl Server {
             let head = connection.head(Instant::now() + time)?;
             let (head, length) = match head.and_then(|head| self.admitted(head)) {
                 Ok(admitted) => admitted,
-                Err(answer) => return connection.refuse(&answer),
+                Err(response) => return connection.refuse(&response),
             };
             time = IDLE_TIME;
             // The connection asks for something only when the body has arrived.
-            own.rank.store(RESTS, Ordering::Relaxed);
+            *lock(&own.rank) = Rank::Rests;
             let body = connection.body(length, Instant::now() + BODY_TIME)?;
-            let answer = match (head.is_post, head.path.as_str()) {
+            let response = match (head.is_post, head.path.as_str()) {
                 (false, "/") => page()?,
-                (false, _) => Answer::text(404, "there is nothing here"),
-                (true, "/quit") => Answer::text(200, "ended"),
+                (false, _) => Response::text(404, "there is nothing here"),
+                (true, "/quit") => Response::text(200, "ended"),
                 (true, "/alive") => alive(&connection),
                 (true, path) => {
-                    own.rank.store(ASKS, Ordering::Relaxed);
+                    *lock(&own.rank) = Rank::Asks;
                     let mut has_left = || connection.has_left();
                     let found = self.session.answer(path, &head.query, &body, &mut has_left);
                     found.unwrap_or_else(|refusal| refusal)
                 }
             };
-            connection.send(&answer, head.closes)?;
-            own.rank.store(RESTS, Ordering::Relaxed);
+            connection.send(&response, head.closes)?;
+            *lock(&own.rank) = Rank::Rests;
             if head.is_post && head.path == "/quit" {
                 let _ = end.send(());
             }
@@ -159,24 +161,24 @@ impl Server {
     }
 
     /// Returns the head of a request that may be answered, and the length of its body.
-    fn admitted(&self, head: Head) -> Result<(Head, usize), Answer> {
+    fn admitted(&self, head: Head) -> Result<(Head, usize), Response> {
         self.key.admit(&head)?;
-        let most = if head.path == "/reference" { MAX_PICTURE_FILE } else { MAX_QUESTION };
+        let most = if head.path == "/reference" { MAX_PICTURE_FILE_BYTES } else { MAX_QUESTION_BYTES };
         match head.length {
-            Some(length) if length > most => Err(Answer::text(413, &format!("at most {most} bytes"))),
-            None if head.is_post => Err(Answer::text(411, "the length of the body must be given")),
+            Some(length) if length > most => Err(Response::text(413, &format!("at most {most} bytes"))),
+            None if head.is_post => Err(Response::text(411, "the length of the body must be given")),
             length => Ok((head, length.unwrap_or(0))),
         }
     }
 }
 
 /// Answers late: a page that waits for it notices at once when the program ends, since the connection breaks.
-fn alive(connection: &Connection) -> Answer {
+fn alive(connection: &Connection) -> Response {
     let end = Instant::now() + ALIVE_TIME;
     while Instant::now() < end && !connection.has_left() {
         thread::sleep(Duration::from_millis(500));
     }
-    Answer::text(200, "alive")
+    Response::text(200, "alive")
 }
 
 /// The page: one document, whose own parts have a mark that is new each time.
@@ -187,7 +189,7 @@ struct Page {
 }
 
 /// Returns the page. Its policy lets nothing run or be loaded but its own parts.
-fn page() -> io::Result<Answer> {
+fn page() -> io::Result<Response> {
     let page = Page { mark: Key::new()?.0 };
     let policy = format!(
         "default-src 'none'; script-src 'nonce-{0}'; style-src 'nonce-{0}'; connect-src 'self'; img-src data:; \
@@ -195,5 +197,5 @@ fn page() -> io::Result<Answer> {
         page.mark
     );
     let body = page.render().map_err(io::Error::other)?.into_bytes();
-    Ok(Answer { status: 200, content_type: "text/html; charset=utf-8", policy, body })
+    Ok(Response { status: 200, content_type: "text/html; charset=utf-8", policy, body })
 }

@@ -1,13 +1,15 @@
 //! Answers the questions of pages.
 
-use super::flags::{Most, most, options};
-use super::http::Answer;
+use super::flags::{Amounts, options};
+use super::http::Response;
 use super::limits::*;
 use super::lock;
 use super::objects::object_map;
+use super::painting::{Painted, complete, paint};
+use super::prepared::PreparedScenes;
 use super::rays::Rays;
 use super::scenes::{OpenScene, Scenes};
-use super::view::{Painted, View};
+use super::view::View;
 use super::workers::Workers;
 use crate::base::escape::quoted;
 use crate::base::memory;
@@ -35,8 +37,9 @@ pub struct Session {
     line: Options,
     /// The pictures that a page can write.
     outputs: Vec<Output>,
-    most: Most,
+    most: Amounts,
     scenes: Scenes,
+    prepared: PreparedScenes,
     /// The picture from elsewhere that views are compared with.
     reference: Mutex<Option<Arc<Reference>>>,
     workers: Workers,
@@ -80,7 +83,7 @@ struct Shown {
     cost: Option<Cost>,
 }
 
-type Found = Result<Answer, Answer>;
+type Found = Result<Response, Response>;
 
 impl Session {
     /// Opens the scene of a command line.
@@ -103,8 +106,9 @@ impl Session {
             input: input.to_owned(),
             line: line.clone(),
             outputs: line.outputs.iter().filter(may_write).cloned().collect(),
-            most: most(line, size),
+            most: Amounts::most(line, size),
             scenes: Scenes::open(line, input)?,
+            prepared: PreparedScenes::new(line.structure),
             reference: Mutex::new(reference),
             workers: Workers::new(line.threads.unwrap_or_else(cores)),
         })
@@ -119,12 +123,12 @@ impl Session {
             return Ok(self.start());
         }
         if path == "/reference" {
-            return within(20, BYTES_OF_FILES, &|_| self.take_reference(query, body));
+            return within(20, FILE_BYTES, &|_| self.take_reference(query, body));
         }
         if path == "/scene" {
             let typed: Typed = question(body)?;
-            let of_meshes = if typed.text.contains("TriangleMesh") { BYTES_OF_FILES } else { 0 };
-            let bytes = of_meshes + typed.text.len() as u64 * BYTES_PER_CHARACTER;
+            let of_meshes = if typed.text.contains("TriangleMesh") { FILE_BYTES } else { 0 };
+            let bytes = of_meshes + typed.text.len() as u64 * PARSER_BYTES_PER_BYTE;
             return within(20, bytes, &|stop| self.type_in(&typed, stop));
         }
         let Question { view, sketch, pixel } = question(body)?;
@@ -135,12 +139,12 @@ impl Session {
             "/cause" => within(60, view.bytes() + 2 * view.scene.bytes(), &|stop| self.cause(&view, stop)),
             "/objects" => within(20, view.bytes(), &|stop| self.objects(&view, stop)),
             "/trace" => {
-                let pixel = pixel.ok_or_else(|| Answer::text(400, "not a question: it names no pixel"))?;
+                let pixel = pixel.ok_or_else(|| Response::text(400, "not a question: it names no pixel"))?;
                 within(20, 0, &|stop| self.trace(&view, pixel, stop))
             }
             // The command line may name pictures that no page would show.
             "/save" => within(600, view.bytes(), &|stop| self.save(&view, stop)),
-            _ => Err(Answer::text(404, "there is nothing here")),
+            _ => Err(Response::text(404, "there is nothing here")),
         }
     }
 
@@ -148,22 +152,23 @@ impl Session {
         &self,
         Shown { scene, words, camera, cost }: Shown,
         sketch: Option<[usize; 2]>,
-    ) -> Result<View, Answer> {
-        let closed = |reason| Answer::text(410, reason);
+    ) -> Result<View, Response> {
+        let closed = |reason| Response::text(410, reason);
         let scene = self.scenes.scene(scene).ok_or_else(|| closed("the scene is closed"))?;
-        let options = options(&words, &self.most)?;
+        let options = options(&words, self.most)?;
         if options.edition != scene.named {
             return Err(closed("the scene is open in another edition"));
         }
         let options = options.in_edition(scene.choice.edition);
-        let in_block = |error: Diagnostic| Answer::text(422, &error.in_file(Path::new("camera")).headline());
+        let in_block =
+            |error: Diagnostic| Response::text(422, &error.in_file(Path::new("camera")).headline());
         let camera = camera.map(|block| parse_camera(&block).map_err(in_block)).transpose()?;
         let view = View { scene, words, options, camera, cost, sketch: sketch.map(clipped) };
         memory::ask(view.bytes())?;
         Ok(view)
     }
 
-    fn start(&self) -> Answer {
+    fn start(&self) -> Response {
         let (first, reference) = (&self.scenes.first, self.reference());
         let outputs: Vec<_> = self.outputs.iter().map(|output| output.file.to_string_lossy()).collect();
         let meta = json!({
@@ -176,11 +181,11 @@ impl Session {
             "most": self.most,
             "cell_colors": grid_view::SCALE.map(|color| color.map(|channel| (255.0 * channel) as u8)),
         });
-        Answer::described(&meta, &[])
+        Response::described(&meta, &[])
     }
 
     fn type_in(&self, Typed { text, words }: &Typed, stop: &Stop) -> Found {
-        let named = options(words, &self.most)?.edition;
+        let named = options(words, self.most)?.edition;
         let meta = match self.scenes.type_in(text.clone(), named, stop) {
             Ok(scene) => json!({ "scene": description(&scene) }),
             Err(error) => {
@@ -188,12 +193,12 @@ impl Session {
                 json!({ "error": { "at": at, "problem": error.message, "hint": error.hint } })
             }
         };
-        Ok(Answer::described(&meta, &[]))
+        Ok(Response::described(&meta, &[]))
     }
 
     fn picture(&self, view: &View, stop: &Stop) -> Found {
         let start = Instant::now();
-        let Painted { picture, costs, nans } = self.scenes.paint(view, stop)?;
+        let Painted { picture, costs, nans } = paint(&self.prepared, view, stop)?;
         let saturated = |&count: &u64| u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes();
         let counts = costs.iter().flat_map(|map| map.counts.iter().flat_map(saturated));
         let counts: Vec<u8> = counts.collect();
@@ -205,7 +210,7 @@ impl Session {
             "costs": costs.map(|map| map.to_string()),
             "command": self.command_line(view),
         });
-        Ok(Answer::described(&meta, &[&rgba(&picture), &counts]))
+        Ok(Response::described(&meta, &[&rgba(&picture), &counts]))
     }
 
     /// Returns the command line that writes the picture of a view.
@@ -232,48 +237,48 @@ impl Session {
     fn save(&self, view: &View, stop: &Stop) -> Found {
         if self.outputs.is_empty() {
             let reason = "the command line names no picture to write; copy the one below";
-            return Err(Answer::text(422, reason));
+            return Err(Response::text(422, reason));
         }
         let written = self.outputs.iter().map(|output| output.file.clone());
         check_distinct(written, self.line.files().chain(view.scene.files.clone()))?;
-        let files = self.outputs.iter().map(|output| self.scenes.complete(view, output, stop));
+        let files = self.outputs.iter().map(|output| complete(&self.prepared, view, output, stop));
         put_in_place(files.collect::<Result<_, _>>()?)?;
         let names: Vec<String> = self.outputs.iter().map(|output| quoted(&output.file)).collect();
-        Ok(Answer::described(&json!({ "said": format!("saved {}", names.join(", ")) }), &[]))
+        Ok(Response::described(&json!({ "said": format!("saved {}", names.join(", ")) }), &[]))
     }
 
     fn objects(&self, view: &View, stop: &Stop) -> Found {
         let size = clipped(view.options.picture_size());
-        let ready = self.scenes.ready(view, Tracing::Fast, false, stop)?;
+        let ready = self.prepared.get(view, Tracing::Fast, false, stop)?;
         let (objects, places) = object_map(ready.borrow_dependent(), view.camera, size, stop)?;
-        Ok(Answer::described(&json!({ "size": size, "objects": objects }), &[&places]))
+        Ok(Response::described(&json!({ "size": size, "objects": objects }), &[&places]))
     }
 
     fn trace(&self, view: &View, pixel: [usize; 2], stop: &Stop) -> Found {
         if view.options.reduced {
-            return Err(Answer::text(422, "the pixels of a picture that is reduced are not traced"));
+            return Err(Response::text(422, "the pixels of a picture that is reduced are not traced"));
         }
-        let ready = self.scenes.ready(view, Tracing::Counted, false, stop)?;
+        let ready = self.prepared.get(view, Tracing::Counted, false, stop)?;
         let prepared = ready.borrow_dependent();
         let tree = Explainer::new(prepared)?.pixel(&view.request(Layer::Color), pixel, stop)?;
         let rays = Rays::of(&tree, view.scene.renderer.bounds(), prepared.cells());
-        Ok(Answer::described(&json!({ "pixel": pixel, "rays": rays }), &[]))
+        Ok(Response::described(&json!({ "pixel": pixel, "rays": rays }), &[]))
     }
 
     /// Takes a picture from elsewhere, in the bytes of a file whose name the query has.
     fn take_reference(&self, query: &str, file: &[u8]) -> Found {
         let name = query.strip_prefix("name=").unwrap_or_default().to_owned();
-        let most = self.most[0];
+        let most = self.most.side;
         // Up to four channels of two bytes.
         let picture = read_picture_from(Path::new(&name), file, 8 * (most as u64).pow(2))?;
         let [width, height] = picture.size();
         if width.max(height) > most {
             let reason =
                 format!("a page shows pictures of at most {most} pixels a side, not {width} x {height}");
-            return Err(Answer::text(422, &reason));
+            return Err(Response::text(422, &reason));
         }
         let reference = Arc::new(Reference { name, picture });
-        let said = Answer::described(&summary(&reference), &[]);
+        let said = Response::described(&summary(&reference), &[]);
         *lock(&self.reference) = Some(reference);
         Ok(said)
     }
@@ -291,7 +296,7 @@ impl Session {
         // The last of the panels that stand side by side.
         let [all, panel] = [shown.width(), picture.width()].map(|width| 4 * width as usize);
         let difference: Vec<&[u8]> = difference.chunks_exact(all).map(|row| &row[all - panel..]).collect();
-        Ok(Answer::described(&meta, &[&rgba(picture), &rgba(&own.picture), &difference.concat()]))
+        Ok(Response::described(&meta, &[&rgba(picture), &rgba(&own.picture), &difference.concat()]))
     }
 
     /// Finds the cause of the difference, in the words of the command line; null if no cause can be tried.
@@ -305,15 +310,16 @@ impl Session {
         let original = || Original::watched(&view.scene.renderer, &request, &watch);
         let original = can_try.then(original).flatten();
         let cause = original.map(|original| original.explain(picture).to_string());
-        Ok(Answer::described(&json!({ "cause": cause }), &[]))
+        Ok(Response::described(&json!({ "cause": cause }), &[]))
     }
 
     /// Returns the picture from elsewhere, and the view's.
-    fn pair(&self, view: &View, stop: &Stop) -> Result<(Arc<Reference>, Painted), Answer> {
+    fn pair(&self, view: &View, stop: &Stop) -> Result<(Arc<Reference>, Painted), Response> {
         let reference = self.reference();
-        let reference = reference.ok_or_else(|| Answer::text(422, "there is no picture to compare with"))?;
+        let reference =
+            reference.ok_or_else(|| Response::text(422, "there is no picture to compare with"))?;
         // Costs are no colours, and their map has a scale beside it.
-        Ok((reference, self.scenes.paint(&View { cost: None, ..view.clone() }, stop)?))
+        Ok((reference, paint(&self.prepared, &View { cost: None, ..view.clone() }, stop)?))
     }
 
     fn reference(&self) -> Option<Arc<Reference>> {
@@ -340,12 +346,12 @@ fn summary(reference: &Reference) -> Value {
     json!({ "name": reference.name, "size": reference.picture.size() })
 }
 
-fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Answer> {
-    serde_json::from_slice(body).map_err(|error| Answer::text(400, &format!("not a question: {error}")))
+fn question<Q: DeserializeOwned>(body: &[u8]) -> Result<Q, Response> {
+    serde_json::from_slice(body).map_err(|error| Response::text(400, &format!("not a question: {error}")))
 }
 
 fn clipped(size: [usize; 2]) -> [usize; 2] {
-    size.map(|side| side.clamp(1, MAX_SIDE))
+    size.map(|side| side.clamp(1, MAX_SIDE_PIXELS))
 }
 
 /// Red, green, blue and an opaque alpha, as a canvas takes them.

@@ -4,8 +4,8 @@
 //! so that a long one does not delay a short one. The number of connections bounds their number. Their memory is
 //! bounded here.
 
-use super::http::Answer;
-use super::limits::{FEW_BYTES, MAX_BYTES, MAX_CONNECTIONS, STACK};
+use super::http::Response;
+use super::limits::{FEW_BYTES, MAX_BYTES, MAX_CONNECTIONS, STACK_BYTES};
 use super::lock;
 use crate::base::memory;
 use crate::render::Stop;
@@ -36,7 +36,7 @@ struct State {
 
 impl Workers {
     pub fn new(threads: usize) -> Self {
-        let connections = MAX_CONNECTIONS as u64 * STACK;
+        let connections = MAX_CONNECTIONS as u64 * STACK_BYTES;
         let budget = memory::free_space(MAX_BYTES + connections).saturating_sub(connections);
         Self { threads, budget, state: Mutex::default() }
     }
@@ -48,12 +48,12 @@ impl Workers {
         time: Duration,
         mut bytes: u64,
         has_left: &mut dyn FnMut() -> bool,
-        work: impl FnOnce(&Stop) -> Result<T, Answer> + Send,
-    ) -> Result<T, Answer> {
+        work: impl FnOnce(&Stop) -> Result<T, Response> + Send,
+    ) -> Result<T, Response> {
         let stop = &Stop::at(Instant::now() + time);
         if self.budget < MAX_BYTES {
             // In a limited address space the threads of a request count too, with something to spare.
-            bytes = bytes.saturating_add((self.threads as u64 + 2) * STACK);
+            bytes = bytes.saturating_add((self.threads as u64 + 2) * STACK_BYTES);
         }
         let threads = self.start(bytes, stop, has_left)?;
         let (mut found, mut has_memory) = (None, true);
@@ -89,7 +89,7 @@ impl Workers {
         bytes: u64,
         stop: &Stop,
         has_left: &mut dyn FnMut() -> bool,
-    ) -> Result<ThreadPool, Answer> {
+    ) -> Result<ThreadPool, Response> {
         let mut state = lock(&self.state);
         let is_small = bytes <= FEW_BYTES && self.budget == MAX_BYTES;
         while !is_small && state.taken > 0 && state.taken.saturating_add(bytes) > self.budget {
@@ -102,22 +102,23 @@ impl Workers {
         }
         // With the lock, so that several requests do not start their threads where there is room for one.
         memory::keep_reserve().map_err(|_| no_memory())?;
-        let build = || ThreadPoolBuilder::new().num_threads(self.threads).stack_size(STACK as usize).build();
+        let build =
+            || ThreadPoolBuilder::new().num_threads(self.threads).stack_size(STACK_BYTES as usize).build();
         let threads = state.idle.pop().map_or_else(build, Ok);
-        let threads = threads.map_err(|error| Answer::text(503, &format!("no threads: {error}")))?;
+        let threads = threads.map_err(|error| Response::text(503, &format!("no threads: {error}")))?;
         state.taken += bytes;
         Ok(threads)
     }
 }
 
 /// The refusal of work that was stopped. A client that has left seldom reads it.
-fn too_long() -> Answer {
-    Answer::text(422, "this takes longer than a page may: choose a smaller picture, or fewer samples")
+fn too_long() -> Response {
+    Response::text(422, "this takes longer than a page may: choose a smaller picture, or fewer samples")
 }
 
 /// The refusal of work for which there is no memory, or which was ended for want of it.
-fn no_memory() -> Answer {
-    Answer::text(503, "not enough memory: try again, or choose a smaller picture")
+fn no_memory() -> Response {
+    Response::text(503, "not enough memory: try again, or choose a smaller picture")
 }
 
 #[cfg(test)]
@@ -126,7 +127,7 @@ mod tests {
 
     const MINUTE: Duration = Duration::from_secs(60);
 
-    fn busy(stop: &Stop) -> Result<(), Answer> {
+    fn busy(stop: &Stop) -> Result<(), Response> {
         while !stop.is_over() {
             thread::sleep(Duration::from_millis(1));
         }

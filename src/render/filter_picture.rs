@@ -1,9 +1,9 @@
 //! The picture of a reconstruction filter.
 
 use super::{Color, Progress, Stopped, Watch};
+use crate::diagnostic::Diagnostic;
 use crate::sampling::filter::Filter;
 use glam::DVec2;
-use std::ops::ControlFlow;
 
 /// Draws the weights of a filter around the middle pixel. Each pixel is enlarged `zoom` times.
 ///
@@ -14,7 +14,7 @@ pub fn render_filter(
     [width, height]: [usize; 2],
     zoom: usize,
     watch: Watch,
-    take_row: &mut dyn FnMut(&[Color]) -> ControlFlow<()>,
+    take_row: &mut dyn FnMut(&[Color]) -> Result<(), Diagnostic>,
 ) -> Result<(), Stopped> {
     let middle = width / 2;
     let supported = middle.saturating_sub(filter.support())..=middle + filter.support();
@@ -33,9 +33,7 @@ pub fn render_filter(
                 0.5 * Color::Z
             }
         };
-        if take_row(&(0..width * zoom + 1).map(color).collect::<Vec<_>>()).is_break() {
-            return Err(Stopped::Output);
-        }
+        take_row(&(0..width * zoom + 1).map(color).collect::<Vec<_>>()).map_err(Stopped::Output)?;
     }
     Ok(())
 }

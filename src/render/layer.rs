@@ -1,5 +1,6 @@
 //! The layers of a render. Each layer is a picture of one property of the scene.
 
+use crate::image_io::Content;
 use crate::sampling::sample_packet::Stage;
 use crate::stats::Counts;
 use serde::{Deserialize, Serialize};
@@ -73,9 +74,9 @@ impl Cost {
 }
 
 impl Layer {
-    /// Returns true if its colours are distances.
-    pub fn is_distance(self) -> bool {
-        self == Self::Distance
+    /// Returns the meaning of its colours.
+    pub fn content(self) -> Content {
+        if self == Self::Distance { Content::Distances } else { Content::Colors }
     }
 
     /// Returns the last stage of the rays through the pixels' centres that it needs, independent of the positions of the

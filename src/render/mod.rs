@@ -22,6 +22,7 @@ pub use tracing::Shot;
 pub use crate::picture::Window;
 
 use crate::base::memory::{self, NoMemory};
+use crate::diagnostic::Diagnostic;
 use crate::picture::{BadSize, Color, FloatPicture};
 use crate::sampling::blur::Blur;
 use crate::sampling::sampler::Sampler;
@@ -32,6 +33,7 @@ use filter_picture::render_filter;
 use glam::DVec2;
 use rayon::prelude::*;
 use row::RowSampler;
+use std::error::Error;
 use std::fmt;
 use std::ops::ControlFlow;
 use strip::Strip;
@@ -54,19 +56,19 @@ pub struct Progress {
 pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 /// A callback that takes the rows of the layers. The arguments are the index of a layer in the request and the colours
-/// of the layer's next row, from the top. The callback may end the render.
-pub type TakeRow<'a> = &'a mut (dyn FnMut(usize, &[Color]) -> ControlFlow<()> + Send + 'a);
+/// of the layer's next row, from the top. An error ends the render.
+pub type TakeRow<'a> = &'a mut (dyn FnMut(usize, &[Color]) -> Result<(), Diagnostic> + Send + 'a);
 
 /// The reason why a render ended before its last row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stopped {
     /// The watch cancelled the render after this number of rows of pixels had been handed out.
     Cancelled {
         /// Rows from the top of the window.
         rows: usize,
     },
-    /// The callback that takes the rows ended the render.
-    Output,
+    /// The error of the callback that takes the rows.
+    Output(Diagnostic),
     /// The system has too little memory for the rows that must be in memory at the same time.
     Memory(NoMemory),
     /// A picture has no pixels, or does not fit into memory.
@@ -81,7 +83,7 @@ impl fmt::Display for Stopped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cancelled { rows } => write!(f, "stopped after {rows} rows"),
-            Self::Output => write!(f, "the rows are not taken any more"),
+            Self::Output(error) => error.fmt(f),
             Self::Memory(refused) => refused.fmt(f),
             Self::Size(size) => size.fmt(f),
             Self::Structure => f.write_str("the scene's structure for casting rays does not fit into memory"),
@@ -94,7 +96,20 @@ impl fmt::Display for Stopped {
     }
 }
 
-impl std::error::Error for Stopped {}
+impl From<Stopped> for Diagnostic {
+    fn from(stopped: Stopped) -> Self {
+        match stopped {
+            Stopped::Output(error) => error,
+            stopped => Self::error(stopped.to_string()),
+        }
+    }
+}
+
+impl From<Stopped> for Box<dyn Error> {
+    fn from(stopped: Stopped) -> Self {
+        Diagnostic::from(stopped).into()
+    }
+}
 
 impl From<BadSize> for Stopped {
     fn from(size: BadSize) -> Self {
@@ -135,15 +150,13 @@ pub fn render(shot: &Shot, request: &Request, watch: Watch, take_row: TakeRow) -
     let blur = |layer: &Layer| request.reduces(layer).then(|| Blur::new(request.rows().len()));
     let mut blurs: Vec<Option<Blur>> = request.layers.iter().map(blur).collect();
     let mut reduce = |layer: usize, row: &[Color]| match &mut blurs[layer] {
-        Some(blur) => blur.add(row).map_or(ControlFlow::Continue(()), |row| take_row(layer, &row)),
+        Some(blur) => blur.add(row).map_or(Ok(()), |row| take_row(layer, &row)),
         None => take_row(layer, row),
     };
     let rendered = render_strips(shot, request, watch, &mut reduce)?;
     for (layer, blur) in blurs.iter_mut().enumerate() {
-        if let Some(row) = blur.as_mut().and_then(Blur::end)
-            && take_row(layer, &row).is_break()
-        {
-            return Err(Stopped::Output);
+        if let Some(row) = blur.as_mut().and_then(Blur::end) {
+            take_row(layer, &row).map_err(Stopped::Output)?;
         }
     }
     Ok(rendered)
@@ -232,7 +245,7 @@ pub fn render_in_memory(
     let mut pictures: Vec<FloatPicture> = request.layers.iter().map(empty).collect::<Result<_, _>>()?;
     let mut take_row = |layer: usize, row: &[Color]| {
         pictures[layer].colors.extend_from_slice(row);
-        ControlFlow::Continue(())
+        Ok(())
     };
     let Rendered { counts, costs, .. } = render(shot, request, watch, &mut take_row)?;
     for (layer, picture) in request.layers.iter().zip(&mut pictures) {

@@ -202,9 +202,8 @@ fn hand_out(row: &Row, request: &Request, take_row: TakeRow) -> Result<(), Stopp
     for (k, (layer, measured)) in request.layers.iter().zip(&row.layers).enumerate() {
         let colors = if matches!(layer, Layer::Color) { &row.colors } else { measured };
         let [width, _] = layer.size(request.window_size());
-        if colors.chunks_exact(width.max(1)).rev().try_for_each(|row| take_row(k, row)).is_break() {
-            return Err(Stopped::Output);
-        }
+        let mut rows = colors.chunks_exact(width.max(1)).rev();
+        rows.try_for_each(|row| take_row(k, row)).map_err(Stopped::Output)?;
     }
     Ok(())
 }

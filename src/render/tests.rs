@@ -64,12 +64,17 @@ fn goes_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
+/// The error of a callback that takes no more rows.
+fn refusal() -> Diagnostic {
+    Diagnostic::error("not taken").with_hint("kept")
+}
+
 /// Returns all rows of a render, until `fails_at` rows have been taken.
 fn rows(text: &str, request: &Request, tracing: Tracing, fails_at: usize) -> HandedOut {
     let mut rows = vec![];
     let mut take_row = |layer: usize, colors: &[Color]| {
         rows.push((layer, colors.to_vec()));
-        if rows.len() == fails_at { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if rows.len() == fails_at { Err(refusal()) } else { Ok(()) }
     };
     let result = render_scene(text, request, tracing, &goes_on, &mut take_row);
     (result, rows)
@@ -175,7 +180,7 @@ fn hashes(request: &Request) -> [Vec<u64>; 2] {
     let mut hashes = [vec![], vec![]];
     let mut take_row = |layer: usize, row: &[Color]| {
         hashes[layer].push(hash(row));
-        ControlFlow::Continue(())
+        Ok(())
     };
     render_scene(&scene(SPHERE), request, Tracing::Fast, &goes_on, &mut take_row).unwrap();
     hashes
@@ -219,7 +224,7 @@ fn the_watch_is_told_of_each_row_and_ends_the_render_after_whole_strips() {
         let mut taken = 0;
         let mut take_row = |layer: usize, _: &[Color]| {
             taken += layer;
-            ControlFlow::Continue(())
+            Ok(())
         };
         let result = render_scene(&scene(""), &request, Tracing::Fast, &watch, &mut take_row);
         let expected = (handed_out < LARGE_SIZE[1]).then_some(Stopped::Cancelled { rows: handed_out });
@@ -245,8 +250,7 @@ fn the_watch_ends_a_long_row_before_its_end() {
             asked.lock().unwrap().push(progress.done);
             ControlFlow::Break(())
         };
-        let result =
-            render_scene(&scene(""), &request, tracing, &watch, &mut |_, _| ControlFlow::Continue(()));
+        let result = render_scene(&scene(""), &request, tracing, &watch, &mut |_, _| Ok(()));
         assert_eq!(
             (result.err(), asked.into_inner().unwrap()),
             (Some(Stopped::Cancelled { rows: 0 }), vec![0])
@@ -273,7 +277,7 @@ fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
         let mut taken = 0;
         let mut take_row = |_: usize, _: &[Color]| {
             taken += 1;
-            ControlFlow::Continue(())
+            Ok(())
         };
         let result = render_scene(&scene(""), &request, Tracing::Fast, &watch, &mut take_row);
         // Rows in flight are finished.
@@ -290,7 +294,7 @@ fn the_progress_tells_the_rays_that_are_counted() {
         told.lock().unwrap().push((progress.done, progress.rays));
         ControlFlow::Continue(())
     };
-    let mut take_row = |_: usize, _: &[Color]| ControlFlow::Continue(());
+    let mut take_row = |_: usize, _: &[Color]| Ok(());
     render_scene(&scene(""), &request, Tracing::Fast, &watch, &mut take_row).unwrap();
     let last = told.into_inner().unwrap().into_iter().max();
     assert_eq!(last, Some((40, 5 * 40 * 3)));
@@ -312,7 +316,7 @@ fn a_row_that_is_not_taken_ends_the_render() {
     );
     for count in 1..=order.len() {
         let (result, taken) = rows(&scene(""), &request, Tracing::Fast, count);
-        assert_eq!(result.err(), Some(Stopped::Output));
+        assert_eq!(result.map_err(Diagnostic::from), Err(refusal()));
         assert_eq!(taken, all[..count]);
     }
 }

@@ -138,7 +138,7 @@ function sayWhatIsWrong() {
 }
 
 // The command line may ask for more than a page would.
-function setLimits([side, samples, bounces, support]) {
+function setLimits({ side, samples, bounces, support }) {
   for (const [id, most] of [['width', side], ['height', side], ['count', samples], ['bounces', bounces], ['radius', support]]) {
     find(id).max = most;
   }

@@ -28,17 +28,17 @@ function clearRays() {
   drawOverlay();
 }
 
-// Writes the lines of the text. One that tells of a ray lights it up.
+// Writes the lines of the text. One about a ray lights it up.
 function writeTree() {
-  const rays = traced.rays || { text: [], tells: [] };
+  const rays = traced.rays || { text: [], segments_of_lines: [] };
   const lines = rays.text.map((text, index) => {
     const line = document.createElement('li');
     line.textContent = text;
     line.style.setProperty('--indent', `${text.search(/\S|$/)}ch`);
-    const ray = rays.tells[index];
+    const ray = rays.segments_of_lines[index];
     if (ray === null || ray >= rays.segments.length) return line;
     line.className = rays.segments[ray].kind;
-    if (rays.tells[index - 1] !== ray) line.tabIndex = 0;
+    if (rays.segments_of_lines[index - 1] !== ray) line.tabIndex = 0;
     line.dataset.ray = ray;
     return line;
   });

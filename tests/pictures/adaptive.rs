@@ -61,7 +61,7 @@ fn rendered(renderer: &Renderer, request: &Request) -> (Vec<Color>, f64) {
     let mut colors = vec![];
     let mut take_row = |_: usize, row: &[Color]| {
         colors.extend_from_slice(row);
-        ControlFlow::Continue(())
+        Ok(())
     };
     let rendered =
         prepared.render_rows(request, &|_| ControlFlow::Continue(()), &mut take_row).expect("a picture");
@@ -287,7 +287,7 @@ fn the_error_is_estimated() {
             let mut colors = vec![];
             let mut take_row = |_: usize, row: &[Color]| {
                 colors.extend_from_slice(row);
-                ControlFlow::Continue(())
+                Ok(())
             };
             let go_on = |_| ControlFlow::Continue(());
             let rendered = prepared.render_rows(&request, &go_on, &mut take_row).expect("a picture");

@@ -1,6 +1,7 @@
 //! The library's front door: one scene, opened once and rendered in many ways.
 
 use raytracer::caster::choose::{Resolution, Structure};
+use raytracer::diagnostic::Diagnostic;
 use raytracer::picture::{Color, FloatPicture};
 use raytracer::render::renderer::{Meshes, Prepared, Renderer};
 use raytracer::render::{Layer, Progress, Request, Stopped, Tracing, Window};
@@ -138,7 +139,7 @@ fn progress_counts_every_row_once() {
     let mut rows = [0; 4];
     let mut take_row = |layer: usize, _: &[Color]| {
         rows[layer] += 1;
-        ControlFlow::Continue(())
+        Ok(())
     };
     let counts = prepared.render_rows(&request, &watch, &mut take_row).expect("all rows").counts;
     let mut done: Vec<usize> = told.into_inner().expect("no panic").iter().map(|p| p.done).collect();
@@ -159,15 +160,16 @@ fn the_watch_and_the_output_end_a_render() {
     let mut taken = 0;
     let mut take_row = |_: usize, _: &[Color]| {
         taken += 1;
-        ControlFlow::Continue(())
+        Ok(())
     };
     let stopped = prepared.render_rows(&request(), &ends, &mut take_row).err();
     assert_eq!(stopped, Some(Stopped::Cancelled { rows: 0 }), "the rows are one strip");
     assert_eq!(taken, 0);
     let goes_on = |_| ControlFlow::Continue(());
-    let mut refuses = |_: usize, _: &[Color]| ControlFlow::Break(());
+    let refusal = || Diagnostic::error("not taken");
+    let mut refuses = |_: usize, _: &[Color]| Err(refusal());
     let stopped = prepared.render_rows(&request(), &goes_on, &mut refuses).err();
-    assert_eq!(stopped, Some(Stopped::Output));
+    assert_eq!(stopped, Some(Stopped::Output(refusal())));
 }
 
 #[test]

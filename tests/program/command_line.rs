@@ -1,7 +1,7 @@
 //! Tables of valid command lines, each with its options.
 
 use raytracer::caster::choose::{Resolution, Structure};
-use raytracer::cli::{Command, Comparison, Given, LivePage, Options, Output, ShowProgress, parse};
+use raytracer::cli::{Command, ComparisonOptions, Given, LivePage, Options, Output, ShowProgress, parse};
 use raytracer::diagnostic::Diagnostic;
 use raytracer::image_io::Format;
 use raytracer::render::adaptive::Adaptive;
@@ -148,9 +148,10 @@ fn each_flag_sets_its_option() {
 #[test]
 fn comparisons() {
     let file = |name: &str| Some(PathBuf::from(name));
-    let mine = Comparison { picture: file("a.tga"), reference: None, difference: None, tolerance: None };
+    let mine =
+        ComparisonOptions { picture: file("a.tga"), reference: None, difference: None, tolerance: None };
     accepts("-input s.txt -compare a.tga", Options { comparison: Some(mine.clone()), ..plain() });
-    let both = Comparison {
+    let both = ComparisonOptions {
         reference: file("b.PNG"),
         difference: file("d.png"),
         tolerance: Some(Tolerance { levels: 2.0, pixels: 4294967295 }),
@@ -160,7 +161,8 @@ fn comparisons() {
         "-tolerance 2 4294967295 -difference d.png -reference b.PNG -compare a.tga",
         Options { input: None, comparison: Some(both), ..plain() },
     );
-    let theirs = Comparison { picture: None, reference: file("b.tga"), difference: None, tolerance: None };
+    let theirs =
+        ComparisonOptions { picture: None, reference: file("b.tga"), difference: None, tolerance: None };
     accepts("-input s.txt -reference b.tga", Options { comparison: Some(theirs), ..plain() });
 }
 

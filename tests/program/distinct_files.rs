@@ -210,6 +210,11 @@ fn the_part_of_a_stopped_run_is_no_other_file() {
     refuse(&folder, line, "o.partial.tga", &format!("{part} is also `o.partial.tga`"));
     // An earlier one is replaced.
     folder.run("-input s.txt -output o.tga -depth 1 2 d.tga").ok();
+    // A stopped run keeps no rows of pictures whose pixels are displaced or reduced.
+    let folder = Folder::with_scene(&sphere_in_perspective());
+    for flags in ["-jitter", "-filter", "-jitter -filter"] {
+        folder.run(&format!("-input s.txt -size 6 6 {flags} -output o.tga -normals o.partial.tga")).ok();
+    }
 }
 
 #[test]

@@ -50,7 +50,7 @@ fn a_filter_is_drawn_around_the_middle_pixel_with_lines_between_pixels() {
     let drawn = RefCell::new(vec![]);
     render_filter(filter, [width, height], zoom, &|_| ControlFlow::Continue(()), &mut |row| {
         drawn.borrow_mut().push(row.to_vec());
-        ControlFlow::Continue(())
+        Ok(())
     })
     .unwrap();
     let drawn = drawn.into_inner();

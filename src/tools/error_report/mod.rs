@@ -20,6 +20,7 @@ mod text;
 pub use csv::csv;
 pub use numerical::{Departure, Numerical};
 pub use page::page;
+pub use plan::plan;
 pub use setting::{Axis, SamplingKind, Setting};
 pub use sweep::{Bench, measure};
 pub use text::text;
@@ -41,7 +42,7 @@ pub struct ErrorReport {
     /// The effect of rounding, apart from sampling. `None` if it was not measured.
     pub numerical: Option<Numerical>,
     pub planned: usize,
-    /// The program, the machine and the date of the measurements, as one line. Empty if the caller does not tell.
+    /// The program, the machine and the date of the measurements, as one line.
     pub origin: String,
     /// The time of all measurements.
     pub time: Duration,

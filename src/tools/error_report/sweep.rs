@@ -1,11 +1,12 @@
 //! Renders and measures one setting after the other.
 
 use super::numerical::{self, Numerical};
-use super::plan::{plan, with_octaves};
+use super::plan::with_octaves;
 use super::reference::{self, Reference};
 use super::setting::{Axis, Setting};
 use super::{ErrorReport, MeasuredFilter, Measurement};
 use crate::base::patience::Patience;
+use crate::base::processor_time::processor_time;
 use crate::caster::NotBuilt;
 use crate::diagnostic::Diagnostic;
 use crate::picture::FloatPicture;
@@ -17,14 +18,13 @@ use rayon::ThreadPool;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// The threads, the clock and the watch used for measurements.
+/// The threads and the watch used for measurements.
 #[derive(Clone, Copy)]
 pub struct Bench<'a> {
     /// The threads that render references.
     pub many: &'a ThreadPool,
     /// The single thread whose time is measured.
     pub one: &'a ThreadPool,
-    pub clock: &'a (dyn Fn() -> Duration + Sync),
     /// Receives the completed fraction, from 0 to 1, and the current activity. It may end the sweep.
     pub watch: &'a (dyn Fn(f64, &str) -> ControlFlow<()> + Sync),
 }
@@ -40,24 +40,24 @@ const RENDERINGS: f64 = 4.0;
 /// The approximate number of samples of an adaptive setting.
 const ADAPTIVE_SAMPLES: f64 = 16.0;
 
-/// Measures the settings of a scene, or those with the filter of `own` alone. `own` is the setting of the command line.
-/// The renderer must have kept the scene's meshes and must have no threads of its own. If the watch ends the sweep, the
-/// report has the finished settings.
+/// Measures the settings of a [`plan`](super::plan()), whose lists have a filter each and are not empty. `own` is the
+/// setting of the command line, and `origin` names the program, the machine and the date. The renderer must have kept
+/// the scene's meshes and must have no threads of its own. If the watch ends the sweep, the report has the finished
+/// settings.
 pub fn measure(
     renderer: &Renderer,
     own: &Setting,
+    plan: &[Vec<Setting>],
     bench: Bench,
-    all_filters: bool,
+    origin: String,
 ) -> Result<ErrorReport, Diagnostic> {
-    let mut plan = plan(&renderer.scene, renderer.world(), own);
-    plan.truncate(if all_filters { plan.len() } else { 1 });
     let start = Instant::now();
     let report = ErrorReport {
         size: own.request.size,
         groups: vec![],
         numerical: None,
         planned: plan.iter().map(Vec::len).sum(),
-        origin: String::new(),
+        origin,
         time: Duration::ZERO,
     };
     let half = f64::from(reference::SAMPLES) / bench.many.current_num_threads() as f64;
@@ -187,9 +187,9 @@ impl Sweep<'_> {
     fn repeat(&self, setting: &Setting, prepared: &Prepared) -> Result<Repeated, Ended> {
         let (label, mut times) = (setting.label(), Vec::new());
         loop {
-            let start = (self.bench.clock)();
+            let start = processor_time();
             let (colors, rays) = self.render(self.bench.one, prepared, &setting.request, 0.0, &label)?;
-            times.push((self.bench.clock)().saturating_sub(start));
+            times.push(processor_time().saturating_sub(start));
             let is_enough = times.len() >= FEWEST && times.iter().sum::<Duration>() >= ENOUGH;
             if is_enough || times.len() >= MOST {
                 times.sort();

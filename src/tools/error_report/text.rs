@@ -42,9 +42,7 @@ pub fn text(report: &ErrorReport, answers: &[Answer<'_>]) -> String {
     lines.extend(rows);
     lines.extend(report.numerical.iter().flat_map(numerical));
     lines.push(note(report));
-    if !report.origin.is_empty() {
-        lines.push(report.origin.clone());
-    }
+    lines.push(report.origin.clone());
     lines.push(
         "each against its own filter's converged picture; report.html and report.csv have everything".into(),
     );

@@ -13,7 +13,6 @@ use crate::trace::{Effects, Shadows};
 use crate::world::World;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 
 /// Warns about a scene without lights, in the words of the course's program.
 pub fn no_lights(scene: &Scene) -> Option<Diagnostic> {
@@ -101,8 +100,8 @@ pub fn nothing_visible(prepared: &Prepared, request: &Request, watch: Watch) -> 
         Request { layers: vec![Layer::SignedNormals], camera: request.camera, ..Request::new(request.size) };
     // Normals have unit length. They are zero where nothing is hit.
     let mut take_row = |_: usize, row: &[Color]| match row.iter().all(|&color| color == Color::ZERO) {
-        true => ControlFlow::Continue(()),
-        false => ControlFlow::Break(()),
+        true => Ok(()),
+        false => Err(Diagnostic::note("something is visible")),
     };
     prepared.render_rows(&centers, watch, &mut take_row).ok()?;
     // With planes, or gaps between objects, there is nothing to advise.
