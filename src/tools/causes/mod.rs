@@ -7,6 +7,7 @@
 mod changes;
 mod difference_kind;
 mod finding;
+pub(crate) mod hits;
 mod made;
 mod mistakes;
 pub(crate) mod paint;
@@ -17,7 +18,6 @@ mod search;
 mod self_hits;
 mod speckles;
 pub(crate) mod student;
-
 mod transforms;
 mod variant;
 mod wrong_hits;

@@ -1,7 +1,7 @@
 //! Hits that are found in wrong ways.
 
+use super::hits::Hits;
 use super::rules::{Rule, Rules};
-use super::student::Hits;
 use crate::math::ray::{Ray, Visible};
 use crate::world::{Objects, PlacedObject, SurfacePoint, World};
 

@@ -2,7 +2,7 @@
 
 use crate::base::patience::{Endless, Steps};
 use crate::math::ray::{Ray, Visible};
-use crate::tools::causes::student::Hits;
+use crate::tools::causes::hits::Hits;
 use crate::world::World;
 
 /// Tests every primitive, one by one.
