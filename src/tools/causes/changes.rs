@@ -241,11 +241,13 @@ pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
 
 /// Swaps the materials or the colours of checkerboards, or else of all other textures.
 pub fn swap_children(scene: &mut Scene, of_checkerboards: bool) {
-    let is_meant = |pattern: Pattern| (pattern == Pattern::Checkerboard) == of_checkerboards;
+    let is_swapped = |pattern: Pattern| (pattern == Pattern::Checkerboard) == of_checkerboards;
     for material in &mut scene.materials {
         match material {
-            Material::Texture(texture) if is_meant(texture.pattern) => texture.children.swap(0, 1),
-            Material::Painted(_, Paint::Pattern(pattern, colors)) if is_meant(*pattern) => colors.swap(0, 1),
+            Material::Texture(texture) if is_swapped(texture.pattern) => texture.children.swap(0, 1),
+            Material::Painted(_, Paint::Pattern(pattern, colors)) if is_swapped(*pattern) => {
+                colors.swap(0, 1)
+            }
             _ => {}
         }
     }

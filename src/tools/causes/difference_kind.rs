@@ -5,11 +5,11 @@
 
 use super::Original;
 use super::changes::{Part, drop_highlights, drop_shadows};
-use super::made::MadePixel;
 use super::mistakes::{Make, Mistake};
 use super::regions::{largest_region, neighbours, window_around};
+use super::rendering::RenderedPixel;
 use super::speckles::unlike_neighbours;
-use super::variant::{Rough, Variant, colors_at};
+use super::variant::{Thresholds, Variant, colors_at};
 use crate::picture::Window;
 use crate::render::Layer;
 use crate::tools::compare::{Rgb, largest_channel_difference};
@@ -48,15 +48,15 @@ pub struct DifferenceKind {
     /// The object that differs, if it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<NamedObject>,
-    /// The subject.
+    /// The thing that differs.
     #[serde(flatten)]
-    pub what: What,
+    pub subject: Subject,
 }
 
 /// The subject of a difference in a region.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
-pub enum What {
+pub enum Subject {
     /// The background.
     Background,
     /// The outline of the object.
@@ -98,23 +98,23 @@ impl fmt::Display for NamedObject {
 impl fmt::Display for DifferenceKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let object = self.object.as_ref().map_or(String::new(), ToString::to_string);
-        match self.what {
-            What::Background => f.write_str("the background differs"),
-            What::Outline => write!(f, "the outline of {object} is elsewhere"),
-            What::Missing => write!(f, "{object} is missing"),
-            What::Scattered => write!(
+        match self.subject {
+            Subject::Background => f.write_str("the background differs"),
+            Subject::Outline => write!(f, "the outline of {object} is elsewhere"),
+            Subject::Missing => write!(f, "{object} is missing"),
+            Subject::Scattered => write!(
                 f,
                 "neighbouring pixels of {object} differ in different ways, as with an epsilon that is too small or \
                  with other random numbers"
             ),
-            What::Shadow { light: Some(line) } => {
+            Subject::Shadow { light: Some(line) } => {
                 write!(f, "the shadow of the light in line {line} differs on {object}")
             }
-            What::Shadow { light: None } => write!(f, "shadows differ on {object}"),
-            What::Highlight => write!(f, "the highlights of {object} differ"),
-            What::Diffuse => write!(f, "the shading of {object} differs, also outside of highlights"),
-            What::Secondary => f.write_str("only what is reflected or refracted differs"),
-            What::Measure => write!(f, "the surface of {object} differs"),
+            Subject::Shadow { light: None } => write!(f, "shadows differ on {object}"),
+            Subject::Highlight => write!(f, "the highlights of {object} differ"),
+            Subject::Diffuse => write!(f, "the shading of {object} differs, also outside of highlights"),
+            Subject::Secondary => f.write_str("only what is reflected or refracted differs"),
+            Subject::Measure => write!(f, "the surface of {object} differs"),
         }?;
         let Window { x, y, width, height } = self.window;
         let [worst_x, worst_y] = self.worst;
@@ -155,7 +155,7 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
     if pixels.is_empty() || original.request.is_reduced {
         return None;
     }
-    let own: Vec<Rgb> = original.colors.colors.iter().map(|&color| MadePixel::new(color).bytes).collect();
+    let own: Vec<Rgb> = original.colors.colors.iter().map(|&color| RenderedPixel::new(color).bytes).collect();
     let levels = |at: &usize| largest_channel_difference(picture[*at], own[*at]);
     let worst = pixels.iter().copied().max_by_key(levels)?;
     let seen = |at| {
@@ -170,7 +170,7 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
     let is_outline = at_outlines as f64 >= OUTLINE * region.sample.len() as f64;
     let shown = |&at: &usize| if is_outline { region.nearest_around(at) } else { region.object_at(at) };
     let object = most_frequent(region.sample.iter().map(shown)).flatten();
-    let what = object.map_or(What::Background, |id| region.what(id, is_outline, wrong));
+    let subject = object.map_or(Subject::Background, |id| region.subject(id, is_outline, wrong));
     let scene = &original.renderer().scene;
     let named =
         |id: usize| NamedObject { name: scene.objects[id].name(), line: scene.positions.object(id).line };
@@ -179,34 +179,34 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
         window: window_around(&region.pixels, size[0]),
         worst: [worst % size[0], worst / size[0]],
         levels,
-        object: object.filter(|_| what != What::Secondary).map(named),
-        what,
+        object: object.filter(|_| subject != Subject::Secondary).map(named),
+        subject,
     })
 }
 
 impl Region<'_> {
     /// Returns what differs in the region of this object.
-    fn what(&self, id: usize, is_outline: bool, wrong: &[usize]) -> What {
+    fn subject(&self, id: usize, is_outline: bool, wrong: &[usize]) -> Subject {
         let is_it = |at: &usize| self.object_at(*at) == Some(id);
         let in_region = self.pixels.iter().copied().filter(is_it).count();
         let in_picture = (0..self.picture.len()).filter(is_it).count();
         let without = Make::Without(Part::Object(id));
         if in_region as f64 >= MOST * in_picture as f64 && self.is_right_with(without) {
-            What::Missing
+            Subject::Missing
         } else if is_outline {
-            What::Outline
+            Subject::Outline
         } else if unlike_neighbours(self.picture, &self.own, wrong, self.size[0]).among_wrong >= NOISE {
-            What::Scattered
+            Subject::Scattered
         } else if self.original.layer() != Layer::Color {
-            What::Measure
+            Subject::Measure
         } else if self.is_secondary(wrong) {
-            What::Secondary
+            Subject::Secondary
         } else if let Some(light) = self.shadow() {
-            What::Shadow { light }
+            Subject::Shadow { light }
         } else if self.is_highlight(id, wrong) {
-            What::Highlight
+            Subject::Highlight
         } else {
-            What::Diffuse
+            Subject::Diffuse
         }
     }
 
@@ -239,9 +239,9 @@ impl Region<'_> {
 
     fn colors_with(&self, change: Make, pixels: &[usize]) -> Option<Vec<Rgb>> {
         let variant = Variant::new(self.original, &[Mistake::unnamed(change)])?;
-        let colors =
-            variant.with_painter(Rough::NONE, |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
-        Some(colors.into_iter().map(|color| MadePixel::new(color).bytes).collect())
+        let colors = variant
+            .with_painter(Thresholds::OWN, |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
+        Some(colors.into_iter().map(|color| RenderedPixel::new(color).bytes).collect())
     }
 
     /// Returns true if all wrong pixels show surfaces that reflect or refract.

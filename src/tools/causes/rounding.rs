@@ -5,10 +5,10 @@
 //! and if the moved views differ from the right one by about as much. Smaller differences, of one level, are rounding if
 //! they have both signs and are not in most pixels.
 
-use super::made::{Made, MadePixel};
+use super::rendering::{RenderedPixel, Rendering};
 use super::self_hits::is_made;
 use super::student::Departure;
-use super::variant::{Rough, Variant, colors_at};
+use super::variant::{Thresholds, Variant, colors_at};
 use crate::picture::Color;
 use crate::tools::compare::{Rgb, largest_channel_difference};
 use crate::world::SurfacePoint;
@@ -36,7 +36,7 @@ const WEIGHT_ROUNDING: f64 = 1e-5;
 
 /// The pixels in which a picture differs from one that this program makes, and which of them rounding explains.
 #[derive(Clone, Debug)]
-pub struct Rest {
+pub struct Residual {
     /// The number of pixels whose bytes differ.
     pub differing: usize,
     /// The pixels that rounding does not explain, in ascending order.
@@ -47,44 +47,46 @@ pub struct Rest {
     pub epsilon: Option<f64>,
 }
 
-/// Finds out what rounding explains of the difference between a picture and a variant, whose picture is `made`. Without
-/// a variant no pixel can be seen again, so rounding explains one level only.
-pub fn rest(picture: &[Rgb], made: &Made, variant: Option<&Variant>) -> Rest {
-    let pairs = || picture.iter().zip(&made.pixels).enumerate();
-    let differing = pairs().filter(|(_, (pixel, made))| **pixel != made.bytes).count();
+/// Returns what rounding leaves unexplained of the difference between a picture and a variant with this rendering.
+/// Without a variant no pixel can be seen again, so rounding explains one level only.
+pub fn residual(picture: &[Rgb], rendering: &Rendering, variant: Option<&Variant>) -> Residual {
+    let pairs = || picture.iter().zip(&rendering.pixels).enumerate();
+    let differing = pairs().filter(|(_, (pixel, own))| **pixel != own.bytes).count();
     let visible: Vec<usize> =
-        pairs().filter(|(_, (pixel, made))| made.differs_visibly(**pixel)).map(|(at, _)| at).collect();
+        pairs().filter(|(_, (pixel, own))| own.differs_visibly(**pixel)).map(|(at, _)| at).collect();
     let is_by_a_level = |at: &usize| {
-        let (pixel, made) = (picture[*at], &made.pixels[*at]);
-        made.levels(pixel) > 0 && !made.differs_visibly(pixel)
+        let (pixel, own) = (picture[*at], &rendering.pixels[*at]);
+        own.levels(pixel) > 0 && !own.differs_visibly(pixel)
     };
     let by_a_level: Vec<usize> = (0..picture.len()).filter(is_by_a_level).collect();
-    let mut rest = Rest { differing, unexplained: visible.clone(), visible, epsilon: None };
-    let views = variant.map(|variant| Views { picture, made, variant });
+    let mut residual = Residual { differing, unexplained: visible.clone(), visible, epsilon: None };
+    let views = variant.map(|variant| Views { picture, rendering, variant });
     if let Some(views) = &views {
-        rest.unexplained = rest.examine(views, rest.visible.clone());
+        residual.unexplained = residual.examine(views, residual.visible.clone());
     }
     // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
     let left = match &views {
-        Some(views) if !is_balanced(picture, made, &by_a_level) => rest.examine_grazing(views, by_a_level),
+        Some(views) if !is_balanced(picture, rendering, &by_a_level) => {
+            residual.examine_grazing(views, by_a_level)
+        }
         _ => by_a_level,
     };
-    if !is_balanced(picture, made, &left) {
-        rest.unexplained.extend(left);
-        rest.unexplained.sort_unstable();
+    if !is_balanced(picture, rendering, &left) {
+        residual.unexplained.extend(left);
+        residual.unexplained.sort_unstable();
     }
-    rest
+    residual
 }
 
 /// Returns true if rounding may change these pixels by one level: in both directions, and not most pixels.
-fn is_balanced(picture: &[Rgb], made: &Made, by_a_level: &[usize]) -> bool {
-    let above = by_a_level.iter().filter(|&&at| made.pixels[at].is_below(picture[at])).count();
+fn is_balanced(picture: &[Rgb], rendering: &Rendering, by_a_level: &[usize]) -> bool {
+    let above = by_a_level.iter().filter(|&&at| rendering.pixels[at].is_below(picture[at])).count();
     let rarer = above.min(by_a_level.len() - above) as f64;
     let has_both_signs = by_a_level.len() < FEW || rarer >= RARER_SIGN * by_a_level.len() as f64;
     has_both_signs && by_a_level.len() as f64 <= MOST_BY_A_LEVEL * picture.len() as f64
 }
 
-impl Rest {
+impl Residual {
     /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
     fn examine(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
         let variant = views.variant;
@@ -92,22 +94,22 @@ impl Rest {
         if pixels.len() > SAMPLED {
             let step = pixels.len() / SAMPLED;
             let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
-            let left = views.unexplained(&sample, Rough::NONE);
+            let left = views.unexplained(&sample, Thresholds::OWN);
             if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
                 return pixels;
             }
         }
-        let mut left = views.unexplained(&pixels, Rough::NONE);
+        let mut left = views.unexplained(&pixels, Thresholds::OWN);
         if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
             return left;
         }
         if variant.weighs_rays() {
             for weight in [1.0 - WEIGHT_ROUNDING, 1.0 + WEIGHT_ROUNDING] {
-                left = views.unexplained(&left, Rough { epsilon: None, weight });
+                left = views.unexplained(&left, Thresholds { epsilon: None, weight });
             }
         }
         let by_epsilon = |epsilon| {
-            let left = views.unexplained(&left, Rough { epsilon: Some(epsilon), weight: 1.0 });
+            let left = views.unexplained(&left, Thresholds { epsilon: Some(epsilon), weight: 1.0 });
             let moves: Vec<[f64; 2]> = moves(true).collect();
             views.unexplained_by_grazing(left, epsilon, &moves)
         };
@@ -138,22 +140,22 @@ impl Rest {
 /// A picture, and the variant from which it differs.
 struct Views<'v> {
     picture: &'v [Rgb],
-    made: &'v Made,
+    rendering: &'v Rendering,
     variant: &'v Variant<'v>,
 }
 
 impl Views<'_> {
     /// Returns true if a view explains a pixel.
     fn explains(&self, at: usize, view: Color) -> bool {
-        let view = self.variant.finish().color(view, at, self.variant.size());
-        is_explained(self.picture[at], self.made.colors[at], view)
+        let view = self.variant.pixel_changes().color(view, at, self.variant.size());
+        is_explained(self.picture[at], self.rendering.colors[at], view)
     }
 
-    /// Returns which of these pixels no moved view of a rough tracer explains.
-    fn unexplained(&self, pixels: &[usize], rough: Rough) -> Vec<usize> {
-        let left = self.variant.with_painter(rough, |painter| {
+    /// Returns which of these pixels no moved view explains of a tracer with these thresholds.
+    fn unexplained(&self, pixels: &[usize], thresholds: Thresholds) -> Vec<usize> {
+        let left = self.variant.with_painter(thresholds, |painter| {
             let mut left = pixels.to_vec();
-            for [x, y] in moves(rough != Rough::NONE) {
+            for [x, y] in moves(thresholds != Thresholds::OWN) {
                 let views = colors_at(painter, self.variant, &left, DVec2::new(x, y));
                 let pairs = left.iter().zip(views);
                 left = pairs.filter(|(at, view)| !self.explains(**at, *view)).map(|(&at, _)| at).collect();
@@ -177,10 +179,10 @@ impl Views<'_> {
         let grazes = |why, surface: &SurfacePoint, direction: DVec3| {
             why != Departure::Onwards && surface.normal.dot(direction).abs() <= largest_cosine
         };
-        let rough = Rough { epsilon: Some(epsilon), weight: 1.0 };
-        let left = self.variant.with_painter(rough, |painter| {
+        let thresholds = Thresholds { epsilon: Some(epsilon), weight: 1.0 };
+        let left = self.variant.with_painter(thresholds, |painter| {
             let is_left = |at: &usize| {
-                let source = self.variant.finish().source(*at, self.variant.size());
+                let source = self.variant.pixel_changes().source(*at, self.variant.size());
                 let accepts = |view| self.explains(*at, view);
                 !moves.iter().any(|&[x, y]| is_made(painter, source, DVec2::new(x, y), &grazes, &accepts))
             };
@@ -198,7 +200,7 @@ fn moves(with_centre: bool) -> impl Iterator<Item = [f64; 2]> {
 
 /// Returns true if a moved view explains why a pixel differs from the right colour.
 fn is_explained(pixel: Rgb, right: Color, view: Color) -> bool {
-    let (right_pixel, view_pixel) = (MadePixel::new(right), MadePixel::new(view));
+    let (right_pixel, view_pixel) = (RenderedPixel::new(right), RenderedPixel::new(view));
     let difference = largest_channel_difference(pixel, right_pixel.bytes);
     let shown = |color: Color| (255.0 * color).clamp(Color::ZERO, Color::splat(255.0));
     let moved = (shown(view) - shown(right)).abs().max_element();

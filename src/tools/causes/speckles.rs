@@ -6,8 +6,8 @@
 use super::Original;
 use super::changes::has_secondary_rays;
 use super::finding::Finding;
-use super::made::MadePixel;
 use super::paint::Painter;
+use super::rendering::RenderedPixel;
 use super::self_hits::is_made;
 use super::student::{SelfHitting, Student};
 use crate::picture::Color;
@@ -55,7 +55,7 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     let count = |rays: SelfHitting| {
         let may_hit = |why, _: &SurfacePoint, _| rays.has(why);
         let is_speckle = |&&at: &&usize| {
-            let accepts = |color: Color| MadePixel::new(color).levels(picture[at]) <= 1;
+            let accepts = |color: Color| RenderedPixel::new(color).levels(picture[at]) <= 1;
             let source = [at % request.size[0], at / request.size[0]];
             !original.is_cancelled() && is_made(&painter, source, DVec2::ZERO, &may_hit, &accepts)
         };

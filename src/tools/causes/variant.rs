@@ -16,18 +16,18 @@ use crate::trace::Shadows;
 use crate::world::Objects;
 use glam::DVec2;
 
-/// Numbers that differ in a tracer in single precision.
+/// Numbers by which a tracer in single precision may decide otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rough {
+pub struct Thresholds {
     /// An epsilon in place of the scene's.
     pub epsilon: Option<f64>,
     /// The factor of the smallest weight of a ray that is traced.
     pub weight: f64,
 }
 
-impl Rough {
-    /// The numbers of this program.
-    pub const NONE: Self = Self { epsilon: None, weight: 1.0 };
+impl Thresholds {
+    /// This program's own.
+    pub const OWN: Self = Self { epsilon: None, weight: 1.0 };
 }
 
 /// A picture with some mistakes, ready to be rendered.
@@ -40,7 +40,7 @@ pub struct Variant<'o> {
     moves: Vec<Move>,
     /// A part of the scene that is left out.
     without: Option<Part>,
-    finish: Finish,
+    pixel_changes: PixelChanges,
 }
 
 impl<'o> Variant<'o> {
@@ -75,8 +75,8 @@ impl<'o> Variant<'o> {
         }
         let renderer =
             (scene != own.scene).then(|| own.with_scene(scene, &original.patience)).transpose().ok()?;
-        let finish = Finish::new(mistakes);
-        Some(Self { original, renderer, request, rules, moves, without, finish })
+        let pixel_changes = PixelChanges::new(mistakes);
+        Some(Self { original, renderer, request, rules, moves, without, pixel_changes })
     }
 
     /// Returns true if the tracer and its scene are the original's, so that only the finished picture changes.
@@ -113,8 +113,8 @@ impl<'o> Variant<'o> {
     }
 
     /// Returns the changes of the finished picture.
-    pub fn finish(&self) -> &Finish {
-        &self.finish
+    pub fn pixel_changes(&self) -> &PixelChanges {
+        &self.pixel_changes
     }
 
     /// Returns the whole picture. `None` if it is cancelled, or memory is too small.
@@ -126,12 +126,12 @@ impl<'o> Variant<'o> {
                 |prepared: &Prepared| prepared.render_watched(&self.request, self.original.patience.0).ok();
             self.with_prepared(rendered)??.0.remove(0)
         } else {
-            self.with_painter(Rough::NONE, |painter| painter.picture().ok())??
+            self.with_painter(Thresholds::OWN, |painter| painter.picture().ok())??
         };
         if self.original.is_cancelled() {
             return None;
         }
-        self.finish.apply(&mut picture);
+        self.pixel_changes.apply(&mut picture);
         Some(picture)
     }
 
@@ -146,20 +146,20 @@ impl<'o> Variant<'o> {
     }
 
     /// Calls `work` with a student's tracer that paints the picture before it is finished. `None` if memory is too small.
-    pub fn with_painter<T>(&self, rough: Rough, work: impl FnOnce(&Painter) -> T) -> Option<T> {
+    pub fn with_painter<T>(&self, thresholds: Thresholds, work: impl FnOnce(&Painter) -> T) -> Option<T> {
         let paint = |prepared: &Prepared| {
             let patience = &self.original.patience;
             let (renderer, caster) = (prepared.renderer(), &prepared.caster(patience).ok()?);
             let objects = Objects::new(&renderer.scene, self.original.renderer().meshes(), caster.world)?;
             let wrong = WrongHits::new(caster, &objects, self.rules, self.hidden(&objects));
             let mut effects = self.request.effects;
-            effects.min_weight *= rough.weight;
+            effects.min_weight *= thresholds.weight;
             let student = if wrong.is_needed() {
                 Student::new(renderer, &wrong, effects)
             } else {
                 Student::new(renderer, caster, effects)
             };
-            let (objects, epsilon) = (Some(&objects), rough.epsilon);
+            let (objects, epsilon) = (Some(&objects), thresholds.epsilon);
             let student = Student { rules: self.rules, objects, epsilon, patience, ..student };
             Some(work(&Painter::new(&student, &self.request, &self.moves)))
         };
@@ -195,32 +195,32 @@ const DEPTH: f64 = 1.0 / (1u64 << 19) as f64;
 /// Returns the colours of a variant at some pixels, before they are finished, with all points moved.
 pub fn colors_at(painter: &Painter, variant: &Variant, pixels: &[usize], moved: DVec2) -> Vec<Color> {
     let size = variant.size();
-    let sources: Vec<[usize; 2]> = pixels.iter().map(|&at| variant.finish.source(at, size)).collect();
+    let sources: Vec<[usize; 2]> = pixels.iter().map(|&at| variant.pixel_changes.source(at, size)).collect();
     painter.pixels(&sources, moved)
 }
 
 /// Changes of a finished picture: flips, and changes of colours in their order.
 #[derive(Clone, Debug, Default)]
-pub struct Finish {
+pub struct PixelChanges {
     /// Left to right, and upside down.
     flips: [bool; 2],
     changes: Vec<Make>,
 }
 
-impl Finish {
+impl PixelChanges {
     /// Returns the changes that these mistakes make.
     pub fn new(mistakes: &[Mistake]) -> Self {
-        let mut finish = Self::default();
+        let mut all = Self::default();
         for mistake in mistakes {
             match mistake.make {
                 Make::Flip([across, down]) => {
-                    finish.flips = [finish.flips[0] ^ across, finish.flips[1] ^ down];
+                    all.flips = [all.flips[0] ^ across, all.flips[1] ^ down];
                 }
-                make @ (Make::Colors(_) | Make::Unset(_)) => finish.changes.push(make),
+                make @ (Make::Colors(_) | Make::Unset(_)) => all.changes.push(make),
                 _ => {}
             }
         }
-        finish
+        all
     }
 
     /// Returns the column and row of the pixel that is moved to this index by the flips.
