@@ -1,8 +1,8 @@
 //! Rounding, shown pixel by pixel.
 //!
-//! A tracer in single precision decides otherwise at edges, where a neighbouring ray decides otherwise, too. So a pixel
-//! is explained by rounding if its colour is one that this program sees along a ray moved by at most a tenth of a pixel,
-//! and if the moved views differ from the right one by about as much. Smaller differences, of one level, are rounding if
+//! At an edge, a ray in single precision may fall on the other side. Then so does a ray moved by a tenth of a pixel. So
+//! a pixel is explained by rounding if its colour is one that this program sees along a ray moved by at most that, and
+//! if the moved views differ from the right one by about as much. Smaller differences, of one level, are rounding if
 //! they have both signs and are not in most pixels.
 
 use super::rendering::{RenderedPixel, Rendering};
@@ -23,14 +23,16 @@ const CLOSE: u8 = 2;
 const COURSE_EPSILONS: [f64; 2] = [0.0001, 0.001];
 /// The largest share of all pixels that rounding changes by one level.
 const MOST_BY_A_LEVEL: f64 = 0.5;
-/// The smallest share of these with the rarer sign, and the number of pixels that may all have the same.
+/// The smallest share of these with the rarer sign.
 const RARER_SIGN: f64 = 0.1;
-const FEW: usize = 8;
-/// The number of pixels that are examined one by one, and of those that are sampled if more differ.
-const MOST_EXAMINED: usize = 1 << 12;
+/// Fewer pixels than this may all have one sign.
+const MIN_SIGNED: usize = 8;
+/// The largest number of pixels that are examined one by one.
+const MAX_EXAMINED: usize = 1 << 12;
+/// The largest number of camera rays of one view of these pixels. [`SAMPLED`] pixels are always examined.
+const MAX_VIEW_RAYS: usize = 1 << 16;
+/// If more pixels than this differ, about as many are sampled.
 const SAMPLED: usize = 1 << 7;
-/// The number of camera rays of one view of the pixels that are examined.
-const MOST_RAYS: usize = 1 << 16;
 /// The relative rounding of a ray's weight in single precision.
 const WEIGHT_ROUNDING: f64 = 1e-5;
 
@@ -82,7 +84,7 @@ pub fn residual(picture: &[Rgb], rendering: &Rendering, variant: Option<&Variant
 fn is_balanced(picture: &[Rgb], rendering: &Rendering, by_a_level: &[usize]) -> bool {
     let above = by_a_level.iter().filter(|&&at| rendering.pixels[at].is_below(picture[at])).count();
     let rarer = above.min(by_a_level.len() - above) as f64;
-    let has_both_signs = by_a_level.len() < FEW || rarer >= RARER_SIGN * by_a_level.len() as f64;
+    let has_both_signs = by_a_level.len() < MIN_SIGNED || rarer >= RARER_SIGN * by_a_level.len() as f64;
     has_both_signs && by_a_level.len() as f64 <= MOST_BY_A_LEVEL * picture.len() as f64
 }
 
@@ -90,7 +92,7 @@ impl Residual {
     /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
     fn examine(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
         let variant = views.variant;
-        let most = (MOST_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MOST_EXAMINED);
+        let most = (MAX_VIEW_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MAX_EXAMINED);
         if pixels.len() > SAMPLED {
             let step = pixels.len() / SAMPLED;
             let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
@@ -118,7 +120,7 @@ impl Residual {
 
     /// Returns which of these pixels, which differ by one level, no ray explains that grazes a surface.
     fn examine_grazing(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
-        if pixels.len() > MOST_EXAMINED || !views.variant.has_secondary_rays() {
+        if pixels.len() > MAX_EXAMINED || !views.variant.has_secondary_rays() {
             return pixels;
         }
         let by_epsilon = |epsilon| views.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]]);

@@ -14,27 +14,46 @@ use crate::tools::compare::Rgb;
 use glam::DVec2;
 use std::rc::Rc;
 
-/// The number of wrong pixels by which a mistake is judged first. They are fewer, but not below the smallest number, if
-/// they need more rays than this.
-const FIRST: usize = 48;
-const MIN_FIRST: usize = 12;
-const FIRST_RAYS: usize = 1 << 10;
-/// The numbers of wrong and of right pixels in the sample. They are fewer, but not below the smallest number, if they
-/// need more rays than this.
-const WRONG: usize = 512;
-const RIGHT: usize = 256;
-const MIN_SAMPLE: usize = 48;
-const SAMPLE_RAYS: usize = 1 << 14;
+/// The size of a sample of pixels.
+struct SampleSize {
+    most: usize,
+    least: usize,
+    /// The number of camera rays that it should not exceed.
+    rays: usize,
+}
+
+impl SampleSize {
+    /// Returns the number of pixels, each of which depends on this many camera rays.
+    fn pixels(&self, rays_per_pixel: usize) -> usize {
+        (self.rays / rays_per_pixel).clamp(self.least, self.most)
+    }
+}
+
+/// The wrong pixels by which a mistake is judged first.
+const FIRST: SampleSize = SampleSize { most: 48, least: 12, rays: 1 << 10 };
+/// The wrong pixels in the sample.
+const WRONG: SampleSize = SampleSize { most: 512, least: 48, rays: 1 << 14 };
+/// The right pixels in the sample.
+const RIGHT: SampleSize = SampleSize { most: 256, ..WRONG };
 /// The smallest share of the first wrong pixels that a mistake makes right.
 const MIN_FIRST_SHARE: f64 = 0.15;
-/// The smallest share of the wrong pixels that a mistake makes right, and of the pixels that it changes. A change that
-/// is only similar to the mistake leaves an error in the same pixels.
-const MIN_SHARES: [f64; 2] = [0.6, 0.75];
-/// The smallest such shares of a mistake that makes nearly all right that it changes. Other mistakes show in the rest.
-const MIN_SHARES_IF_PRECISE: [f64; 2] = [1.0 / 3.0, 0.98];
-/// The smallest such shares if hardly any pixel is visibly wrong. Many mistakes make half of the pixels right that are
-/// wrong by a level.
-const MIN_SHARES_BY_A_LEVEL: [f64; 2] = [0.9, 0.75];
+
+/// The shares of pixels that a mistake makes right.
+#[derive(Clone, Copy)]
+struct Shares {
+    of_wrong: f64,
+    of_changed: f64,
+}
+
+/// The smallest shares of most mistakes. A change that is only similar to the mistake leaves an error in the same
+/// pixels.
+const MIN_SHARES: Shares = Shares { of_wrong: 0.6, of_changed: 0.75 };
+/// The smallest shares of a mistake that makes nearly all right that it changes. Other mistakes explain the other wrong
+/// pixels.
+const MIN_SHARES_IF_PRECISE: Shares = Shares { of_wrong: 1.0 / 3.0, of_changed: 0.98 };
+/// The smallest shares if hardly any pixel is visibly wrong. Many mistakes make half of the pixels right that are wrong
+/// by a level.
+const MIN_SHARES_BY_A_LEVEL: Shares = Shares { of_wrong: 0.9, of_changed: 0.75 };
 /// The largest share of the pixels changed by a mistake that may be right without it. A mistake shows where it can.
 const MAX_CONTRADICTED: f64 = 0.03;
 /// The largest number of pixels that a mistake makes nearly right, for each one that it makes right. A mistake that is
@@ -42,9 +61,10 @@ const MAX_CONTRADICTED: f64 = 0.03;
 const MAX_NEARLY: f64 = 0.1;
 /// A pixel is nearly right if it differs by at most this many levels.
 const NEARLY: u8 = 6;
-/// The number of mistakes that are judged by the whole picture, and the number of camera rays of all their pictures.
-const MOST_LIKELY: usize = 10;
-const MOST_LIKELY_RAYS: usize = 1 << 22;
+/// The largest number of mistakes that are judged by the whole picture.
+const MAX_SHORTLIST: usize = 10;
+/// The largest number of camera rays of all their pictures. Two are always judged.
+const MAX_SHORTLIST_RAYS: usize = 1 << 22;
 /// Every mistake of another kind must leave at least this many times as many wrong pixels.
 const MIN_LEAD: f64 = 2.0;
 /// The number of pixels that a correct tracer in single precision may leave unexplained.
@@ -109,6 +129,12 @@ impl Counts {
         self.mended as f64 / self.wrong as f64
     }
 
+    /// Returns true if the mistake makes at least these shares right.
+    fn reaches(&self, least: Shares) -> bool {
+        let precision = self.right as f64 / self.changed as f64;
+        self.share() >= least.of_wrong && precision >= least.of_changed
+    }
+
     /// Returns the number of pixels that are wrong with the mistake.
     fn left(&self) -> usize {
         self.wrong - self.mended + self.contradicted
@@ -133,11 +159,9 @@ impl<'p> Search<'p> {
         let wrong: Vec<usize> = (0..picture.len()).filter(is_wrong_by).collect();
         let right: Vec<usize> =
             (0..picture.len()).filter(|&at| base.pixels[at].levels(picture[at]) == 0).collect();
-        // Few pixels are enough where each needs many rays.
-        let most = |pixels: usize| pixels.min((SAMPLE_RAYS / rays_per_pixel).max(MIN_SAMPLE));
-        let mut sample = scattered(&wrong, most(WRONG));
+        let mut sample = scattered(&wrong, WRONG.pixels(rays_per_pixel));
         let wrong = sample.len();
-        sample.extend(scattered(&right, most(RIGHT)));
+        sample.extend(scattered(&right, RIGHT.pixels(rays_per_pixel)));
         Self { picture, base, size, is_wrong, level, sample, wrong, rays: rays_per_pixel * picture.len() }
     }
 
@@ -176,8 +200,7 @@ impl<'p> Search<'p> {
     /// Judges the variant's mistakes by the sample, alone and with each of these changes of the finished picture.
     pub fn suspects(&self, variant: &Variant, mistakes: &[Mistake], changes: &[Mistake]) -> Vec<Suspect> {
         let found = variant.with_painter(Thresholds::OWN, |painter| {
-            // Few pixels are enough where each needs many rays.
-            let first = (FIRST_RAYS / variant.rays_per_pixel()).clamp(MIN_FIRST, FIRST).min(self.wrong);
+            let first = FIRST.pixels(variant.rays_per_pixel()).min(self.wrong);
             let colors = colors_at(painter, variant, &self.sample[..first], DVec2::ZERO);
             let is_possible =
                 |all: &Vec<Mistake>| self.sample_counts(all, &colors).share() >= MIN_FIRST_SHARE;
@@ -208,7 +231,7 @@ impl<'p> Search<'p> {
     /// Judges mistakes by the whole sample, which has these colours before changes of the finished picture.
     fn suspect(&self, mistakes: Vec<Mistake>, colors: &[Color]) -> Option<Suspect> {
         let counts = self.sample_counts(&mistakes, colors);
-        let is_suspect = counts.share() >= MIN_SHARES_IF_PRECISE[0] / 2.0
+        let is_suspect = counts.share() >= MIN_SHARES_IF_PRECISE.of_wrong / 2.0
             && counts.contradicted as f64 <= 0.1 * counts.changed as f64 + 2.0;
         is_suspect.then(|| Suspect { left: counts.left(), mistakes })
     }
@@ -225,7 +248,7 @@ impl<'p> Search<'p> {
         suspects.sort_by_key(|suspect| (suspect.left, suspect.mistakes.len()));
         let best = suspects.first().map_or(0, |suspect| suspect.left);
         let bound = MIN_LEAD * best as f64 + 8.0;
-        let most = (MOST_LIKELY_RAYS / self.rays).clamp(2, MOST_LIKELY);
+        let most = (MAX_SHORTLIST_RAYS / self.rays).clamp(2, MAX_SHORTLIST);
         suspects.into_iter().take_while(|suspect| suspect.left as f64 <= bound).take(most).collect()
     }
 
@@ -246,12 +269,9 @@ impl<'p> Search<'p> {
 
     /// Returns true if mistakes with these counts make most wrong pixels right, and contradict few right ones.
     fn explains_most(&self, counts: &Counts) -> bool {
-        let precision = counts.right as f64 / counts.changed as f64;
-        let explains =
-            |[min_share, min_precision]: [f64; 2]| counts.share() >= min_share && precision >= min_precision;
         let explains_most = match self.level {
-            0 => explains(MIN_SHARES_BY_A_LEVEL),
-            _ => explains(MIN_SHARES) || explains(MIN_SHARES_IF_PRECISE),
+            0 => counts.reaches(MIN_SHARES_BY_A_LEVEL),
+            _ => counts.reaches(MIN_SHARES) || counts.reaches(MIN_SHARES_IF_PRECISE),
         };
         let most_contradicted = MAX_CONTRADICTED * counts.changed as f64 + 0.001 * self.picture.len() as f64;
         explains_most && counts.contradicted as f64 <= most_contradicted
