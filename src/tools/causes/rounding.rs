@@ -61,23 +61,22 @@ pub fn residual(picture: &[Rgb], rendering: &Rendering, variant: Option<&Variant
         own.levels(pixel) > 0 && !own.differs_visibly(pixel)
     };
     let by_a_level: Vec<usize> = (0..picture.len()).filter(is_by_a_level).collect();
-    let mut residual = Residual { differing, unexplained: visible.clone(), visible, epsilon: None };
     let views = variant.map(|variant| Views { picture, rendering, variant });
-    if let Some(views) = &views {
-        residual.unexplained = residual.examine(views, residual.visible.clone());
-    }
-    // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
-    let left = match &views {
-        Some(views) if !is_balanced(picture, rendering, &by_a_level) => {
-            residual.examine_grazing(views, by_a_level)
-        }
-        _ => by_a_level,
+    let by_more = match &views {
+        Some(views) => views.examine(visible.clone()),
+        None => Left::all(visible.clone()),
     };
-    if !is_balanced(picture, rendering, &left) {
-        residual.unexplained.extend(left);
-        residual.unexplained.sort_unstable();
+    // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
+    let by_a_level = match &views {
+        Some(views) if !is_balanced(picture, rendering, &by_a_level) => views.examine_grazing(by_a_level),
+        _ => Left::all(by_a_level),
+    };
+    let mut unexplained = by_more.pixels;
+    if !is_balanced(picture, rendering, &by_a_level.pixels) {
+        unexplained.extend(by_a_level.pixels);
+        unexplained.sort_unstable();
     }
-    residual
+    Residual { differing, unexplained, visible, epsilon: by_a_level.epsilon.or(by_more.epsilon) }
 }
 
 /// Returns true if rounding may change these pixels by one level: in both directions, and not most pixels.
@@ -88,54 +87,25 @@ fn is_balanced(picture: &[Rgb], rendering: &Rendering, by_a_level: &[usize]) -> 
     has_both_signs && by_a_level.len() as f64 <= MOST_BY_A_LEVEL * picture.len() as f64
 }
 
-impl Residual {
-    /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
-    fn examine(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
-        let variant = views.variant;
-        let most = (MAX_VIEW_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MAX_EXAMINED);
-        if pixels.len() > SAMPLED {
-            let step = pixels.len() / SAMPLED;
-            let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
-            let left = views.unexplained(&sample, Thresholds::OWN);
-            if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
-                return pixels;
-            }
-        }
-        let mut left = views.unexplained(&pixels, Thresholds::OWN);
-        if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
-            return left;
-        }
-        if variant.weighs_rays() {
-            for weight in [1.0 - WEIGHT_ROUNDING, 1.0 + WEIGHT_ROUNDING] {
-                left = views.unexplained(&left, Thresholds { epsilon: None, weight });
-            }
-        }
-        let by_epsilon = |epsilon| {
-            let left = views.unexplained(&left, Thresholds { epsilon: Some(epsilon), weight: 1.0 });
-            let moves: Vec<[f64; 2]> = moves(true).collect();
-            views.unexplained_by_grazing(left, epsilon, &moves)
-        };
-        self.better_epsilon(left.len(), by_epsilon)
+/// Pixels that views leave unexplained.
+struct Left {
+    pixels: Vec<usize>,
+    /// The course's own epsilon, if it explains some others.
+    epsilon: Option<f64>,
+}
+
+impl Left {
+    /// Leaves all of these pixels.
+    fn all(pixels: Vec<usize>) -> Self {
+        Self { pixels, epsilon: None }
     }
 
-    /// Returns which of these pixels, which differ by one level, no ray explains that grazes a surface.
-    fn examine_grazing(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
-        if pixels.len() > MAX_EXAMINED || !views.variant.has_secondary_rays() {
-            return pixels;
-        }
-        let by_epsilon = |epsilon| views.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]]);
-        self.better_epsilon(pixels.len(), by_epsilon)
-    }
-
-    /// Returns the pixels that the better one of the course's epsilons leaves, of this number of pixels.
-    fn better_epsilon(&mut self, pixels: usize, left: impl Fn(f64) -> Vec<usize>) -> Vec<usize> {
-        let [one, other] = COURSE_EPSILONS.map(left);
-        let (epsilon, left) =
-            if one.len() <= other.len() { (COURSE_EPSILONS[0], one) } else { (COURSE_EPSILONS[1], other) };
-        if left.len() < pixels {
-            self.epsilon = Some(epsilon);
-        }
-        left
+    /// Returns what the better one of the course's epsilons leaves of this number of pixels.
+    fn by_better_epsilon(count: usize, left: impl Fn(f64) -> Vec<usize>) -> Self {
+        let [one, other] =
+            COURSE_EPSILONS.map(|epsilon| Self { pixels: left(epsilon), epsilon: Some(epsilon) });
+        let better = if one.pixels.len() <= other.pixels.len() { one } else { other };
+        Self { epsilon: better.epsilon.filter(|_| better.pixels.len() < count), ..better }
     }
 }
 
@@ -147,6 +117,44 @@ struct Views<'v> {
 }
 
 impl Views<'_> {
+    /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
+    fn examine(&self, pixels: Vec<usize>) -> Left {
+        let variant = self.variant;
+        let most = (MAX_VIEW_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MAX_EXAMINED);
+        if pixels.len() > SAMPLED {
+            let step = pixels.len() / SAMPLED;
+            let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
+            let left = self.unexplained(&sample, Thresholds::OWN);
+            if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
+                return Left::all(pixels);
+            }
+        }
+        let mut left = self.unexplained(&pixels, Thresholds::OWN);
+        if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
+            return Left::all(left);
+        }
+        if variant.weighs_rays() {
+            for weight in [1.0 - WEIGHT_ROUNDING, 1.0 + WEIGHT_ROUNDING] {
+                left = self.unexplained(&left, Thresholds { epsilon: None, weight });
+            }
+        }
+        let moves: Vec<[f64; 2]> = moves(true).collect();
+        Left::by_better_epsilon(left.len(), |epsilon| {
+            let left = self.unexplained(&left, Thresholds { epsilon: Some(epsilon), weight: 1.0 });
+            self.unexplained_by_grazing(left, epsilon, &moves)
+        })
+    }
+
+    /// Returns which of these pixels, which differ by one level, no ray explains that grazes a surface.
+    fn examine_grazing(&self, pixels: Vec<usize>) -> Left {
+        if pixels.len() > MAX_EXAMINED || !self.variant.has_secondary_rays() {
+            return Left::all(pixels);
+        }
+        Left::by_better_epsilon(pixels.len(), |epsilon| {
+            self.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]])
+        })
+    }
+
     /// Returns true if a view explains a pixel.
     fn explains(&self, at: usize, view: Color) -> bool {
         let view = self.variant.pixel_changes().color(view, at, self.variant.size());
