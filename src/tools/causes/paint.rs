@@ -43,11 +43,11 @@ impl<'a> Painter<'a> {
         Self { student, request, camera, moves, moved: DVec2::ZERO }
     }
 
-    /// Returns a painter whose tracer decides by `hits_itself` which rays hit the surface that they leave, and calls
-    /// `work` with it.
-    pub fn with_self_hits<T>(&self, hits_itself: HitsItself, work: impl FnOnce(&Painter) -> T) -> T {
-        let student = Student { hits_itself: Some(hits_itself), ..*self.student };
-        work(&Painter { student: &student, ..*self })
+    /// Returns the colour of a pixel, by its column and row from the top left, with its point moved. `hits_itself`
+    /// decides which rays hit the surface that they leave.
+    pub fn pixel_with_self_hits(&self, pixel: [usize; 2], moved: DVec2, hits_itself: HitsItself) -> Color {
+        let student = &Student { hits_itself: Some(hits_itself), ..*self.student };
+        Painter { student, ..*self }.pixels(&[pixel], moved)[0]
     }
 
     /// Returns the colour along a ray in the request's layer.

@@ -6,7 +6,7 @@
 //! they have both signs and are not in most pixels.
 
 use super::rendering::{RenderedPixel, Rendering};
-use super::self_hits::is_made;
+use super::self_hits::possible_colors;
 use super::student::Departure;
 use super::variant::{Thresholds, Variant, colors_at};
 use crate::picture::Color;
@@ -193,8 +193,11 @@ impl Views<'_> {
         let left = self.variant.with_painter(thresholds, |painter| {
             let is_left = |at: &usize| {
                 let source = self.variant.pixel_changes().source(*at, self.variant.size());
-                let accepts = |view| self.explains(*at, view);
-                !moves.iter().any(|&[x, y]| is_made(painter, source, DVec2::new(x, y), &grazes, &accepts))
+                let is_explained = |&[x, y]: &[f64; 2]| {
+                    let mut views = possible_colors(painter, source, DVec2::new(x, y), &grazes);
+                    views.any(|view| self.explains(*at, view))
+                };
+                !moves.iter().any(is_explained)
             };
             pixels.par_iter().copied().filter(is_left).collect()
         });

@@ -8,9 +8,8 @@ use super::changes::has_secondary_rays;
 use super::finding::Finding;
 use super::paint::Painter;
 use super::rendering::RenderedPixel;
-use super::self_hits::is_made;
+use super::self_hits::possible_colors;
 use super::student::{SelfHitting, Student};
-use crate::picture::Color;
 use crate::render::Layer;
 use crate::tools::compare::{Rgb, colors};
 use crate::world::SurfacePoint;
@@ -55,9 +54,9 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     let count = |rays: SelfHitting| {
         let may_hit = |why, _: &SurfacePoint, _| rays.has(why);
         let is_speckle = |&&at: &&usize| {
-            let accepts = |color: Color| RenderedPixel::new(color).levels(picture[at]) <= 1;
             let source = [at % request.size[0], at / request.size[0]];
-            !original.is_cancelled() && is_made(&painter, source, DVec2::ZERO, &may_hit, &accepts)
+            let mut colors = possible_colors(&painter, source, DVec2::ZERO, &may_hit);
+            !original.is_cancelled() && colors.any(|color| RenderedPixel::new(color).levels(picture[at]) <= 1)
         };
         examined.par_iter().filter(is_speckle).count()
     };
