@@ -12,6 +12,8 @@ use super::speckles::unlike_neighbours;
 use super::variant::{Thresholds, Variant, colors_at};
 use crate::picture::Window;
 use crate::render::Layer;
+use crate::scene::ObjectId;
+use crate::scene::material::Material;
 use crate::tools::compare::{Rgb, largest_channel_difference};
 use crate::trace::Shadows;
 use glam::DVec2;
@@ -130,7 +132,8 @@ impl fmt::Display for DifferenceKind {
 /// An object that is seen in a pixel.
 #[derive(Clone, Copy)]
 struct Seen {
-    object: usize,
+    primitive: u32,
+    object: ObjectId,
     t: f64,
 }
 
@@ -160,7 +163,7 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
     let worst = pixels.iter().copied().max_by_key(levels)?;
     let seen = |at| {
         let (primitive, t) = original.seen_at(at)?;
-        Some(Seen { object: original.objects.of(primitive).id, t })
+        Some(Seen { primitive, object: original.objects.of(primitive).id, t })
     };
     let seen = (0..picture.len()).into_par_iter().map(seen).collect();
     let sample = pixels.iter().copied().step_by(pixels.len().div_ceil(SAMPLED)).collect();
@@ -201,8 +204,8 @@ impl Region<'_> {
             Subject::Measure
         } else if self.is_secondary(wrong) {
             Subject::Secondary
-        } else if let Some(light) = self.shadow() {
-            Subject::Shadow { light }
+        } else if let Some(shadow) = self.shadow() {
+            shadow
         } else if self.is_highlight(id, wrong) {
             Subject::Highlight
         } else {
@@ -247,17 +250,17 @@ impl Region<'_> {
     /// Returns true if all wrong pixels show surfaces that reflect or refract.
     fn is_secondary(&self, wrong: &[usize]) -> bool {
         let (world, effects) = (self.original.renderer().world(), self.original.request.effects);
-        let splits = |at: &usize| {
-            let primitive = self.original.seen_at(*at);
-            primitive.is_some_and(|(id, _)| world.materials[world.material_of(id)].has_secondary_rays())
+        let is_split = |at: &usize| {
+            let material = |seen: Seen| &world.materials[world.material_of(seen.primitive)];
+            self.seen[*at].map(material).is_some_and(Material::has_secondary_rays)
         };
         let sample: Vec<usize> = wrong.iter().copied().step_by(wrong.len().div_ceil(SAMPLED)).collect();
-        let others = sample.iter().filter(|at| !splits(at)).count();
+        let others = sample.iter().filter(|at| !is_split(at)).count();
         effects.bounces > 0 && others as f64 <= FEW * sample.len() as f64
     }
 
-    /// Returns the line of the light whose shadow differs, if one does, or `Some(None)` if the shadows of all lights do.
-    fn shadow(&self) -> Option<Option<u32>> {
+    /// Returns the shadow that differs, if one does.
+    fn shadow(&self) -> Option<Subject> {
         if self.original.request.effects.shadows == Shadows::None {
             return None;
         }
@@ -265,10 +268,10 @@ impl Region<'_> {
         let lights = positions.lights.len();
         let without = |light: &usize| self.is_right_with(Make::Without(Part::Light(*light)));
         if let Some(light) = (0..lights).find(without) {
-            return Some(Some(positions.light(light).line));
+            return Some(Subject::Shadow { light: Some(positions.light(light).line) });
         }
-        self.is_right_with(Make::Request(drop_shadows))
-            .then(|| (lights == 1).then(|| positions.light(0).line))
+        let light = (lights == 1).then(|| positions.light(0).line);
+        self.is_right_with(Make::Request(drop_shadows)).then_some(Subject::Shadow { light })
     }
 
     /// Returns true if the object is wrong only where it has a highlight.
