@@ -33,7 +33,11 @@ pub struct Mistake {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Make {
     /// By changing the colours of the finished picture.
-    Colors(fn(Color) -> Color),
+    Colors {
+        change: fn(Color) -> Color,
+        /// True if bytes alone do not give the changed colours.
+        needs_floats: bool,
+    },
     /// By flipping the finished picture: left to right if the first is true, upside down if the second is.
     Flip([bool; 2]),
     /// By leaving some pixels of the finished picture as they were before it was rendered.
@@ -51,7 +55,17 @@ pub(super) enum Make {
     Rule(Rule),
 }
 
-use Make::{Colors, Flip, Points};
+use Make::{Flip, Points};
+
+/// Changes colours that may also be read from bytes.
+const fn of_bytes(change: fn(Color) -> Color) -> Make {
+    Make::Colors { change, needs_floats: false }
+}
+
+/// Changes colours before they are cut to bytes.
+const fn of_floats(change: fn(Color) -> Color) -> Make {
+    Make::Colors { change, needs_floats: true }
+}
 
 /// Builds a row of the table.
 const fn row(name: &'static str, detail: &'static str, text: &'static str, make: Make) -> Mistake {
@@ -87,27 +101,27 @@ pub(super) const TABLE: &[Mistake] = &[
     row("upside_down", "", "upside down", Flip([false, true])),
     row("mirrored", "", "mirrored left to right", Flip([true, false])),
     row("turned", "", "turned by 180 degrees", Flip([true, true])),
-    row("red_and_blue_swapped", "", "with red and blue swapped", Colors(Color::zyx)),
-    row("red_and_green_swapped", "", "with red and green swapped", Colors(Color::yxz)),
-    row("green_and_blue_swapped", "", "with green and blue swapped", Colors(Color::xzy)),
-    row("rounded", "", "with colours rounded to bytes instead of cut", Colors(|color| levels(color, |level| level + 0.5))),
+    row("red_and_blue_swapped", "", "with red and blue swapped", of_bytes(Color::zyx)),
+    row("red_and_green_swapped", "", "with red and green swapped", of_bytes(Color::yxz)),
+    row("green_and_blue_swapped", "", "with green and blue swapped", of_bytes(Color::xzy)),
+    row("rounded", "", "with colours rounded to bytes instead of cut", of_floats(|color| levels(color, |level| level + 0.5))),
     row("rounded_up", "", "with colours rounded up to bytes instead of cut",
-        Colors(|color| levels(color, |level| level + (1.0 - 1e-9)))),
+        of_floats(|color| levels(color, |level| level + (1.0 - 1e-9)))),
     row("one_level_brighter", "", "one level brighter everywhere",
-        Colors(|color| levels(color, |level| level.clamp(0.0, 255.0) + 1.0))),
+        of_bytes(|color| levels(color, |level| level.clamp(0.0, 255.0) + 1.0))),
     row("one_level_darker", "", "one level darker everywhere",
-        Colors(|color| levels(color, |level| level.clamp(0.0, 255.5) - 1.0))),
+        of_bytes(|color| levels(color, |level| level.clamp(0.0, 255.5) - 1.0))),
     row("wrapped", "", "with bytes that start again at 0 above 255",
-        Colors(|color| levels(color, |level| level.max(0.0).rem_euclid(256.0)))),
-    row("times256", "", "with colours times 256 instead of 255", Colors(|color| levels(color, |level| 256.0 / 255.0 * level))),
-    row("gamma", "2.2", "with a gamma of 2.2", Colors(|color| levels(color, |level| powered(level, 1.0 / GAMMA)))),
+        of_floats(|color| levels(color, |level| level.max(0.0).rem_euclid(256.0)))),
+    row("times256", "", "with colours times 256 instead of 255", of_floats(|color| levels(color, |level| 256.0 / 255.0 * level))),
+    row("gamma", "2.2", "with a gamma of 2.2", of_floats(|color| levels(color, |level| powered(level, 1.0 / GAMMA)))),
     row("gamma", "2.2 of bytes", "with a gamma of 2.2 applied to its bytes",
-        Colors(|color| levels(color, |level| powered(level.clamp(0.0, 255.0).trunc(), 1.0 / GAMMA).round() + 0.5))),
-    row("gamma", "2.0", "with a gamma of 2", Colors(|color| levels(color, |level| powered(level, 0.5)))),
-    row("gamma", "sRGB", "with the curve of sRGB", Colors(|color| levels(color, srgb_encoded))),
-    row("gamma_decoded", "", "with an inverse gamma of 2.2", Colors(|color| levels(color, |level| powered(level, GAMMA)))),
-    row("tone_mapped", "", "with colours x / (1 + x) instead of x", Colors(|color| color.map(|x| x.max(0.0) / (1.0 + x.max(0.0))))),
-    row("grey", "", "without colours, in greys", Colors(|color| Color::splat(color.dot(Color::splat(1.0 / 3.0))))),
+        of_bytes(|color| levels(color, |level| powered(level.clamp(0.0, 255.0).trunc(), 1.0 / GAMMA).round() + 0.5))),
+    row("gamma", "2.0", "with a gamma of 2", of_floats(|color| levels(color, |level| powered(level, 0.5)))),
+    row("gamma", "sRGB", "with the curve of sRGB", of_floats(|color| levels(color, srgb_encoded))),
+    row("gamma_decoded", "", "with an inverse gamma of 2.2", of_bytes(|color| levels(color, |level| powered(level, GAMMA)))),
+    row("tone_mapped", "", "with colours x / (1 + x) instead of x", of_floats(|color| color.map(|x| x.max(0.0) / (1.0 + x.max(0.0))))),
+    row("grey", "", "without colours, in greys", of_bytes(|color| Color::splat(color.dot(Color::splat(1.0 / 3.0))))),
     request("other_handedness", "", "by a camera of the other handedness (turned by 180 degrees)", turn_up_vector),
     request("screen", "half", "with a screen of half the size", |request, scene| zoom(request, scene, 0.5)),
     request("screen", "double", "with a screen of twice the size", |request, scene| zoom(request, scene, 2.0)),
@@ -364,20 +378,19 @@ impl Mistake {
 
     /// Returns true if the mistake is made in the finished picture, without rendering.
     pub(super) fn is_of_pixels(&self) -> bool {
-        matches!(self.make, Colors(_) | Flip(_) | Make::Unset(_))
+        matches!(self.make, Make::Colors { .. } | Flip(_) | Make::Unset(_))
     }
 
     /// Returns true if the mistake cannot be made in a picture whose bytes alone are known.
-    pub(super) fn needs_colors(&self) -> bool {
-        matches!(self.name, "rounded" | "rounded_up" | "wrapped" | "times256" | "tone_mapped")
-            || self.name == "gamma" && self.detail != "2.2 of bytes"
+    pub(super) fn needs_floats(&self) -> bool {
+        matches!(self.make, Make::Colors { needs_floats: true, .. })
     }
 
     /// Returns the kind of change.
     pub fn kind(&self) -> &'static str {
         match self.make {
             _ if self.is_unchanged() => "unchanged",
-            Colors(_) | Flip(_) | Make::Unset(_) => "pixels",
+            Make::Colors { .. } | Flip(_) | Make::Unset(_) => "pixels",
             Make::Request(_) => "request",
             Make::Scene(_) | Make::Without(_) => "scene",
             Points(_) | Make::Rule(_) => "rule",

@@ -158,7 +158,7 @@ impl<'a> Original<'a> {
         let unset = unset.map(|unset| Mistake::unset(unset, size));
         let parts = self.parts(search.wrong_sample());
         // A camera of the other handedness turns the picture, too.
-        let table = Mistake::all().filter(|mistake| mistake.name != "turned");
+        let table = Mistake::all().filter(|mistake| !matches!(mistake.make, Make::Flip([true, true])));
         let all: Vec<Mistake> = unset.into_iter().chain(parts).chain(table).collect();
         let (candidates, tried) = self.candidates(&search, &[], &all);
         if let Some(best) = best_of(&candidates, |candidate| candidate.explains_all(&before)) {
@@ -200,7 +200,7 @@ impl<'a> Original<'a> {
     /// Judges each of these mistakes together with `ground`. Returns the candidates, and how many could be made.
     fn candidates(&self, search: &Search, ground: &[Mistake], all: &[Mistake]) -> (Vec<Candidate>, usize) {
         let changes: Vec<Mistake> = match ground.is_empty() {
-            true => Mistake::all().filter(|mistake| matches!(mistake.make, Make::Colors(_))).collect(),
+            true => Mistake::all().filter(|mistake| matches!(mistake.make, Make::Colors { .. })).collect(),
             false => vec![],
         };
         let (mut suspects, mut tried) = (vec![], 0);
@@ -337,7 +337,7 @@ pub fn explain_finished(reference: &Picture, rendered: Option<&FloatPicture>, pi
     });
     let base = Rc::new(Rendering::new(own.clone()));
     let is_known =
-        |mistake: &Mistake| mistake.is_of_pixels() && (rendered.is_some() || !mistake.needs_colors());
+        |mistake: &Mistake| mistake.is_of_pixels() && (rendered.is_some() || !mistake.needs_floats());
     let all: Vec<Mistake> = Mistake::all().filter(is_known).collect();
     let pairs = all.iter().flat_map(|one| all.iter().map(move |other| vec![one.clone(), other.clone()]));
     let pairs = pairs.filter(|pair| !pair[0].is_akin(&pair[1]));

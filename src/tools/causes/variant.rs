@@ -51,7 +51,7 @@ impl<'o> Variant<'o> {
         let (mut rules, mut moves, mut without) = (Rules::default(), vec![], None);
         for mistake in mistakes {
             match mistake.make {
-                Make::Colors(_) | Make::Flip(_) | Make::Unset(_) => {}
+                Make::Colors { .. } | Make::Flip(_) | Make::Unset(_) => {}
                 Make::Points(shift) => moves.push(shift),
                 Make::Request(change) => change(&mut request, &scene),
                 Make::Scene(change) => change(&mut scene),
@@ -216,7 +216,7 @@ impl PixelChanges {
                 Make::Flip([across, down]) => {
                     all.flips = [all.flips[0] ^ across, all.flips[1] ^ down];
                 }
-                make @ (Make::Colors(_) | Make::Unset(_)) => all.changes.push(make),
+                make @ (Make::Colors { .. } | Make::Unset(_)) => all.changes.push(make),
                 _ => {}
             }
         }
@@ -233,7 +233,7 @@ impl PixelChanges {
     /// Returns the finished colour of the pixel with this index in the finished picture.
     pub fn color(&self, color: Color, at: usize, size: [usize; 2]) -> Color {
         self.changes.iter().fold(color, |color, change| match change {
-            Make::Colors(change) => change(color),
+            Make::Colors { change, .. } => change(color),
             Make::Unset(unset) if unset.has([at % size[0], at / size[0]]) => color_of(unset.color),
             _ => color,
         })
