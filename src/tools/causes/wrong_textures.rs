@@ -16,6 +16,9 @@ pub const RULES: [Rule; 5] = [
     Rule::WoodNotSquared,
 ];
 
+/// The rules that change wood.
+const WOOD_RULES: [Rule; 3] = [Rule::NoiseSmoothStep, Rule::WoodRootMissing, Rule::WoodNotSquared];
+
 /// Returns the weight of a texture's first child at a point.
 pub fn first_weight(rules: Rules, texture: &Texture, point: DVec3) -> f64 {
     let q = texture.world_to_texture.map.transform_point3(point);
@@ -36,7 +39,7 @@ pub fn first_weight(rules: Rules, texture: &Texture, point: DVec3) -> f64 {
         Pattern::Marble { octaves, frequency, amplitude } if rules.has(Rule::NoiseSmoothStep) => {
             (1.0 + libm::sin(frequency * q.x + amplitude * noise(q, octaves))) / 2.0
         }
-        Pattern::Wood { octaves, frequency, amplitude } if rules.has_any(&RULES[2..]) => {
+        Pattern::Wood { octaves, frequency, amplitude } if rules.has_any(&WOOD_RULES) => {
             let square = q.x * q.x + q.z * q.z;
             let distance = if rules.has(Rule::WoodRootMissing) { square } else { square.sqrt() };
             let grain = noise(DVec3::new(q.x, 0.2 * q.y, q.z), octaves);
