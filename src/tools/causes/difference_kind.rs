@@ -200,7 +200,7 @@ impl Region<'_> {
             Subject::Outline
         } else if unlike_neighbours(self.picture, &self.own, wrong, self.size[0]).among_wrong >= NOISE {
             Subject::Scattered
-        } else if self.original.layer() != Layer::Color {
+        } else if self.original.layer != Layer::Color {
             Subject::Measure
         } else if self.is_secondary(wrong) {
             Subject::Secondary

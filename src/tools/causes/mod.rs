@@ -83,6 +83,8 @@ pub struct Original<'a> {
     prepared: Prepared<'a>,
     objects: Objects,
     patience: Watched<'a>,
+    layer: Layer,
+    /// The request for this layer alone.
     request: Request,
     colors: FloatPicture,
 }
@@ -97,7 +99,7 @@ impl<'a> Original<'a> {
     /// Renders like [`new`](Self::new), and lets `watch` cancel. After that the search ends soon, with an unspecified
     /// result. `None` also if it is cancelled during this call.
     pub fn watched(renderer: &'a Renderer, request: &Request, watch: Watch<'a>) -> Option<Self> {
-        let layer = request.layers.first().copied().unwrap_or(Layer::Color);
+        let layer = first_layer(request);
         let request =
             Request { layers: vec![layer], tracing: Tracing::Fast, window: None, ..request.clone() };
         if !can_try(renderer, &request) {
@@ -106,7 +108,7 @@ impl<'a> Original<'a> {
         let objects = Objects::new(&renderer.scene, renderer.meshes(), renderer.world())?;
         let prepared = renderer.prepare_within(&request, &Watched(watch)).ok()?;
         let colors = prepared.render_watched(&request, watch).ok()?.0.remove(0);
-        Some(Self { prepared, objects, patience: Watched(watch), request, colors })
+        Some(Self { prepared, objects, patience: Watched(watch), layer, request, colors })
     }
 
     /// Returns true if the watch has cancelled the search.
@@ -141,7 +143,8 @@ impl<'a> Original<'a> {
     pub fn explain(&self, picture: &Picture) -> Finding {
         let (picture, size) = (colors(picture), self.colors.size);
         let own = Rc::new(Rendering::new(self.colors.clone()));
-        let before = rounding::residual(picture, &own, Variant::new(self, &[]).as_ref());
+        let variant = Variant::new(self, &[]);
+        let before = rounding::residual(picture, &own, variant.as_ref());
         if before.differing == 0 {
             return equal(&Candidate::unchanged(own, before), &[], size);
         }
@@ -152,7 +155,7 @@ impl<'a> Original<'a> {
         }
 
         // Try each mistake.
-        let rays_per_pixel = Variant::new(self, &[]).map_or(1, |variant| variant.rays_per_pixel());
+        let rays_per_pixel = variant.map_or(1, |variant| variant.rays_per_pixel());
         let search = Search::new(picture, own, size, &before, rays_per_pixel);
         let unset = unset_pixels(picture, size, &before.unexplained);
         let unset = unset.map(|unset| Mistake::unset(unset, size));
@@ -275,20 +278,21 @@ impl<'a> Original<'a> {
         Some((visible.primitive, caster.world.hit(&ray, visible).t))
     }
 
-    fn layer(&self) -> Layer {
-        self.request.layers.first().copied().unwrap_or(Layer::Color)
-    }
-
     fn renderer(&self) -> &Renderer {
         self.prepared.renderer()
     }
+}
+
+/// Returns the layer that is examined.
+fn first_layer(request: &Request) -> Layer {
+    request.layers.first().copied().unwrap_or(Layer::Color)
 }
 
 /// Returns true if the request's first layer shows the scene, and not something that is drawn in its place, and if a
 /// mistake leaves the samples as they are. Adaptive samples depend on the colours, so a wrong picture has other samples
 /// too.
 pub(crate) fn can_try(renderer: &Renderer, request: &Request) -> bool {
-    let layer = request.layers.first().copied().unwrap_or(Layer::Color);
+    let layer = first_layer(request);
     let shows_scene = renderer.scene.shows == Shows::Scene && !request.draws_cells && layer.is_of_scene();
     shows_scene && (layer != Layer::Color || request.adaptive.is_none())
 }

@@ -37,7 +37,7 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     let own = original.own();
     let scattered = unlike_neighbours(picture, colors(&own), wrong, request.size[0]).at_wrong;
     // A pixel with several samples mixes too many colours.
-    let can_show = original.layer() == Layer::Color
+    let can_show = original.layer == Layer::Color
         && (request.effects.bounces <= MAX_BOUNCES || !has_secondary_rays(&renderer.scene))
         && request.sampler.is_center()
         && request.filter.support() == 0

@@ -91,7 +91,7 @@ impl<'o> Variant<'o> {
             self.renderer.as_ref().map_or(&self.original.renderer().scene, |renderer| &renderer.scene);
         let effects = self.request.effects;
         let leaves = effects.shadows != Shadows::None || effects.bounces > 0 && has_secondary_rays(scene);
-        self.request.layers.first() == Some(&Layer::Color) && leaves
+        self.original.layer == Layer::Color && leaves
     }
 
     /// Returns true if the weights of rays decide which ones are traced.
@@ -101,7 +101,7 @@ impl<'o> Variant<'o> {
 
     /// Returns the number of camera rays on which a pixel depends.
     pub fn rays_per_pixel(&self) -> usize {
-        let is_color = self.request.layers.first() == Some(&Layer::Color);
+        let is_color = self.original.layer == Layer::Color;
         let Request { sampler, filter, .. } = self.request;
         let side = 2 * filter.support() + 1;
         if is_color { sampler.count() as usize * side * side } else { 1 }
@@ -109,7 +109,7 @@ impl<'o> Variant<'o> {
 
     /// Returns the width and height of the picture.
     pub fn size(&self) -> [usize; 2] {
-        self.request.layer_size(&self.original.layer())
+        self.request.layer_size(&self.original.layer)
     }
 
     /// Returns the changes of the finished picture.
