@@ -1,5 +1,6 @@
 //! Renders the pictures of a student's tracer with the request's samples and filter.
 
+use super::first_layer;
 use super::rules::Rule;
 use super::student::{HitsItself, Student};
 use crate::base::memory;
@@ -15,7 +16,6 @@ use crate::sampling::sampler::Sampler;
 use crate::sampling::spread::Spread;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// The number of rows painted at a time. They are kept until the film has taken them.
 const ROWS: usize = 64;
@@ -29,6 +29,7 @@ pub type Move = fn(DVec2, DVec2) -> DVec2;
 pub struct Painter<'a> {
     student: &'a Student<'a>,
     request: &'a Request,
+    layer: Layer,
     camera: Camera,
     /// Moves of the points that rays pass through.
     moves: &'a [Move],
@@ -39,8 +40,8 @@ pub struct Painter<'a> {
 impl<'a> Painter<'a> {
     /// Returns a painter. Pixels have unspecified colours after the student's patience is over.
     pub fn new(student: &'a Student, request: &'a Request, moves: &'a [Move]) -> Self {
-        let camera = student.renderer.camera(request);
-        Self { student, request, camera, moves, moved: DVec2::ZERO }
+        let (layer, camera) = (first_layer(request), student.renderer.camera(request));
+        Self { student, request, layer, camera, moves, moved: DVec2::ZERO }
     }
 
     /// Returns the colour of a pixel, by its column and row from the top left, with its point moved. `hits_itself`
@@ -54,8 +55,8 @@ impl<'a> Painter<'a> {
     fn color(&self, ray: &Ray) -> Color {
         let (student, rules) = (self.student, self.student.rules);
         let measures = student.renderer.scene.measure_colors;
-        match self.request.layers.first() {
-            Some(&Layer::Depth { near, far }) => {
+        match self.layer {
+            Layer::Depth { near, far } => {
                 let Some((t, surface)) = student.seen(ray) else {
                     return Color::splat(f64::from(rules.has(Rule::DepthInverted)));
                 };
@@ -67,7 +68,7 @@ impl<'a> Painter<'a> {
                 let grey = measures.depths.grey(t, [near, far]);
                 Color::splat(if rules.has(Rule::DepthInverted) { 1.0 - grey } else { grey })
             }
-            Some(Layer::Normals) => {
+            Layer::Normals => {
                 let normal = student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
                 if rules.has(Rule::NormalsClamped) {
                     normal.max(DVec3::ZERO)
@@ -85,9 +86,9 @@ impl<'a> Painter<'a> {
 
     /// Returns the request's sampler and filter. Depths and normals are seen through the centres of pixels.
     fn sampling(&self) -> (Sampler, Filter) {
-        match self.request.layers.first() {
-            Some(Layer::Depth { .. } | Layer::Normals) => (Sampler::CENTER, Filter::PIXEL),
-            _ => (self.request.sampler, self.request.filter),
+        match self.layer {
+            Layer::Color => (self.request.sampler, self.request.filter),
+            _ => (Sampler::CENTER, Filter::PIXEL),
         }
     }
 
@@ -117,6 +118,7 @@ impl<'a> Painter<'a> {
     fn pixel(&self, [x, y]: [usize; 2]) -> Color {
         let (sampler, filter) = self.sampling();
         let [width, height] = self.request.size;
+        // Shortcut: without a border or shared random numbers, a pixel needs no film.
         if filter.support() == 0 && sampler.c_rand([0, 0], width).is_none() {
             let j = height - 1 - y;
             let (mut sum, mut weights) = (Color::ZERO, 0.0);
@@ -139,8 +141,7 @@ impl<'a> Painter<'a> {
         let (request, size) = (self.request, self.request.size);
         let [width, height] = size;
         let (columns, rows) = (request.columns(), request.rows());
-        let traced_columns = with_border(&columns, filter.support(), width);
-        let traced_rows = with_border(&rows, filter.support(), height);
+        let (traced_columns, traced_rows) = (request.traced_columns(), request.traced_rows(rows.clone()));
         let level = instructions::available()[0];
         let row = |j: usize| {
             let mut spread = Spread::new(filter, level, j, size);
@@ -191,11 +192,6 @@ fn blurred(picture: &FloatPicture) -> FloatPicture {
     }
     colors.extend(blur.end().unwrap_or_default());
     FloatPicture { size: reduced(picture.size), colors }
-}
-
-/// Returns the range extended by the pixels whose samples contribute to it.
-fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize> {
-    range.start.saturating_sub(support)..(range.end + support).min(end)
 }
 
 #[cfg(test)]
