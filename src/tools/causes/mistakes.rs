@@ -4,6 +4,7 @@
 //! program's picture", and how the picture is made. Rows about a part of the scene are added for each scene.
 
 use super::changes::*;
+use super::paint::Move;
 use super::rules::Rule::{self, *};
 use super::transforms::{combine_nested, each_rotation, reverse_lists, transpose_matrices};
 use crate::math::rounded::RoundedAffine;
@@ -42,9 +43,8 @@ pub(super) enum Make {
     Flip([bool; 2]),
     /// By leaving some pixels of the finished picture as they were before it was rendered.
     Unset(Unset),
-    /// By moving the points that rays pass through. The arguments are the point in pixels from the lower left corner
-    /// and the size of the picture; the result is the distance by which the point moves.
-    Points(fn(DVec2, DVec2) -> DVec2),
+    /// By moving the points that rays pass through.
+    Points(Move),
     /// By another request.
     Request(fn(&mut Request, &Scene)),
     /// By changing the scene.

@@ -20,8 +20,8 @@ use rayon::prelude::*;
 /// The number of rows painted at a time. They are kept until the film has taken them.
 const ROWS: usize = 64;
 
-/// A map from a point of the picture, in pixels from the lower left corner, and the picture's size to the distance by
-/// which the point moves.
+/// Returns how far a point of the picture moves. The arguments are the point, in pixels from the lower left corner, and
+/// the size of the picture.
 pub type Move = fn(DVec2, DVec2) -> DVec2;
 
 /// Paints the first layer of a request by a student's tracer.

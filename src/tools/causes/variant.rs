@@ -62,7 +62,7 @@ impl<'o> Variant<'o> {
                 Make::Rule(rule) => rules.add(rule),
             }
         }
-        // The scene's own camera is none of the request's.
+        // A camera equal to the scene's counts as unchanged.
         if request.camera == Some(own.scene.camera) {
             request.camera = original.request.camera;
         }
