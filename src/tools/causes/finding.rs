@@ -3,7 +3,7 @@
 use super::difference_kind::DifferenceKind;
 use super::mistakes::Mistake;
 use super::rounding::Residual;
-use super::student::SelfHitting;
+use super::rules::SelfHitting;
 use serde::Serialize;
 use std::fmt;
 

@@ -6,6 +6,7 @@
 use super::changes::*;
 use super::paint::Move;
 use super::rules::Rule::{self, *};
+use super::rules::SelfHitting;
 use super::transforms::{combine_nested, each_rotation, reverse_lists, transpose_matrices};
 use crate::math::rounded::RoundedAffine;
 use crate::picture::{Color, Window};
@@ -155,7 +156,7 @@ pub(super) const TABLE: &[Mistake] = &[
     request("weight_squared", "", "with -weight compared with the squares of the colours' lengths",
         |request, _| request.effects.min_weight = request.effects.min_weight.sqrt()),
     // Without shadows on other objects, reversed lights look the same. They are less common.
-    rule("no_epsilon", "shadow", "where every surface shadows itself, as without an epsilon", NoEpsilonOfShadows),
+    rule("no_epsilon", "shadow", "where every surface shadows itself, as without an epsilon", NoEpsilon(SelfHitting::Shadow)),
     scene("no_ambient", "", "without ambient light", put_out_ambient),
     scene("black_background", "", "with a black background", blacken_background),
     scene("not_attenuated", "", "with lights that are not attenuated",
@@ -272,9 +273,9 @@ pub(super) const TABLE: &[Mistake] = &[
     rule("shadows_of_first_light", "", "with shadows of the first light alone", ShadowsOfFirstLight),
     rule("shadows_of_any_light", "", "where the shadow of one light blocks all lights", ShadowsOfAnyLight),
     rule("shadows_black", "", "with shadows that block the ambient light, too", ShadowsBlack),
-    rule("shadow_bias", "0.001", "with shadow rays that start 0.001 along the normal", ShadowBiasThousandth),
-    rule("shadow_bias", "0.01", "with shadow rays that start 0.01 along the normal", ShadowBiasHundredth),
-    rule("shadow_bias", "0.1", "with shadow rays that start 0.1 along the normal", ShadowBiasTenth),
+    rule("shadow_bias", "0.001", "with shadow rays that start 0.001 along the normal", ShadowBias(0.001)),
+    rule("shadow_bias", "0.01", "with shadow rays that start 0.01 along the normal", ShadowBias(0.01)),
+    rule("shadow_bias", "0.1", "with shadow rays that start 0.1 along the normal", ShadowBias(0.1)),
     rule("normal_flipped_in_reflection", "", "with reflections from the flipped normal", NormalFlippedInReflection),
     rule("reflection_reversed", "", "with reflected rays reversed", ReflectionReversed),
     rule("reflection_from_below", "", "with reflected rays that start below the surface", ReflectionFromBelow),
@@ -304,16 +305,16 @@ pub(super) const TABLE: &[Mistake] = &[
     rule("normals_flipped", "", "with surfaces lit on the side that is seen instead of on their outside", NormalsFlipped),
     rule("highlights_only_where_lit", "", "without highlights where the surface faces away from the light", HighlightsOnlyWhereLit),
     rule("no_epsilon", "secondary", "where reflected and refracted rays hit the surface that they leave, as without an epsilon",
-        NoEpsilonOfSecondary),
-    rule("no_epsilon", "all", "where all rays hit the surface that they leave, as without an epsilon", NoEpsilon),
+        NoEpsilon(SelfHitting::Secondary)),
+    rule("no_epsilon", "all", "where all rays hit the surface that they leave, as without an epsilon", NoEpsilon(SelfHitting::All)),
     rule("normals_not_flipped", "", "with normals that are not flipped on back faces", NormalsNotFlipped),
     rule("highlights_by_reflection", "", "with highlights by R.V instead of N.H", HighlightsByReflection),
     rule("highlights_by_reflection", "wrong formula", "with highlights by R.V with R = 2 (N.L) (N - L)", HighlightsByWrongReflection),
     rule("highlights_ungated", "", "with highlights also where the surface faces away from the light", HighlightsUngated),
     rule("highlights_times_cosine", "", "with highlights multiplied by N.L", HighlightsTimesCosine),
     rule("highlights_times_diffuse", "", "with highlights multiplied by the diffuse colour", HighlightsTimesDiffuse),
-    rule("highlights_normalised", "Phong", "with highlights multiplied by (n + 2) / (2 pi)", HighlightsNormalisedPhong),
-    rule("highlights_normalised", "Blinn", "with highlights multiplied by (n + 8) / (8 pi)", HighlightsNormalisedBlinn),
+    rule("highlights_normalised", "Phong", "with highlights multiplied by (n + 2) / (2 pi)", HighlightsNormalised(2.0)),
+    rule("highlights_normalised", "Blinn", "with highlights multiplied by (n + 8) / (8 pi)", HighlightsNormalised(8.0)),
     rule("half_way_not_normalised", "", "with half-way vectors that are not normalised", HalfWayNotNormalised),
     rule("diffuse_over_pi", "", "with diffuse light divided by pi", DiffuseOverPi),
     rule("diffuse", "not clamped", "with diffuse light that is negative where N.L is", DiffuseNotClamped),

@@ -38,8 +38,8 @@ pub use difference_kind::{DifferenceKind, NamedObject, Subject};
 pub use finding::{Finding, Rounded};
 pub use mistakes::Mistake;
 use regions::unset_pixels;
+pub use rules::SelfHitting;
 pub use search::MAX_UNEXPLAINED;
-pub use student::SelfHitting;
 
 use crate::base::patience::Patience;
 use crate::caster::RayOrigin;

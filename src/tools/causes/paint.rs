@@ -53,28 +53,29 @@ impl<'a> Painter<'a> {
 
     /// Returns the colour along a ray in the request's layer.
     fn color(&self, ray: &Ray) -> Color {
-        let (student, rules) = (self.student, self.student.rules);
+        let student = self.student;
+        let breaks = |rule| student.rules.contains(&rule);
         let measures = student.renderer.scene.measure_colors;
         match self.layer {
             Layer::Depth { near, far } => {
                 let Some((t, surface)) = student.seen(ray) else {
-                    return Color::splat(f64::from(rules.has(Rule::DepthInverted)));
+                    return Color::splat(f64::from(breaks(Rule::DepthInverted)));
                 };
                 let (Projection::Perspective(eye) | Projection::Orthographic(eye)) = self.camera.projection();
-                let t = match rules.has(Rule::DepthAlongAxis) {
+                let t = match breaks(Rule::DepthAlongAxis) {
                     true => (surface.position - ray.origin).dot(eye.direction),
                     false => t,
                 };
                 let grey = measures.depths.grey(t, [near, far]);
-                Color::splat(if rules.has(Rule::DepthInverted) { 1.0 - grey } else { grey })
+                Color::splat(if breaks(Rule::DepthInverted) { 1.0 - grey } else { grey })
             }
             Layer::Normals => {
                 let normal = student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
-                if rules.has(Rule::NormalsClamped) {
+                if breaks(Rule::NormalsClamped) {
                     normal.max(DVec3::ZERO)
-                } else if rules.has(Rule::NormalsShifted) && normal != DVec3::ZERO {
+                } else if breaks(Rule::NormalsShifted) && normal != DVec3::ZERO {
                     0.5 * normal + 0.5
-                } else if rules.has(Rule::NormalsShifted) {
+                } else if breaks(Rule::NormalsShifted) {
                     Color::ZERO
                 } else {
                     measures.normals.color(normal)

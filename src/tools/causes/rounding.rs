@@ -6,8 +6,8 @@
 //! they have both signs and are not in most pixels.
 
 use super::rendering::{RenderedPixel, Rendering};
+use super::rules::Departure;
 use super::self_hits::possible_colors;
-use super::student::Departure;
 use super::variant::{Thresholds, Variant, colors_at};
 use crate::picture::Color;
 use crate::tools::compare::{Rgb, largest_channel_difference};

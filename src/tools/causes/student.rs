@@ -9,7 +9,7 @@ mod normal;
 mod shadow;
 
 use super::hits::Hits;
-use super::rules::{Rule, Rules};
+use super::rules::{Departure, Rule};
 use super::wrong_textures::first_weight;
 use crate::base::patience::{Endless, Patience};
 use crate::math::instructions::Level;
@@ -26,40 +26,6 @@ use crate::shading::texture::{each_part, material_of_surface};
 use crate::trace::{Effects, mirrored_part, reflected, refracted_between};
 use crate::world::{Objects, SurfacePoint, World};
 use glam::DVec3;
-use serde::Serialize;
-
-/// How a ray leaves a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Departure {
-    Reflected,
-    Refracted,
-    Shadow,
-    /// Towards a light, after crossing a transparent surface.
-    Onwards,
-}
-
-/// The rays that hit the surface that they leave.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SelfHitting {
-    /// Rays to lights.
-    Shadow,
-    /// Reflected and refracted rays.
-    Secondary,
-    /// All rays.
-    All,
-}
-
-impl SelfHitting {
-    /// Returns true if rays that leave a surface that way are among these.
-    pub(super) fn has(self, departure: Departure) -> bool {
-        match departure {
-            Departure::Shadow => self != Self::Secondary,
-            Departure::Reflected | Departure::Refracted => self != Self::Shadow,
-            Departure::Onwards => false,
-        }
-    }
-}
 
 /// Deeper recursion is not tried, because it could overflow the stack.
 pub(crate) const MAX_BOUNCES: u32 = 100;
@@ -80,7 +46,7 @@ pub struct Student<'a> {
     pub renderer: &'a Renderer,
     pub hits: &'a dyn Hits,
     pub effects: Effects,
-    pub rules: Rules,
+    pub rules: &'a [Rule],
     /// The objects of the world. Rules about normals need them.
     pub objects: Option<&'a Objects>,
     /// The rays that hit the surface that they leave, if not the rule's.
@@ -111,13 +77,16 @@ struct Arrival<'m> {
 impl<'a> Student<'a> {
     /// Returns a tracer that breaks no rule.
     pub fn new(renderer: &'a Renderer, hits: &'a dyn Hits, effects: Effects) -> Self {
-        let rules = Rules::default();
         let (objects, hits_itself, epsilon, patience) = (None, None, None, &Endless);
-        Self { renderer, hits, effects, rules, objects, hits_itself, epsilon, patience }
+        Self { renderer, hits, effects, rules: &[], objects, hits_itself, epsilon, patience }
     }
 
     fn breaks(&self, rule: Rule) -> bool {
-        self.rules.has(rule)
+        self.rules.contains(&rule)
+    }
+
+    fn breaks_any(&self, rules: &[Rule]) -> bool {
+        self.rules.iter().any(|rule| rules.contains(rule))
     }
 
     fn world(&self) -> &World {
@@ -152,7 +121,7 @@ impl<'a> Student<'a> {
                 let arrival = Arrival { path_ray, surface, material };
                 let own = self.shade(&arrival);
                 let [refracted, mirrored] = self.branches(&arrival);
-                if self.rules.has_any(&[Rule::ReflectionBlended, Rule::RefractionBlended]) {
+                if self.breaks_any(&[Rule::ReflectionBlended, Rule::RefractionBlended]) {
                     let own = self.blended(Rule::ReflectionBlended, own, mirrored);
                     self.blended(Rule::RefractionBlended, own, refracted)
                 } else {
@@ -176,7 +145,7 @@ impl<'a> Student<'a> {
     /// Returns the material of a surface, with its textures evaluated at the point.
     fn material<'m>(&'m self, surface: &SurfacePoint, mixture: &'m mut Mixture) -> PointMaterial<'m> {
         let is_texture = matches!(self.world().materials[surface.material], Material::Texture(_));
-        if is_texture && self.rules.has_any(&super::wrong_textures::RULES) {
+        if is_texture && self.breaks_any(&super::wrong_textures::RULES) {
             self.mix(surface.material, surface.position, mixture);
             return mixture.material();
         }
@@ -275,7 +244,7 @@ impl<'a> Student<'a> {
         let is_from_below = self.breaks(Rule::ReflectionFromBelow) && why == Departure::Reflected;
         let hits_itself = match self.hits_itself {
             Some(hits_itself) => hits_itself(why, surface, direction),
-            None => self_hitting(self.rules).is_some_and(|rays| rays.has(why)),
+            None => self.rules.iter().any(|rule| matches!(rule, Rule::NoEpsilon(rays) if rays.has(why))),
         };
         let (ray, origin_primitive) = match self.epsilon.or(self.world().lighting.epsilon) {
             // On the other side of the surface, the ray hits it at once.
@@ -289,16 +258,6 @@ impl<'a> Student<'a> {
     fn clamped_by(&self, rule: Rule, color: Color) -> Color {
         if self.breaks(rule) { color.clamp(Color::ZERO, Color::ONE) } else { color }
     }
-}
-
-/// Returns the rays that hit the surface that they leave by a rule.
-fn self_hitting(rules: Rules) -> Option<SelfHitting> {
-    let all = [
-        (Rule::NoEpsilonOfShadows, SelfHitting::Shadow),
-        (Rule::NoEpsilonOfSecondary, SelfHitting::Secondary),
-        (Rule::NoEpsilon, SelfHitting::All),
-    ];
-    all.into_iter().find(|&(rule, _)| rules.has(rule)).map(|(_, rays)| rays)
 }
 
 /// Textures give the same bytes with all instruction sets.

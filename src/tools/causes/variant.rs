@@ -4,9 +4,9 @@ use super::Original;
 use super::changes::{Part, has_secondary_rays, leave_out};
 use super::mistakes::{Make, Mistake};
 use super::paint::{Move, Painter};
-use super::rules::Rules;
+use super::rules::Rule;
 use super::student::{MAX_BOUNCES, Student};
-use super::wrong_hits::{EXHAUSTIVE, MAX_TESTS, WrongHits};
+use super::wrong_hits::{MAX_TESTS, WrongHits, is_exhaustive};
 use crate::picture::{Color, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request};
@@ -36,7 +36,7 @@ pub struct Variant<'o> {
     /// The renderer of another scene.
     renderer: Option<Renderer>,
     request: Request,
-    rules: Rules,
+    rules: Vec<Rule>,
     moves: Vec<Move>,
     /// A part of the scene that is left out.
     without: Option<Part>,
@@ -48,7 +48,7 @@ impl<'o> Variant<'o> {
     pub fn new(original: &'o Original, mistakes: &[Mistake]) -> Option<Self> {
         let own = original.renderer();
         let (mut scene, mut request) = (own.scene.clone(), original.request.clone());
-        let (mut rules, mut moves, mut without) = (Rules::default(), vec![], None);
+        let (mut rules, mut moves, mut without) = (vec![], vec![], None);
         for mistake in mistakes {
             match mistake.make {
                 Make::Colors { .. } | Make::Flip(_) | Make::Unset(_) => {}
@@ -59,7 +59,7 @@ impl<'o> Variant<'o> {
                     leave_out(&mut scene, part);
                     without = Some(part);
                 }
-                Make::Rule(rule) => rules.add(rule),
+                Make::Rule(rule) => rules.push(rule),
             }
         }
         // A camera equal to the scene's counts as unchanged.
@@ -68,8 +68,7 @@ impl<'o> Variant<'o> {
         }
         let is_student = !rules.is_empty() || !moves.is_empty();
         let is_deep = is_student && request.effects.bounces > MAX_BOUNCES && has_secondary_rays(&scene);
-        let is_large =
-            rules.has_any(&EXHAUSTIVE) && own.world().ids().len() * request.camera_rays() > MAX_TESTS;
+        let is_large = is_exhaustive(&rules) && own.world().ids().len() * request.camera_rays() > MAX_TESTS;
         if is_deep || is_large {
             return None;
         }
@@ -151,7 +150,7 @@ impl<'o> Variant<'o> {
             let patience = &self.original.patience;
             let (renderer, caster) = (prepared.renderer(), &prepared.caster(patience).ok()?);
             let objects = Objects::new(&renderer.scene, self.original.renderer().meshes(), caster.world)?;
-            let wrong = WrongHits::new(caster, &objects, self.rules, self.hidden(&objects));
+            let wrong = WrongHits::new(caster, &objects, &self.rules, self.hidden(&objects));
             let mut effects = self.request.effects;
             effects.min_weight *= thresholds.weight;
             let student = if wrong.is_needed() {
@@ -160,7 +159,7 @@ impl<'o> Variant<'o> {
                 Student::new(renderer, caster, effects)
             };
             let (objects, epsilon) = (Some(&objects), thresholds.epsilon);
-            let student = Student { rules: self.rules, objects, epsilon, patience, ..student };
+            let student = Student { rules: &self.rules, objects, epsilon, patience, ..student };
             Some(work(&Painter::new(&student, &self.request, &self.moves)))
         };
         self.with_prepared(paint)?

@@ -31,8 +31,7 @@ impl Student<'_> {
         let ambient = self.world().ambient * self.ambient_factor(arrival);
         let (mut color, mut is_lit, mut is_shadowed) = (ambient, false, false);
         let others = self.breaks(Rule::ShadowsOfAnyLight).then(|| self.passed_of_all(arrival));
-        let is_overwritten =
-            self.rules.has_any(&[Rule::LightsOverwritten, Rule::LightsAndAmbientOverwritten]);
+        let is_overwritten = self.breaks_any(&[Rule::LightsOverwritten, Rule::LightsAndAmbientOverwritten]);
         for index in 0..self.world().lights.len() {
             if self.patience.is_over() {
                 break;
@@ -84,7 +83,7 @@ impl Student<'_> {
         const BEHIND: [Rule; 4] =
             [Rule::CosineAbsolute, Rule::DiffuseAbsolute, Rule::DiffuseNotClamped, Rule::HighlightsUngated];
         let shows = material.shows(self.world().lighting.highlight, light, cosine);
-        shows || self.rules.has_any(&BEHIND) && !material.is_black() && light.color != Color::ZERO
+        shows || self.breaks_any(&BEHIND) && !material.is_black() && light.color != Color::ZERO
     }
 
     fn ambient_factor(&self, arrival: &Arrival) -> Color {
@@ -147,11 +146,10 @@ impl Student<'_> {
         if self.breaks(Rule::HighlightsTimesDiffuse) {
             strength *= material.phong.diffuse;
         }
-        if self.breaks(Rule::HighlightsNormalisedPhong) {
-            strength *= (exponent + 2.0) / (2.0 * PI);
-        }
-        if self.breaks(Rule::HighlightsNormalisedBlinn) {
-            strength *= (exponent + 8.0) / (8.0 * PI);
+        for rule in self.rules {
+            if let Rule::HighlightsNormalised(k) = rule {
+                strength *= (exponent + k) / (k * PI);
+            }
         }
         strength
     }

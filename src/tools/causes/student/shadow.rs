@@ -1,6 +1,6 @@
 //! The part of a light that reaches a surface, past whatever is in the way.
 
-use super::{Arrival, Departure, LEVEL, Leaving, Student};
+use super::{Arrival, LEVEL, Leaving, Student};
 use crate::math::ray::Ray;
 use crate::picture::Color;
 use crate::scene::Light;
@@ -8,7 +8,7 @@ use crate::scene::limits::LARGEST;
 use crate::shading::light::Incident;
 use crate::shading::phong::Mixture;
 use crate::shading::texture::material_at;
-use crate::tools::causes::rules::Rule;
+use crate::tools::causes::rules::{Departure, Rule};
 use crate::trace::{Shadows, ending_at_light, transmittance};
 use crate::world::SurfacePoint;
 
@@ -120,11 +120,6 @@ impl Student<'_> {
 
     /// Returns the distance from the visible side at which shadow rays start, if a rule says so.
     fn shadow_bias(&self) -> Option<f64> {
-        const BIASES: [(Rule, f64); 3] = [
-            (Rule::ShadowBiasThousandth, 0.001),
-            (Rule::ShadowBiasHundredth, 0.01),
-            (Rule::ShadowBiasTenth, 0.1),
-        ];
-        BIASES.into_iter().find(|&(rule, _)| self.breaks(rule)).map(|(_, bias)| bias)
+        self.rules.iter().find_map(|rule| if let Rule::ShadowBias(bias) = rule { Some(*bias) } else { None })
     }
 }
