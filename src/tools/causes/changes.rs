@@ -229,13 +229,8 @@ pub fn invert_matrix(texture: &mut Texture) {
 }
 
 pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
-    for material in &mut scene.materials {
-        let pattern = match material {
-            Material::Texture(texture) => &mut texture.pattern,
-            Material::Painted(_, Paint::Pattern(pattern, _)) => pattern,
-            _ => continue,
-        };
-        pattern.octaves_mut().into_iter().for_each(|octaves| *octaves = change(*octaves));
+    for octaves in scene.materials.iter_mut().filter_map(Material::octaves_mut) {
+        *octaves = change(*octaves);
     }
 }
 
