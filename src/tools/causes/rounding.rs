@@ -6,7 +6,7 @@
 //! they have both signs and are not in most pixels.
 
 use super::rendering::{RenderedPixel, Rendering};
-use super::rules::Departure;
+use super::rules::RayKind;
 use super::self_hits::possible_colors;
 use super::variant::{Thresholds, Variant, colors_at};
 use crate::picture::Color;
@@ -186,8 +186,8 @@ impl Views<'_> {
             return pixels;
         }
         let largest_cosine = self.variant.depth() / epsilon;
-        let grazes = |why, surface: &SurfacePoint, direction: DVec3| {
-            why != Departure::Onwards && surface.normal.dot(direction).abs() <= largest_cosine
+        let grazes = |kind, surface: &SurfacePoint, direction: DVec3| {
+            kind != RayKind::Onwards && surface.normal.dot(direction).abs() <= largest_cosine
         };
         let thresholds = Thresholds { epsilon: Some(epsilon), weight: 1.0 };
         let left = self.variant.with_painter(thresholds, |painter| {

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-/// How a ray leaves a surface.
+/// The kinds of rays that leave surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Departure {
+pub enum RayKind {
     Reflected,
     Refracted,
     Shadow,
@@ -25,12 +25,12 @@ pub enum SelfHitting {
 }
 
 impl SelfHitting {
-    /// Returns true if rays that leave a surface that way are among these.
-    pub fn has(self, departure: Departure) -> bool {
-        match departure {
-            Departure::Shadow => self != Self::Secondary,
-            Departure::Reflected | Departure::Refracted => self != Self::Shadow,
-            Departure::Onwards => false,
+    /// Returns true if rays of this kind are among these.
+    pub fn has(self, kind: RayKind) -> bool {
+        match kind {
+            RayKind::Shadow => self != Self::Secondary,
+            RayKind::Reflected | RayKind::Refracted => self != Self::Shadow,
+            RayKind::Onwards => false,
         }
     }
 }

@@ -53,7 +53,7 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     let student = &Student { patience, ..Student::new(renderer, caster, request.effects) };
     let painter = Painter::new(student, request, &[]);
     let count = |rays: SelfHitting| {
-        let may_hit = |why, _: &SurfacePoint, _| rays.has(why);
+        let may_hit = |kind, _: &SurfacePoint, _| rays.has(kind);
         let is_speckle = |&&at: &&usize| {
             let source = [at % request.size[0], at / request.size[0]];
             let mut colors = possible_colors(&painter, source, DVec2::ZERO, &may_hit);

@@ -9,7 +9,7 @@ mod normal;
 mod shadow;
 
 use super::hits::Hits;
-use super::rules::{Departure, Rule};
+use super::rules::{RayKind, Rule};
 use super::wrong_textures::first_weight;
 use crate::base::patience::{Endless, Patience};
 use crate::math::instructions::Level;
@@ -38,7 +38,7 @@ struct Leaving {
 }
 
 /// Returns true if a ray that leaves a surface in a direction hits it again.
-pub type HitsItself<'a> = &'a (dyn Fn(Departure, &SurfacePoint, DVec3) -> bool + Sync);
+pub type HitsItself<'a> = &'a (dyn Fn(RayKind, &SurfacePoint, DVec3) -> bool + Sync);
 
 /// A tracer that breaks some rules.
 #[derive(Clone, Copy)]
@@ -185,8 +185,8 @@ impl<'a> Student<'a> {
             reflective *= part;
             transparent *= 1.0 - part;
         }
-        let next = |why, direction, weight, index| {
-            let leaving = self.departing(why, surface, direction);
+        let next = |kind, direction, weight, index| {
+            let leaving = self.departing(kind, surface, direction);
             PathRay { leaving, weight, bounces: path_ray.bounces + 1, index }
         };
         let is_turned = !is_entering && !self.breaks(Rule::NormalNotFlippedInRefraction);
@@ -209,7 +209,7 @@ impl<'a> Student<'a> {
                 None => return None,
             };
             let tint = self.tint(transparent, Rule::RefractionWithoutColor);
-            Some((tint, next(Departure::Refracted, direction, weight, index)))
+            Some((tint, next(RayKind::Refracted, direction, weight, index)))
         });
         let is_dropped = is_total && self.breaks(Rule::TotalReflectionDropped);
         let mirrored = self.weight(path_ray, reflective).filter(|_| !is_dropped).map(|weight| {
@@ -221,7 +221,7 @@ impl<'a> Student<'a> {
                 reflected(direction, normal)
             };
             let tint = self.tint(reflective, Rule::ReflectionWithoutColor);
-            (tint, next(Departure::Reflected, direction, weight, path_ray.index))
+            (tint, next(RayKind::Reflected, direction, weight, path_ray.index))
         });
         [refracted, mirrored]
     }
@@ -239,12 +239,12 @@ impl<'a> Student<'a> {
     }
 
     /// Returns a ray that leaves a surface: it starts a few roundings off, on the side to which it goes.
-    fn departing(&self, why: Departure, surface: &SurfacePoint, direction: DVec3) -> Leaving {
+    fn departing(&self, kind: RayKind, surface: &SurfacePoint, direction: DVec3) -> Leaving {
         let off = |side| offset_origin(surface.position, surface.normal, side * direction, surface.extent);
-        let is_from_below = self.breaks(Rule::ReflectionFromBelow) && why == Departure::Reflected;
+        let is_from_below = self.breaks(Rule::ReflectionFromBelow) && kind == RayKind::Reflected;
         let hits_itself = match self.hits_itself {
-            Some(hits_itself) => hits_itself(why, surface, direction),
-            None => self.rules.iter().any(|rule| matches!(rule, Rule::NoEpsilon(rays) if rays.has(why))),
+            Some(hits_itself) => hits_itself(kind, surface, direction),
+            None => self.rules.iter().any(|rule| matches!(rule, Rule::NoEpsilon(rays) if rays.has(kind))),
         };
         let (ray, origin_primitive) = match self.epsilon.or(self.world().lighting.epsilon) {
             // On the other side of the surface, the ray hits it at once.

@@ -8,7 +8,7 @@ use crate::scene::limits::LARGEST;
 use crate::shading::light::Incident;
 use crate::shading::phong::Mixture;
 use crate::shading::texture::material_at;
-use crate::tools::causes::rules::{Departure, Rule};
+use crate::tools::causes::rules::{RayKind, Rule};
 use crate::trace::{Shadows, ending_at_light, transmittance};
 use crate::world::SurfacePoint;
 
@@ -32,7 +32,7 @@ impl Student<'_> {
                 let origin = surface.position + side * bias * surface.normal;
                 Leaving { ray: Ray::new(origin, light.direction), origin_primitive: None }
             }
-            None => self.departing(Departure::Shadow, surface, light.direction),
+            None => self.departing(RayKind::Shadow, surface, light.direction),
         };
         let passed = self.passed_along(start, surface, light, index);
         if self.breaks(Rule::ShadowsHalve) { 0.5 + 0.5 * passed } else { passed }
@@ -99,7 +99,7 @@ impl Student<'_> {
                 (is_within, inside) = (!is_left, 0.0);
             }
             let t_max = ray.t_max - t;
-            let onwards = self.departing(Departure::Onwards, &crossed, ray.direction);
+            let onwards = self.departing(RayKind::Onwards, &crossed, ray.direction);
             (ray, origin_primitive) = (ended(onwards.ray, &crossed, t_max), onwards.origin_primitive);
         }
         let tints = at_light.iter().map(|place| self.tint_at_light(place.primitive, index));
