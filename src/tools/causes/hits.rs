@@ -9,9 +9,9 @@ pub trait Hits: Sync {
     /// The world that is hit.
     fn world(&self) -> &World;
 
-    /// Returns the nearest hit of a ray that leaves the primitive `leaves`. The ray cannot hit it again unless it is
+    /// Returns the nearest hit of a ray that leaves `origin_primitive`. The ray cannot hit it again unless it is
     /// round.
-    fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible>;
+    fn nearest(&self, ray: &Ray, origin_primitive: Option<u32>) -> Option<Visible>;
 
     /// Returns the t of a ray's nearest hit.
     fn distance(&self, ray: &Ray, visible: Visible) -> f64 {
@@ -31,7 +31,7 @@ impl Hits for Caster<'_> {
         self.world
     }
 
-    fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
-        Caster::nearest(self, ray, RayOrigin::on(self.world, leaves))
+    fn nearest(&self, ray: &Ray, origin_primitive: Option<u32>) -> Option<Visible> {
+        Caster::nearest(self, ray, RayOrigin::on(self.world, origin_primitive))
     }
 }

@@ -89,8 +89,8 @@ impl<'o> Variant<'o> {
         let scene =
             self.renderer.as_ref().map_or(&self.original.renderer().scene, |renderer| &renderer.scene);
         let effects = self.request.effects;
-        let leaves = effects.shadows != Shadows::None || effects.bounces > 0 && has_secondary_rays(scene);
-        self.original.layer == Layer::Color && leaves
+        let has_rays = effects.shadows != Shadows::None || effects.bounces > 0 && has_secondary_rays(scene);
+        self.original.layer == Layer::Color && has_rays
     }
 
     /// Returns true if the weights of rays decide which ones are traced.

@@ -59,8 +59,8 @@ impl<'a> WrongHits<'a> {
     }
 
     /// Tests all primitives, and returns the hit that the rules choose.
-    fn chosen(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
-        let exclude = leaves.filter(|&id| self.world().is_triangle(id));
+    fn chosen(&self, ray: &Ray, origin_primitive: Option<u32>) -> Option<Visible> {
+        let exclude = origin_primitive.filter(|&id| self.world().is_triangle(id));
         let endless = Ray { t_max: f64::INFINITY, ..*ray };
         let mut chosen: Option<Visible> = None;
         for object in &self.objects {
@@ -111,13 +111,13 @@ impl Hits for WrongHits<'_> {
         self.hits.world()
     }
 
-    fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
+    fn nearest(&self, ray: &Ray, origin_primitive: Option<u32>) -> Option<Visible> {
         if is_exhaustive(self.rules) {
-            return self.chosen(ray, leaves);
+            return self.chosen(ray, origin_primitive);
         }
         let mut ray = *ray;
         for _ in 0..self.world().most_crossings() {
-            let visible = self.hits.nearest(&ray, leaves)?;
+            let visible = self.hits.nearest(&ray, origin_primitive)?;
             if !self.is_passed(&ray, visible) {
                 return Some(visible);
             }

@@ -107,14 +107,14 @@ impl<'p, 'r> Explainer<'p, 'r> {
     }
 
     /// Completes a ray towards the light of this index, which leaves this primitive.
-    pub fn finish_shadow(&self, shadow: &mut Shadow, light: usize, leaves: u32) {
+    pub fn finish_shadow(&self, shadow: &mut Shadow, light: usize, origin_primitive: u32) {
         let nearest = || {
-            let origin = RayOrigin::on(self.world, Some(leaves));
+            let origin = RayOrigin::on(self.world, Some(origin_primitive));
             let visible = self.caster.nearest(&shadow.ray, origin)?;
             Some(self.world.hit(&shadow.ray, visible))
         };
         let sees = shadow.crossed.first().map(|crossing| crossing.hit).or_else(nearest);
-        shadow.close_calls = self.close_calls(&shadow.ray, Some(leaves), sees);
+        shadow.close_calls = self.close_calls(&shadow.ray, Some(origin_primitive), sees);
         if shadow.crossed.is_empty() {
             // A light on a surface is behind it, even if rounding lets the ray miss the surface.
             let at_light = self.world.primitives_at_light(light).first();

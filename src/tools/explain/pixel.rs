@@ -145,12 +145,20 @@ impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
             self.left_out.rays += 1;
             return;
         }
-        let (mut bounces, mut leaves) = (0, None);
+        let (mut bounces, mut origin_primitive) = (0, None);
         if let Some(parent) = self.current.map(|parent| &mut self.rays[parent]) {
             parent.children.push(place);
-            (bounces, leaves) = (parent.bounces + 1, parent.hit.map(|hit| hit.primitive));
+            (bounces, origin_primitive) = (parent.bounces + 1, parent.hit.map(|hit| hit.primitive));
         }
-        self.rays.push(RayNode { kind, bounces, ray, leaves, filter, weight, ..RayNode::default() });
+        self.rays.push(RayNode {
+            kind,
+            bounces,
+            ray,
+            origin_primitive,
+            filter,
+            weight,
+            ..RayNode::default()
+        });
     }
 }
 
@@ -184,7 +192,7 @@ impl Observer for Recorder<'_, '_, '_> {
             (Event::Met(hit), Some(node)) => {
                 (node.hit, node.counts) = (hit, take(&mut self.counts));
                 if is_in_time() {
-                    node.close_calls = explainer.close_calls(&node.ray, node.leaves, hit);
+                    node.close_calls = explainer.close_calls(&node.ray, node.origin_primitive, hit);
                 }
             }
             (Event::Surface { point, material }, Some(node)) => explainer.add_surface(node, point, material),
@@ -198,10 +206,10 @@ impl Observer for Recorder<'_, '_, '_> {
                 node.surface.iter_mut().for_each(|surface| surface.ambient = Some(color));
             }
             (Event::ShadowRay(ray), Some(_)) => self.shadow = Some(Shadow { ray, ..Shadow::default() }),
-            (Event::Crossed { hit, tint, leaves }, Some(_)) => {
+            (Event::Crossed { hit, tint, is_leaving }, Some(_)) => {
                 if let Some(shadow) = &mut self.shadow {
                     let object = explainer.object(hit.primitive);
-                    shadow.crossed.push(Crossing { object, hit, tint, leaves });
+                    shadow.crossed.push(Crossing { object, hit, tint, is_leaving });
                 }
             }
             (Event::Light { incident, cosine, passed, parts }, Some(node)) => {

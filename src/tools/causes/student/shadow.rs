@@ -85,18 +85,18 @@ impl Student<'_> {
                 if self.patience.is_over() { None } else { self.hits.nearest(&ray, origin_primitive) };
             let Some(visible) = visible else { break };
             let (t, crossed) = (self.hits.distance(&ray, visible), self.surface(&ray, visible));
-            let is_left = crossed.normal.dot(ray.direction) >= 0.0;
-            if at_light.iter().any(|place| place.is_crossed(visible.primitive, ray.direction, is_left)) {
+            let is_leaving = crossed.normal.dot(ray.direction) >= 0.0;
+            if at_light.iter().any(|place| place.is_crossed(visible.primitive, ray.direction, is_leaving)) {
                 inside += t;
             } else {
                 let tint = self.material(&crossed, &mut mixture).phong.transparent;
                 if tint == Color::ZERO {
                     return Color::ZERO;
                 }
-                if is_left {
+                if is_leaving {
                     passed = absorbed(passed, tint, inside + t);
                 }
-                (is_within, inside) = (!is_left, 0.0);
+                (is_within, inside) = (!is_leaving, 0.0);
             }
             let t_max = ray.t_max - t;
             let onwards = self.departing(RayKind::Onwards, &crossed, ray.direction);
