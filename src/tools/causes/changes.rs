@@ -1,5 +1,6 @@
 //! The changes that mistakes make to finished pictures, requests and scenes.
 
+use super::regions::{largest_region, window_around};
 use crate::picture::{Color, Window};
 use crate::render::Request;
 use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
@@ -323,6 +324,20 @@ pub struct Unset {
 }
 
 impl Unset {
+    /// Finds pixels that may never have been set: a window at the border of the picture around the largest region that
+    /// is wrong, which has one colour.
+    pub fn find(picture: &[Rgb], size: [usize; 2], wrong: &[usize]) -> Option<Self> {
+        let region = largest_region(wrong, size);
+        let color = picture[*region.first()?];
+        let window = window_around(&region, size[0]);
+        let is_at_border =
+            window.x == 0 || window.y == 0 || window.right() == size[0] || window.bottom() == size[1];
+        let mut rows = picture.chunks_exact(size[0]).skip(window.y).take(window.height);
+        let is_plain = rows.all(|row| row[window.x..window.right()].iter().all(|pixel| *pixel == color));
+        (is_at_border && is_plain && window.width * window.height < picture.len())
+            .then_some(Self { window, color })
+    }
+
     /// Returns true if the pixel in this column and row from the top left was never set.
     pub fn has(&self, [x, y]: [usize; 2]) -> bool {
         let Window { x: left, y: top, .. } = self.window;

@@ -37,7 +37,6 @@ pub(crate) use changes::has_secondary_rays;
 pub use difference_kind::{DifferenceKind, NamedObject, Subject};
 pub use finding::{Finding, Rounded};
 pub use mistakes::Mistake;
-use regions::unset_pixels;
 pub use rules::SelfHitting;
 pub use search::MAX_UNEXPLAINED;
 
@@ -50,7 +49,7 @@ use crate::scene::Object;
 use crate::scene::model::Shows;
 use crate::tools::compare::{color_of, colors};
 use crate::world::Objects;
-use changes::Part;
+use changes::{Part, Unset};
 use difference_kind::difference_kind;
 use glam::DVec2;
 use mistakes::Make;
@@ -157,7 +156,7 @@ impl<'a> Original<'a> {
         // Try each mistake.
         let rays_per_pixel = variant.map_or(1, |variant| variant.rays_per_pixel());
         let search = Search::new(picture, own, size, &before, rays_per_pixel);
-        let unset = unset_pixels(picture, size, &before.unexplained);
+        let unset = Unset::find(picture, size, &before.unexplained);
         let unset = unset.map(|unset| Mistake::unset(unset, size));
         let parts = self.parts(search.wrong_sample());
         // A camera of the other handedness turns the picture, too.
