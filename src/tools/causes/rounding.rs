@@ -64,12 +64,12 @@ pub fn residual(picture: &[Rgb], rendering: &Rendering, variant: Option<&Variant
     let views = variant.map(|variant| Views { picture, rendering, variant });
     let by_more = match &views {
         Some(views) => views.examine(visible.clone()),
-        None => Left::all(visible.clone()),
+        None => Unexplained::all(visible.clone()),
     };
     // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
     let by_a_level = match &views {
         Some(views) if !is_balanced(picture, rendering, &by_a_level) => views.examine_grazing(by_a_level),
-        _ => Left::all(by_a_level),
+        _ => Unexplained::all(by_a_level),
     };
     let mut unexplained = by_more.pixels;
     if !is_balanced(picture, rendering, &by_a_level.pixels) {
@@ -88,13 +88,13 @@ fn is_balanced(picture: &[Rgb], rendering: &Rendering, by_a_level: &[usize]) -> 
 }
 
 /// Pixels that views leave unexplained.
-struct Left {
+struct Unexplained {
     pixels: Vec<usize>,
     /// The course's own epsilon, if it explains some others.
     epsilon: Option<f64>,
 }
 
-impl Left {
+impl Unexplained {
     /// Leaves all of these pixels.
     fn all(pixels: Vec<usize>) -> Self {
         Self { pixels, epsilon: None }
@@ -118,7 +118,7 @@ struct Views<'v> {
 
 impl Views<'_> {
     /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
-    fn examine(&self, pixels: Vec<usize>) -> Left {
+    fn examine(&self, pixels: Vec<usize>) -> Unexplained {
         let variant = self.variant;
         let most = (MAX_VIEW_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MAX_EXAMINED);
         if pixels.len() > SAMPLED {
@@ -126,12 +126,12 @@ impl Views<'_> {
             let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
             let left = self.unexplained(&sample, Thresholds::OWN);
             if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
-                return Left::all(pixels);
+                return Unexplained::all(pixels);
             }
         }
         let mut left = self.unexplained(&pixels, Thresholds::OWN);
         if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
-            return Left::all(left);
+            return Unexplained::all(left);
         }
         if variant.weighs_rays() {
             for weight in [1.0 - WEIGHT_ROUNDING, 1.0 + WEIGHT_ROUNDING] {
@@ -139,18 +139,18 @@ impl Views<'_> {
             }
         }
         let moves: Vec<[f64; 2]> = moves(true).collect();
-        Left::by_better_epsilon(left.len(), |epsilon| {
+        Unexplained::by_better_epsilon(left.len(), |epsilon| {
             let left = self.unexplained(&left, Thresholds { epsilon: Some(epsilon), weight: 1.0 });
             self.unexplained_by_grazing(left, epsilon, &moves)
         })
     }
 
     /// Returns which of these pixels, which differ by one level, no ray explains that grazes a surface.
-    fn examine_grazing(&self, pixels: Vec<usize>) -> Left {
+    fn examine_grazing(&self, pixels: Vec<usize>) -> Unexplained {
         if pixels.len() > MAX_EXAMINED || !self.variant.has_secondary_rays() {
-            return Left::all(pixels);
+            return Unexplained::all(pixels);
         }
-        Left::by_better_epsilon(pixels.len(), |epsilon| {
+        Unexplained::by_better_epsilon(pixels.len(), |epsilon| {
             self.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]])
         })
     }

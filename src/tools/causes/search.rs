@@ -14,7 +14,7 @@ use crate::tools::compare::Rgb;
 use glam::DVec2;
 use std::rc::Rc;
 
-/// The size of a sample of pixels.
+/// The size of a sample of pixels. Few are enough where each needs many rays.
 struct SampleSize {
     most: usize,
     least: usize,
@@ -108,9 +108,9 @@ pub struct Search<'p> {
     rays: usize,
 }
 
-/// Counts of pixels.
+/// Numbers of pixels.
 #[derive(Clone, Copy, Debug, Default)]
-struct Counts {
+struct PixelCounts {
     /// Wrong with the base, and of these right with the mistake.
     wrong: usize,
     mended: usize,
@@ -124,7 +124,7 @@ struct Counts {
     nearly: usize,
 }
 
-impl Counts {
+impl PixelCounts {
     fn share(&self) -> f64 {
         self.mended as f64 / self.wrong as f64
     }
@@ -171,8 +171,8 @@ impl<'p> Search<'p> {
     }
 
     /// Counts pixels, by their indices, to which the mistake gives these colours.
-    fn counts(&self, rendered: impl Iterator<Item = (usize, RenderedPixel)>) -> Counts {
-        let mut counts = Counts::default();
+    fn counts(&self, rendered: impl Iterator<Item = (usize, RenderedPixel)>) -> PixelCounts {
+        let mut counts = PixelCounts::default();
         for (at, rendered) in rendered {
             let (pixel, base) = (self.picture[at], &self.base.pixels[at]);
             let before = base.levels(pixel);
@@ -193,7 +193,7 @@ impl<'p> Search<'p> {
     }
 
     /// Counts all pixels of a picture.
-    fn counts_of(&self, rendering: &Rendering) -> Counts {
+    fn counts_of(&self, rendering: &Rendering) -> PixelCounts {
         self.counts(rendering.pixels.iter().copied().enumerate())
     }
 
@@ -237,7 +237,7 @@ impl<'p> Search<'p> {
     }
 
     /// Counts the first pixels of the sample, which have these colours before changes of the finished picture.
-    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color]) -> Counts {
+    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color]) -> PixelCounts {
         let changes = PixelChanges::new(mistakes);
         let pairs = self.sample.iter().zip(colors);
         self.counts(pairs.map(|(&at, &color)| (at, RenderedPixel::new(changes.color(color, at, self.size)))))
@@ -268,7 +268,7 @@ impl<'p> Search<'p> {
     }
 
     /// Returns true if mistakes with these counts make most wrong pixels right, and contradict few right ones.
-    fn explains_most(&self, counts: &Counts) -> bool {
+    fn explains_most(&self, counts: &PixelCounts) -> bool {
         let explains_most = match self.level {
             0 => counts.reaches(MIN_SHARES_BY_A_LEVEL),
             _ => counts.reaches(MIN_SHARES) || counts.reaches(MIN_SHARES_IF_PRECISE),
