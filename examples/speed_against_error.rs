@@ -8,7 +8,7 @@ use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::scene::edition::Edition;
 use raytracer::scene::load::load;
 use raytracer::tools::error_report::{
-    self, Axis, Bench, Departure, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Setting,
+    self, Axis, Bench, Deviation, ErrorReport, MeasuredFilter, Numerical, SamplingKind, Setting,
 };
 use std::error::Error;
 use std::fmt::Write;
@@ -193,7 +193,7 @@ fn add_others(text: &mut String, group: &MeasuredFilter) {
 
 fn add_numerical(text: &mut String, numerical: &Numerical) {
     let Numerical { size: [width, height], samples, program, single } = numerical;
-    let said = |Departure { bytes, largest, error, hits }: &Departure| {
+    let said = |Deviation { bytes, largest, error, hits }: &Deviation| {
         format!("{hits} camera rays and {bytes} bytes, by at most {largest} levels, RMSE {error:.4}")
     };
     let _ = writeln!(

@@ -158,7 +158,7 @@ impl Request {
     }
 
     /// Returns the columns whose samples contribute to the window.
-    pub(super) fn traced_columns(&self) -> Range<usize> {
+    pub(crate) fn traced_columns(&self) -> Range<usize> {
         let (shown, support) = (self.columns(), self.support());
         shown.start.saturating_sub(support)..(shown.end + support).min(self.size[0])
     }
@@ -169,7 +169,7 @@ impl Request {
     }
 
     /// Returns these rows and the rows around them whose samples contribute to them.
-    pub(super) fn traced_rows(&self, rows: Range<usize>) -> Range<usize> {
+    pub(crate) fn traced_rows(&self, rows: Range<usize>) -> Range<usize> {
         rows.start.saturating_sub(self.support())..(rows.end + self.support()).min(self.size[1])
     }
 

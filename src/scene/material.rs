@@ -30,6 +30,16 @@ impl Material {
             Self::Texture(_) => false,
         }
     }
+
+    /// Returns the number of octaves of its noise, to be changed.
+    pub fn octaves_mut(&mut self) -> Option<&mut u32> {
+        match self {
+            Self::Texture(Texture { pattern, .. }) | Self::Painted(_, Paint::Pattern(pattern, _)) => {
+                pattern.octaves_mut()
+            }
+            Self::Phong(_) | Self::Painted(_, Paint::Image { .. }) => None,
+        }
+    }
 }
 
 /// A Blinn-Phong material, with the factors for reflected and refracted rays.
@@ -103,7 +113,7 @@ impl Pattern {
     }
 
     /// Returns the number of octaves of noise, to be changed.
-    pub fn octaves_mut(&mut self) -> Option<&mut u32> {
+    fn octaves_mut(&mut self) -> Option<&mut u32> {
         match self {
             Self::Checkerboard => None,
             Self::Noise { octaves } | Self::Marble { octaves, .. } | Self::Wood { octaves, .. } => {

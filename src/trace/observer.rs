@@ -146,7 +146,7 @@ pub enum Event<'e> {
         /// The transparent colour there; black if the ray ends there.
         tint: Color,
         /// True if the ray leaves the object. Then the light is tinted for the distance inside.
-        leaves: bool,
+        is_leaving: bool,
     },
     /// The contribution of a light. The lights follow in the order of the scene.
     Light {

@@ -136,7 +136,7 @@ impl<H: Hints> Tracer<'_, H> {
             } else {
                 let material = material_of_surface(self.world(), &surface, self.caster.level, &mut mixture);
                 let tint = material.phong.transparent;
-                observer.observe(|| Event::Crossed { hit, tint, leaves: is_exit });
+                observer.observe(|| Event::Crossed { hit, tint, is_leaving: is_exit });
                 if tint == Color::ZERO {
                     return Color::ZERO;
                 }

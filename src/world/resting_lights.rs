@@ -35,11 +35,11 @@ pub struct RestingPlace {
 }
 
 impl RestingPlace {
-    /// Returns true if a ray to the light that meets this primitive meets it at the light. `leaves` is true if the ray
-    /// goes outwards at the hit. A round surface has two crossings, and the ray goes outwards at only one of them.
-    pub fn is_crossed(&self, primitive: u32, direction: DVec3, leaves: bool) -> bool {
+    /// Returns true if a ray to the light that meets this primitive meets it at the light. `is_leaving` is true if the
+    /// ray goes outwards at the hit. A round surface has two crossings, and the ray goes outwards at only one of them.
+    pub fn is_crossed(&self, primitive: u32, direction: DVec3, is_leaving: bool) -> bool {
         primitive == self.primitive
-            && self.outward.is_none_or(|outward| (outward.dot(direction) >= 0.0) == leaves)
+            && self.outward.is_none_or(|outward| (outward.dot(direction) >= 0.0) == is_leaving)
     }
 }
 

@@ -76,8 +76,8 @@ fn what_is_tested_first_changes_no_answer() {
             let step = if layout == Layout::List { 50 } else { 1 };
             for ray in rays().step_by(step) {
                 let expected = caster.nearest(&ray, RayOrigin::FREE).map(|visible| visible.primitive);
-                for leaves in round.clone() {
-                    let origin = RayOrigin::on(&world, Some(leaves));
+                for origin_primitive in round.clone() {
+                    let origin = RayOrigin::on(&world, Some(origin_primitive));
                     let found = caster.nearest(&ray, origin);
                     assert_eq!(found.map(|visible| visible.primitive), expected, "{ray:?}");
                     assert_eq!(caster.any(&ray, origin), expected.is_some());

@@ -1,5 +1,6 @@
 //! The changes that mistakes make to finished pictures, requests and scenes.
 
+use super::regions::{largest_region, window_around};
 use crate::picture::{Color, Window};
 use crate::render::Request;
 use crate::scene::material::{Material, Paint, Pattern, Phong, Texture};
@@ -229,23 +230,20 @@ pub fn invert_matrix(texture: &mut Texture) {
 }
 
 pub fn each_octaves(scene: &mut Scene, change: fn(u32) -> u32) {
-    for material in &mut scene.materials {
-        let pattern = match material {
-            Material::Texture(texture) => &mut texture.pattern,
-            Material::Painted(_, Paint::Pattern(pattern, _)) => pattern,
-            _ => continue,
-        };
-        pattern.octaves_mut().into_iter().for_each(|octaves| *octaves = change(*octaves));
+    for octaves in scene.materials.iter_mut().filter_map(Material::octaves_mut) {
+        *octaves = change(*octaves);
     }
 }
 
 /// Swaps the materials or the colours of checkerboards, or else of all other textures.
 pub fn swap_children(scene: &mut Scene, of_checkerboards: bool) {
-    let is_meant = |pattern: Pattern| (pattern == Pattern::Checkerboard) == of_checkerboards;
+    let is_swapped = |pattern: Pattern| (pattern == Pattern::Checkerboard) == of_checkerboards;
     for material in &mut scene.materials {
         match material {
-            Material::Texture(texture) if is_meant(texture.pattern) => texture.children.swap(0, 1),
-            Material::Painted(_, Paint::Pattern(pattern, colors)) if is_meant(*pattern) => colors.swap(0, 1),
+            Material::Texture(texture) if is_swapped(texture.pattern) => texture.children.swap(0, 1),
+            Material::Painted(_, Paint::Pattern(pattern, colors)) if is_swapped(*pattern) => {
+                colors.swap(0, 1)
+            }
             _ => {}
         }
     }
@@ -326,6 +324,20 @@ pub struct Unset {
 }
 
 impl Unset {
+    /// Finds pixels that may never have been set: a window at the border of the picture around the largest region that
+    /// is wrong, which has one colour.
+    pub fn find(picture: &[Rgb], size: [usize; 2], wrong: &[usize]) -> Option<Self> {
+        let region = largest_region(wrong, size);
+        let color = picture[*region.first()?];
+        let window = window_around(&region, size[0]);
+        let is_at_border =
+            window.x == 0 || window.y == 0 || window.right() == size[0] || window.bottom() == size[1];
+        let mut rows = picture.chunks_exact(size[0]).skip(window.y).take(window.height);
+        let is_plain = rows.all(|row| row[window.x..window.right()].iter().all(|pixel| *pixel == color));
+        (is_at_border && is_plain && window.width * window.height < picture.len())
+            .then_some(Self { window, color })
+    }
+
     /// Returns true if the pixel in this column and row from the top left was never set.
     pub fn has(&self, [x, y]: [usize; 2]) -> bool {
         let Window { x: left, y: top, .. } = self.window;

@@ -5,13 +5,15 @@
 
 use super::Original;
 use super::changes::{Part, drop_highlights, drop_shadows};
-use super::made::MadePixel;
 use super::mistakes::{Make, Mistake};
 use super::regions::{largest_region, neighbours, window_around};
+use super::rendering::RenderedPixel;
 use super::speckles::unlike_neighbours;
-use super::variant::{Rough, Variant, colors_at};
+use super::variant::{Thresholds, Variant, colors_at};
 use crate::picture::Window;
 use crate::render::Layer;
+use crate::scene::ObjectId;
+use crate::scene::material::Material;
 use crate::tools::compare::{Rgb, largest_channel_difference};
 use crate::trace::Shadows;
 use glam::DVec2;
@@ -48,15 +50,15 @@ pub struct DifferenceKind {
     /// The object that differs, if it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<NamedObject>,
-    /// The subject.
+    /// The thing that differs.
     #[serde(flatten)]
-    pub what: What,
+    pub subject: Subject,
 }
 
 /// The subject of a difference in a region.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
-pub enum What {
+pub enum Subject {
     /// The background.
     Background,
     /// The outline of the object.
@@ -98,23 +100,23 @@ impl fmt::Display for NamedObject {
 impl fmt::Display for DifferenceKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let object = self.object.as_ref().map_or(String::new(), ToString::to_string);
-        match self.what {
-            What::Background => f.write_str("the background differs"),
-            What::Outline => write!(f, "the outline of {object} is elsewhere"),
-            What::Missing => write!(f, "{object} is missing"),
-            What::Scattered => write!(
+        match self.subject {
+            Subject::Background => f.write_str("the background differs"),
+            Subject::Outline => write!(f, "the outline of {object} is elsewhere"),
+            Subject::Missing => write!(f, "{object} is missing"),
+            Subject::Scattered => write!(
                 f,
                 "neighbouring pixels of {object} differ in different ways, as with an epsilon that is too small or \
                  with other random numbers"
             ),
-            What::Shadow { light: Some(line) } => {
+            Subject::Shadow { light: Some(line) } => {
                 write!(f, "the shadow of the light in line {line} differs on {object}")
             }
-            What::Shadow { light: None } => write!(f, "shadows differ on {object}"),
-            What::Highlight => write!(f, "the highlights of {object} differ"),
-            What::Diffuse => write!(f, "the shading of {object} differs, also outside of highlights"),
-            What::Secondary => f.write_str("only what is reflected or refracted differs"),
-            What::Measure => write!(f, "the surface of {object} differs"),
+            Subject::Shadow { light: None } => write!(f, "shadows differ on {object}"),
+            Subject::Highlight => write!(f, "the highlights of {object} differ"),
+            Subject::Diffuse => write!(f, "the shading of {object} differs, also outside of highlights"),
+            Subject::Secondary => f.write_str("only what is reflected or refracted differs"),
+            Subject::Measure => write!(f, "the surface of {object} differs"),
         }?;
         let Window { x, y, width, height } = self.window;
         let [worst_x, worst_y] = self.worst;
@@ -130,7 +132,8 @@ impl fmt::Display for DifferenceKind {
 /// An object that is seen in a pixel.
 #[derive(Clone, Copy)]
 struct Seen {
-    object: usize,
+    primitive: u32,
+    object: ObjectId,
     t: f64,
 }
 
@@ -155,12 +158,12 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
     if pixels.is_empty() || original.request.is_reduced {
         return None;
     }
-    let own: Vec<Rgb> = original.colors.colors.iter().map(|&color| MadePixel::new(color).bytes).collect();
+    let own: Vec<Rgb> = original.colors.colors.iter().map(|&color| RenderedPixel::new(color).bytes).collect();
     let levels = |at: &usize| largest_channel_difference(picture[*at], own[*at]);
     let worst = pixels.iter().copied().max_by_key(levels)?;
     let seen = |at| {
         let (primitive, t) = original.seen_at(at)?;
-        Some(Seen { object: original.objects.of(primitive).id, t })
+        Some(Seen { primitive, object: original.objects.of(primitive).id, t })
     };
     let seen = (0..picture.len()).into_par_iter().map(seen).collect();
     let sample = pixels.iter().copied().step_by(pixels.len().div_ceil(SAMPLED)).collect();
@@ -170,7 +173,7 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
     let is_outline = at_outlines as f64 >= OUTLINE * region.sample.len() as f64;
     let shown = |&at: &usize| if is_outline { region.nearest_around(at) } else { region.object_at(at) };
     let object = most_frequent(region.sample.iter().map(shown)).flatten();
-    let what = object.map_or(What::Background, |id| region.what(id, is_outline, wrong));
+    let subject = object.map_or(Subject::Background, |id| region.subject(id, is_outline, wrong));
     let scene = &original.renderer().scene;
     let named =
         |id: usize| NamedObject { name: scene.objects[id].name(), line: scene.positions.object(id).line };
@@ -179,34 +182,34 @@ pub fn difference_kind(original: &Original, picture: &[Rgb], wrong: &[usize]) ->
         window: window_around(&region.pixels, size[0]),
         worst: [worst % size[0], worst / size[0]],
         levels,
-        object: object.filter(|_| what != What::Secondary).map(named),
-        what,
+        object: object.filter(|_| subject != Subject::Secondary).map(named),
+        subject,
     })
 }
 
 impl Region<'_> {
     /// Returns what differs in the region of this object.
-    fn what(&self, id: usize, is_outline: bool, wrong: &[usize]) -> What {
+    fn subject(&self, id: usize, is_outline: bool, wrong: &[usize]) -> Subject {
         let is_it = |at: &usize| self.object_at(*at) == Some(id);
         let in_region = self.pixels.iter().copied().filter(is_it).count();
         let in_picture = (0..self.picture.len()).filter(is_it).count();
         let without = Make::Without(Part::Object(id));
         if in_region as f64 >= MOST * in_picture as f64 && self.is_right_with(without) {
-            What::Missing
+            Subject::Missing
         } else if is_outline {
-            What::Outline
+            Subject::Outline
         } else if unlike_neighbours(self.picture, &self.own, wrong, self.size[0]).among_wrong >= NOISE {
-            What::Scattered
-        } else if self.original.layer() != Layer::Color {
-            What::Measure
+            Subject::Scattered
+        } else if self.original.layer != Layer::Color {
+            Subject::Measure
         } else if self.is_secondary(wrong) {
-            What::Secondary
-        } else if let Some(light) = self.shadow() {
-            What::Shadow { light }
+            Subject::Secondary
+        } else if let Some(shadow) = self.shadow() {
+            shadow
         } else if self.is_highlight(id, wrong) {
-            What::Highlight
+            Subject::Highlight
         } else {
-            What::Diffuse
+            Subject::Diffuse
         }
     }
 
@@ -239,25 +242,25 @@ impl Region<'_> {
 
     fn colors_with(&self, change: Make, pixels: &[usize]) -> Option<Vec<Rgb>> {
         let variant = Variant::new(self.original, &[Mistake::unnamed(change)])?;
-        let colors =
-            variant.with_painter(Rough::NONE, |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
-        Some(colors.into_iter().map(|color| MadePixel::new(color).bytes).collect())
+        let colors = variant
+            .with_painter(Thresholds::OWN, |painter| colors_at(painter, &variant, pixels, DVec2::ZERO))?;
+        Some(colors.into_iter().map(|color| RenderedPixel::new(color).bytes).collect())
     }
 
     /// Returns true if all wrong pixels show surfaces that reflect or refract.
     fn is_secondary(&self, wrong: &[usize]) -> bool {
         let (world, effects) = (self.original.renderer().world(), self.original.request.effects);
-        let splits = |at: &usize| {
-            let primitive = self.original.seen_at(*at);
-            primitive.is_some_and(|(id, _)| world.materials[world.material_of(id)].has_secondary_rays())
+        let is_split = |at: &usize| {
+            let material = |seen: Seen| &world.materials[world.material_of(seen.primitive)];
+            self.seen[*at].map(material).is_some_and(Material::has_secondary_rays)
         };
         let sample: Vec<usize> = wrong.iter().copied().step_by(wrong.len().div_ceil(SAMPLED)).collect();
-        let others = sample.iter().filter(|at| !splits(at)).count();
+        let others = sample.iter().filter(|at| !is_split(at)).count();
         effects.bounces > 0 && others as f64 <= FEW * sample.len() as f64
     }
 
-    /// Returns the line of the light whose shadow differs, if one does, or `Some(None)` if the shadows of all lights do.
-    fn shadow(&self) -> Option<Option<u32>> {
+    /// Returns the shadow that differs, if one does.
+    fn shadow(&self) -> Option<Subject> {
         if self.original.request.effects.shadows == Shadows::None {
             return None;
         }
@@ -265,10 +268,10 @@ impl Region<'_> {
         let lights = positions.lights.len();
         let without = |light: &usize| self.is_right_with(Make::Without(Part::Light(*light)));
         if let Some(light) = (0..lights).find(without) {
-            return Some(Some(positions.light(light).line));
+            return Some(Subject::Shadow { light: Some(positions.light(light).line) });
         }
-        self.is_right_with(Make::Request(drop_shadows))
-            .then(|| (lights == 1).then(|| positions.light(0).line))
+        let light = (lights == 1).then(|| positions.light(0).line);
+        self.is_right_with(Make::Request(drop_shadows)).then_some(Subject::Shadow { light })
     }
 
     /// Returns true if the object is wrong only where it has a highlight.

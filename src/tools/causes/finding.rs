@@ -2,8 +2,8 @@
 
 use super::difference_kind::DifferenceKind;
 use super::mistakes::Mistake;
-use super::rounding::Rest;
-use super::student::SelfHitting;
+use super::rounding::Residual;
+use super::rules::SelfHitting;
 use serde::Serialize;
 use std::fmt;
 
@@ -74,14 +74,14 @@ pub struct Rounded {
 
 impl Rounded {
     /// Summarises a difference of a picture of this width.
-    pub fn new(rest: &Rest, width: usize) -> Self {
+    pub fn new(residual: &Residual, width: usize) -> Self {
         let place = |at: &usize| [at % width, at / width];
         Self {
-            pixels: rest.differing,
-            unexplained: rest.unexplained.len(),
-            first: rest.unexplained.first().map(place),
-            epsilon: rest.epsilon,
-            by_one_level: rest.visible.is_empty(),
+            pixels: residual.differing,
+            unexplained: residual.unexplained.len(),
+            first: residual.unexplained.first().map(place),
+            epsilon: residual.epsilon,
+            by_one_level: residual.visible.is_empty(),
         }
     }
 }

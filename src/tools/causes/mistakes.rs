@@ -4,7 +4,9 @@
 //! program's picture", and how the picture is made. Rows about a part of the scene are added for each scene.
 
 use super::changes::*;
+use super::paint::Move;
 use super::rules::Rule::{self, *};
+use super::rules::SelfHitting;
 use super::transforms::{combine_nested, each_rotation, reverse_lists, transpose_matrices};
 use crate::math::rounded::RoundedAffine;
 use crate::picture::{Color, Window};
@@ -33,14 +35,17 @@ pub struct Mistake {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Make {
     /// By changing the colours of the finished picture.
-    Colors(fn(Color) -> Color),
+    Colors {
+        change: fn(Color) -> Color,
+        /// True if bytes alone do not give the changed colours.
+        needs_floats: bool,
+    },
     /// By flipping the finished picture: left to right if the first is true, upside down if the second is.
     Flip([bool; 2]),
     /// By leaving some pixels of the finished picture as they were before it was rendered.
     Unset(Unset),
-    /// By moving the points that rays pass through. The arguments are the point in pixels from the lower left corner
-    /// and the size of the picture; the result is the distance by which the point moves.
-    Points(fn(DVec2, DVec2) -> DVec2),
+    /// By moving the points that rays pass through.
+    Points(Move),
     /// By another request.
     Request(fn(&mut Request, &Scene)),
     /// By changing the scene.
@@ -51,7 +56,17 @@ pub(super) enum Make {
     Rule(Rule),
 }
 
-use Make::{Colors, Flip, Points};
+use Make::{Flip, Points};
+
+/// Changes colours that may also be read from bytes.
+const fn of_bytes(change: fn(Color) -> Color) -> Make {
+    Make::Colors { change, needs_floats: false }
+}
+
+/// Changes colours before they are cut to bytes.
+const fn of_floats(change: fn(Color) -> Color) -> Make {
+    Make::Colors { change, needs_floats: true }
+}
 
 /// Builds a row of the table.
 const fn row(name: &'static str, detail: &'static str, text: &'static str, make: Make) -> Mistake {
@@ -87,27 +102,27 @@ pub(super) const TABLE: &[Mistake] = &[
     row("upside_down", "", "upside down", Flip([false, true])),
     row("mirrored", "", "mirrored left to right", Flip([true, false])),
     row("turned", "", "turned by 180 degrees", Flip([true, true])),
-    row("red_and_blue_swapped", "", "with red and blue swapped", Colors(Color::zyx)),
-    row("red_and_green_swapped", "", "with red and green swapped", Colors(Color::yxz)),
-    row("green_and_blue_swapped", "", "with green and blue swapped", Colors(Color::xzy)),
-    row("rounded", "", "with colours rounded to bytes instead of cut", Colors(|color| levels(color, |level| level + 0.5))),
+    row("red_and_blue_swapped", "", "with red and blue swapped", of_bytes(Color::zyx)),
+    row("red_and_green_swapped", "", "with red and green swapped", of_bytes(Color::yxz)),
+    row("green_and_blue_swapped", "", "with green and blue swapped", of_bytes(Color::xzy)),
+    row("rounded", "", "with colours rounded to bytes instead of cut", of_floats(|color| levels(color, |level| level + 0.5))),
     row("rounded_up", "", "with colours rounded up to bytes instead of cut",
-        Colors(|color| levels(color, |level| level + (1.0 - 1e-9)))),
+        of_floats(|color| levels(color, |level| level + (1.0 - 1e-9)))),
     row("one_level_brighter", "", "one level brighter everywhere",
-        Colors(|color| levels(color, |level| level.clamp(0.0, 255.0) + 1.0))),
+        of_bytes(|color| levels(color, |level| level.clamp(0.0, 255.0) + 1.0))),
     row("one_level_darker", "", "one level darker everywhere",
-        Colors(|color| levels(color, |level| level.clamp(0.0, 255.5) - 1.0))),
+        of_bytes(|color| levels(color, |level| level.clamp(0.0, 255.5) - 1.0))),
     row("wrapped", "", "with bytes that start again at 0 above 255",
-        Colors(|color| levels(color, |level| level.max(0.0).rem_euclid(256.0)))),
-    row("times256", "", "with colours times 256 instead of 255", Colors(|color| levels(color, |level| 256.0 / 255.0 * level))),
-    row("gamma", "2.2", "with a gamma of 2.2", Colors(|color| levels(color, |level| powered(level, 1.0 / GAMMA)))),
+        of_floats(|color| levels(color, |level| level.max(0.0).rem_euclid(256.0)))),
+    row("times256", "", "with colours times 256 instead of 255", of_floats(|color| levels(color, |level| 256.0 / 255.0 * level))),
+    row("gamma", "2.2", "with a gamma of 2.2", of_floats(|color| levels(color, |level| powered(level, 1.0 / GAMMA)))),
     row("gamma", "2.2 of bytes", "with a gamma of 2.2 applied to its bytes",
-        Colors(|color| levels(color, |level| powered(level.clamp(0.0, 255.0).trunc(), 1.0 / GAMMA).round() + 0.5))),
-    row("gamma", "2.0", "with a gamma of 2", Colors(|color| levels(color, |level| powered(level, 0.5)))),
-    row("gamma", "sRGB", "with the curve of sRGB", Colors(|color| levels(color, srgb_encoded))),
-    row("gamma_decoded", "", "with an inverse gamma of 2.2", Colors(|color| levels(color, |level| powered(level, GAMMA)))),
-    row("tone_mapped", "", "with colours x / (1 + x) instead of x", Colors(|color| color.map(|x| x.max(0.0) / (1.0 + x.max(0.0))))),
-    row("grey", "", "without colours, in greys", Colors(|color| Color::splat(color.dot(Color::splat(1.0 / 3.0))))),
+        of_bytes(|color| levels(color, |level| powered(level.clamp(0.0, 255.0).trunc(), 1.0 / GAMMA).round() + 0.5))),
+    row("gamma", "2.0", "with a gamma of 2", of_floats(|color| levels(color, |level| powered(level, 0.5)))),
+    row("gamma", "sRGB", "with the curve of sRGB", of_floats(|color| levels(color, srgb_encoded))),
+    row("gamma_decoded", "", "with an inverse gamma of 2.2", of_bytes(|color| levels(color, |level| powered(level, GAMMA)))),
+    row("tone_mapped", "", "with colours x / (1 + x) instead of x", of_floats(|color| color.map(|x| x.max(0.0) / (1.0 + x.max(0.0))))),
+    row("grey", "", "without colours, in greys", of_bytes(|color| Color::splat(color.dot(Color::splat(1.0 / 3.0))))),
     request("other_handedness", "", "by a camera of the other handedness (turned by 180 degrees)", turn_up_vector),
     request("screen", "half", "with a screen of half the size", |request, scene| zoom(request, scene, 0.5)),
     request("screen", "double", "with a screen of twice the size", |request, scene| zoom(request, scene, 2.0)),
@@ -141,7 +156,7 @@ pub(super) const TABLE: &[Mistake] = &[
     request("weight_squared", "", "with -weight compared with the squares of the colours' lengths",
         |request, _| request.effects.min_weight = request.effects.min_weight.sqrt()),
     // Without shadows on other objects, reversed lights look the same. They are less common.
-    rule("no_epsilon", "shadow", "where every surface shadows itself, as without an epsilon", NoEpsilonOfShadows),
+    rule("no_epsilon", "shadow", "where every surface shadows itself, as without an epsilon", NoEpsilon(SelfHitting::Shadow)),
     scene("no_ambient", "", "without ambient light", put_out_ambient),
     scene("black_background", "", "with a black background", blacken_background),
     scene("not_attenuated", "", "with lights that are not attenuated",
@@ -258,9 +273,9 @@ pub(super) const TABLE: &[Mistake] = &[
     rule("shadows_of_first_light", "", "with shadows of the first light alone", ShadowsOfFirstLight),
     rule("shadows_of_any_light", "", "where the shadow of one light blocks all lights", ShadowsOfAnyLight),
     rule("shadows_black", "", "with shadows that block the ambient light, too", ShadowsBlack),
-    rule("shadow_bias", "0.001", "with shadow rays that start 0.001 along the normal", ShadowBiasThousandth),
-    rule("shadow_bias", "0.01", "with shadow rays that start 0.01 along the normal", ShadowBiasHundredth),
-    rule("shadow_bias", "0.1", "with shadow rays that start 0.1 along the normal", ShadowBiasTenth),
+    rule("shadow_bias", "0.001", "with shadow rays that start 0.001 along the normal", ShadowBias(0.001)),
+    rule("shadow_bias", "0.01", "with shadow rays that start 0.01 along the normal", ShadowBias(0.01)),
+    rule("shadow_bias", "0.1", "with shadow rays that start 0.1 along the normal", ShadowBias(0.1)),
     rule("normal_flipped_in_reflection", "", "with reflections from the flipped normal", NormalFlippedInReflection),
     rule("reflection_reversed", "", "with reflected rays reversed", ReflectionReversed),
     rule("reflection_from_below", "", "with reflected rays that start below the surface", ReflectionFromBelow),
@@ -290,16 +305,16 @@ pub(super) const TABLE: &[Mistake] = &[
     rule("normals_flipped", "", "with surfaces lit on the side that is seen instead of on their outside", NormalsFlipped),
     rule("highlights_only_where_lit", "", "without highlights where the surface faces away from the light", HighlightsOnlyWhereLit),
     rule("no_epsilon", "secondary", "where reflected and refracted rays hit the surface that they leave, as without an epsilon",
-        NoEpsilonOfSecondary),
-    rule("no_epsilon", "all", "where all rays hit the surface that they leave, as without an epsilon", NoEpsilon),
+        NoEpsilon(SelfHitting::Secondary)),
+    rule("no_epsilon", "all", "where all rays hit the surface that they leave, as without an epsilon", NoEpsilon(SelfHitting::All)),
     rule("normals_not_flipped", "", "with normals that are not flipped on back faces", NormalsNotFlipped),
     rule("highlights_by_reflection", "", "with highlights by R.V instead of N.H", HighlightsByReflection),
     rule("highlights_by_reflection", "wrong formula", "with highlights by R.V with R = 2 (N.L) (N - L)", HighlightsByWrongReflection),
     rule("highlights_ungated", "", "with highlights also where the surface faces away from the light", HighlightsUngated),
     rule("highlights_times_cosine", "", "with highlights multiplied by N.L", HighlightsTimesCosine),
     rule("highlights_times_diffuse", "", "with highlights multiplied by the diffuse colour", HighlightsTimesDiffuse),
-    rule("highlights_normalised", "Phong", "with highlights multiplied by (n + 2) / (2 pi)", HighlightsNormalisedPhong),
-    rule("highlights_normalised", "Blinn", "with highlights multiplied by (n + 8) / (8 pi)", HighlightsNormalisedBlinn),
+    rule("highlights_normalised", "Phong", "with highlights multiplied by (n + 2) / (2 pi)", HighlightsNormalised(2.0)),
+    rule("highlights_normalised", "Blinn", "with highlights multiplied by (n + 8) / (8 pi)", HighlightsNormalised(8.0)),
     rule("half_way_not_normalised", "", "with half-way vectors that are not normalised", HalfWayNotNormalised),
     rule("diffuse_over_pi", "", "with diffuse light divided by pi", DiffuseOverPi),
     rule("diffuse", "not clamped", "with diffuse light that is negative where N.L is", DiffuseNotClamped),
@@ -364,20 +379,19 @@ impl Mistake {
 
     /// Returns true if the mistake is made in the finished picture, without rendering.
     pub(super) fn is_of_pixels(&self) -> bool {
-        matches!(self.make, Colors(_) | Flip(_) | Make::Unset(_))
+        matches!(self.make, Make::Colors { .. } | Flip(_) | Make::Unset(_))
     }
 
     /// Returns true if the mistake cannot be made in a picture whose bytes alone are known.
-    pub(super) fn needs_colors(&self) -> bool {
-        matches!(self.name, "rounded" | "rounded_up" | "wrapped" | "times256" | "tone_mapped")
-            || self.name == "gamma" && self.detail != "2.2 of bytes"
+    pub(super) fn needs_floats(&self) -> bool {
+        matches!(self.make, Make::Colors { needs_floats: true, .. })
     }
 
     /// Returns the kind of change.
     pub fn kind(&self) -> &'static str {
         match self.make {
             _ if self.is_unchanged() => "unchanged",
-            Colors(_) | Flip(_) | Make::Unset(_) => "pixels",
+            Make::Colors { .. } | Flip(_) | Make::Unset(_) => "pixels",
             Make::Request(_) => "request",
             Make::Scene(_) | Make::Without(_) => "scene",
             Points(_) | Make::Rule(_) => "rule",

@@ -1,35 +1,44 @@
 //! Finds why a picture differs from this program's, by trying common mistakes in ray tracers one after the other.
 //!
 //! Each [`Mistake`] produces a wrong picture: by changing the finished picture, the request or the scene, or by a
-//! student's tracer that breaks a rule. A search judges which of these pictures is the examined one. Each picture is
-//! judged alone.
+//! student's tracer that breaks a rule. Each examined picture is judged alone, in this order:
+//!
+//! 1. `rounding::residual` finds the pixels that rounding does not explain. If there are none, the search ends.
+//! 2. `Variant::new` makes a mistake, unless it does not apply or changes nothing.
+//! 3. `Search::suspects` keeps the mistakes that make some of a few wrong pixels right, and then of a larger sample.
+//! 4. `Search::shortlist` keeps the best of these.
+//! 5. `Search::judge_whole` keeps the candidates: those that explain most of the whole picture.
+//! 6. `Candidate::explains_all` decides whether the best one is the cause. If so, the search ends.
+//! 7. Steps 2 to 6 are repeated with each mistake added to each of the best candidates.
+//! 8. A candidate that explains nearly all is the cause.
+//! 9. `speckles` looks for rays that hit their own surface, and `partial_cause` for a candidate that is part of the
+//!    cause. Otherwise `difference_kind` describes the difference.
 
 mod changes;
 mod difference_kind;
 mod finding;
-mod made;
+pub(crate) mod hits;
 mod mistakes;
 pub(crate) mod paint;
 mod regions;
+mod rendering;
 mod rounding;
 mod rules;
 mod search;
 mod self_hits;
 mod speckles;
 pub(crate) mod student;
-
 mod transforms;
 mod variant;
 mod wrong_hits;
 mod wrong_textures;
 
 pub(crate) use changes::has_secondary_rays;
-pub use difference_kind::{DifferenceKind, NamedObject, What};
+pub use difference_kind::{DifferenceKind, NamedObject, Subject};
 pub use finding::{Finding, Rounded};
 pub use mistakes::Mistake;
-use regions::unset_pixels;
+pub use rules::SelfHitting;
 pub use search::MAX_UNEXPLAINED;
-pub use student::SelfHitting;
 
 use crate::base::patience::Patience;
 use crate::caster::RayOrigin;
@@ -40,16 +49,16 @@ use crate::scene::Object;
 use crate::scene::model::Shows;
 use crate::tools::compare::{color_of, colors};
 use crate::world::Objects;
-use changes::Part;
+use changes::{Part, Unset};
 use difference_kind::difference_kind;
 use glam::DVec2;
-use made::Made;
 use mistakes::Make;
-use search::{Candidate, MIN_VISIBLE, Search, part};
+use rendering::Rendering;
+use search::{Candidate, MIN_VISIBLE, Search, Suspect, partial_cause};
 use speckles::speckles;
 use std::ops::ControlFlow;
 use std::rc::Rc;
-use variant::{Finish, Variant};
+use variant::{PixelChanges, Variant};
 
 /// The largest number of mistakes of which each is tried together with all others.
 const MAX_GROUNDS: usize = 3;
@@ -73,6 +82,8 @@ pub struct Original<'a> {
     prepared: Prepared<'a>,
     objects: Objects,
     patience: Watched<'a>,
+    layer: Layer,
+    /// The request for this layer alone.
     request: Request,
     colors: FloatPicture,
 }
@@ -87,7 +98,7 @@ impl<'a> Original<'a> {
     /// Renders like [`new`](Self::new), and lets `watch` cancel. After that the search ends soon, with an unspecified
     /// result. `None` also if it is cancelled during this call.
     pub fn watched(renderer: &'a Renderer, request: &Request, watch: Watch<'a>) -> Option<Self> {
-        let layer = request.layers.first().copied().unwrap_or(Layer::Color);
+        let layer = first_layer(request);
         let request =
             Request { layers: vec![layer], tracing: Tracing::Fast, window: None, ..request.clone() };
         if !can_try(renderer, &request) {
@@ -96,7 +107,7 @@ impl<'a> Original<'a> {
         let objects = Objects::new(&renderer.scene, renderer.meshes(), renderer.world())?;
         let prepared = renderer.prepare_within(&request, &Watched(watch)).ok()?;
         let colors = prepared.render_watched(&request, watch).ok()?.0.remove(0);
-        Some(Self { prepared, objects, patience: Watched(watch), request, colors })
+        Some(Self { prepared, objects, patience: Watched(watch), layer, request, colors })
     }
 
     /// Returns true if the watch has cancelled the search.
@@ -122,16 +133,17 @@ impl<'a> Original<'a> {
     /// Returns the number of pixels whose difference from this program's picture rounding does not explain. The picture
     /// must have the original's size.
     pub fn unexplained(&self, picture: &Picture) -> u64 {
-        let made = Made::new(self.colors.clone());
+        let rendering = Rendering::new(self.colors.clone());
         let variant = Variant::new(self, &[]);
-        rounding::rest(colors(picture), &made, variant.as_ref()).unexplained.len() as u64
+        rounding::residual(colors(picture), &rendering, variant.as_ref()).unexplained.len() as u64
     }
 
     /// Finds why a picture differs from this program's. It must have the original's size.
     pub fn explain(&self, picture: &Picture) -> Finding {
         let (picture, size) = (colors(picture), self.colors.size);
-        let own = Rc::new(Made::new(self.colors.clone()));
-        let before = rounding::rest(picture, &own, Variant::new(self, &[]).as_ref());
+        let own = Rc::new(Rendering::new(self.colors.clone()));
+        let variant = Variant::new(self, &[]);
+        let before = rounding::residual(picture, &own, variant.as_ref());
         if before.differing == 0 {
             return equal(&Candidate::unchanged(own, before), &[], size);
         }
@@ -142,16 +154,16 @@ impl<'a> Original<'a> {
         }
 
         // Try each mistake.
-        let rays_per_pixel = Variant::new(self, &[]).map_or(1, |variant| variant.rays_per_pixel());
+        let rays_per_pixel = variant.map_or(1, |variant| variant.rays_per_pixel());
         let search = Search::new(picture, own, size, &before, rays_per_pixel);
-        let unset = unset_pixels(picture, size, &before.unexplained);
+        let unset = Unset::find(picture, size, &before.unexplained);
         let unset = unset.map(|unset| Mistake::unset(unset, size));
         let parts = self.parts(search.wrong_sample());
         // A camera of the other handedness turns the picture, too.
-        let table = Mistake::all().filter(|mistake| mistake.name != "turned");
+        let table = Mistake::all().filter(|mistake| !matches!(mistake.make, Make::Flip([true, true])));
         let all: Vec<Mistake> = unset.into_iter().chain(parts).chain(table).collect();
         let (candidates, tried) = self.candidates(&search, &[], &all);
-        if let Some(best) = best_of(&candidates, |candidate| candidate.is_all(&before)) {
+        if let Some(best) = best_of(&candidates, |candidate| candidate.explains_all(&before)) {
             return equal(best, &candidates, size);
         }
         if !is_visible {
@@ -161,22 +173,23 @@ impl<'a> Original<'a> {
         // Try each mistake together with those that explain the most.
         let mut pairs = vec![];
         for ground in grounds(&candidates) {
-            let search = Search::new(picture, ground.made.clone(), size, &ground.rest, rays_per_pixel);
+            let search =
+                Search::new(picture, ground.rendering.clone(), size, &ground.residual, rays_per_pixel);
             let (found, _) = self.candidates(&search, &ground.mistakes, &all);
-            let least = ground.rest.unexplained.len() / 2;
-            pairs.extend(found.into_iter().filter(|pair| pair.rest.unexplained.len() < least));
+            let least = ground.residual.unexplained.len() / 2;
+            pairs.extend(found.into_iter().filter(|pair| pair.residual.unexplained.len() < least));
         }
-        if let Some(best) = best_of(&pairs, |pair| pair.is_all(&before)) {
+        if let Some(best) = best_of(&pairs, |pair| pair.explains_all(&before)) {
             return equal(best, &[], size);
         }
         let most_left = MAX_LEFT * before.unexplained.len() as f64;
-        let is_nearly_all = |candidate: &Candidate| candidate.rest.unexplained.len() as f64 <= most_left;
+        let is_nearly_all = |candidate: &Candidate| candidate.residual.unexplained.len() as f64 <= most_left;
         let [single, pair] = [&candidates, &pairs].map(|all| best_of(all, is_nearly_all));
         if let Some(best) = pair.or(single) {
             return equal(best, &candidates, size);
         }
         let speckles = speckles(self, picture, &before.unexplained);
-        if let Some(found) = speckles.or_else(|| part(&search, &candidates)) {
+        if let Some(found) = speckles.or_else(|| partial_cause(&search, &candidates)) {
             return found;
         }
         if 2 * before.unexplained.len() <= before.visible.len() {
@@ -186,33 +199,32 @@ impl<'a> Original<'a> {
         Finding::Unknown { tried, difference }
     }
 
-    /// Judges each of these mistakes together with `ground`: by a sample of pixels, and the likely ones by the whole
-    /// picture. Returns those that are accepted, and how many could be made.
+    /// Judges each of these mistakes together with `ground`. Returns the candidates, and how many could be made.
     fn candidates(&self, search: &Search, ground: &[Mistake], all: &[Mistake]) -> (Vec<Candidate>, usize) {
         let changes: Vec<Mistake> = match ground.is_empty() {
-            true => Mistake::all().filter(|mistake| matches!(mistake.make, Make::Colors(_))).collect(),
+            true => Mistake::all().filter(|mistake| matches!(mistake.make, Make::Colors { .. })).collect(),
             false => vec![],
         };
-        let (mut likely, mut tried) = (vec![], 0);
+        let (mut suspects, mut tried) = (vec![], 0);
         for mistake in all.iter().filter(|mistake| !ground.iter().any(|other| other.is_akin(mistake))) {
             if self.is_cancelled() {
                 break;
             }
             let mistakes = [ground, std::slice::from_ref(mistake)].concat();
             let Some(variant) = Variant::new(self, &mistakes) else { continue };
-            let changes_finish = mistake.is_of_pixels() || !ground.is_empty();
-            if !changes_finish && variant.is_traced_as_original() {
+            let changes_pixels = mistake.is_of_pixels() || !ground.is_empty();
+            if !changes_pixels && variant.is_traced_as_original() {
                 continue;
             }
             tried += 1;
-            likely.extend(search.likely(&variant, &mistakes, &changes));
+            suspects.extend(search.suspects(&variant, &mistakes, &changes));
         }
-        let judge = |mistakes: Vec<Mistake>| {
+        let judge = |Suspect { mistakes, .. }| {
             let variant = Variant::new(self, &mistakes)?;
-            let made = Made::new(variant.picture()?);
-            search.judged(mistakes, made, Some(&variant))
+            let rendering = Rendering::new(variant.picture()?);
+            search.judge_whole(mistakes, rendering, Some(&variant))
         };
-        (search.most_likely(likely).into_iter().filter_map(judge).collect(), tried)
+        (search.shortlist(suspects).into_iter().filter_map(judge).collect(), tried)
     }
 
     /// Returns the parts of the scene that may be missing where these pixels differ: objects, the first and the last
@@ -265,36 +277,37 @@ impl<'a> Original<'a> {
         Some((visible.primitive, caster.world.hit(&ray, visible).t))
     }
 
-    fn layer(&self) -> Layer {
-        self.request.layers.first().copied().unwrap_or(Layer::Color)
-    }
-
     fn renderer(&self) -> &Renderer {
         self.prepared.renderer()
     }
+}
+
+/// Returns the layer that is examined.
+fn first_layer(request: &Request) -> Layer {
+    request.layers.first().copied().unwrap_or(Layer::Color)
 }
 
 /// Returns true if the request's first layer shows the scene, and not something that is drawn in its place, and if a
 /// mistake leaves the samples as they are. Adaptive samples depend on the colours, so a wrong picture has other samples
 /// too.
 pub(crate) fn can_try(renderer: &Renderer, request: &Request) -> bool {
-    let layer = request.layers.first().copied().unwrap_or(Layer::Color);
+    let layer = first_layer(request);
     let shows_scene = renderer.scene.shows == Shows::Scene && !request.draws_cells && layer.is_of_scene();
     shows_scene && (layer != Layer::Color || request.adaptive.is_none())
 }
 
-/// Returns the candidate that leaves the fewest pixels among those that are meant.
-fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> Option<&Candidate> {
-    let meant = candidates.iter().filter(|candidate| is_meant(candidate));
-    meant.min_by_key(|candidate| (candidate.left(), candidate.mistakes.len()))
+/// Returns the candidate that leaves the fewest pixels among those that are accepted.
+fn best_of(candidates: &[Candidate], is_accepted: impl Fn(&Candidate) -> bool) -> Option<&Candidate> {
+    let accepted = candidates.iter().filter(|candidate| is_accepted(candidate));
+    accepted.min_by_key(|candidate| (candidate.left(), candidate.mistakes.len()))
 }
 
 /// Returns the finding that a candidate is all that is wrong, with the others that give the same picture.
 fn equal(best: &Candidate, candidates: &[Candidate], size: [usize; 2]) -> Finding {
-    let rest = Rounded::new(&best.rest, size[0]);
+    let rest = Rounded::new(&best.residual, size[0]);
     let is_same = |other: &&Candidate| {
         let is_new = !other.mistakes[0].is_akin(&best.mistakes[0]);
-        is_new && other.mistakes.len() == 1 && other.made.is_like(&best.made)
+        is_new && other.mistakes.len() == 1 && other.rendering.is_like(&best.rendering)
     };
     let mut same: Vec<Mistake> = vec![];
     for other in candidates.iter().filter(is_same).map(|other| &other.mistakes[0]) {
@@ -325,28 +338,28 @@ pub fn explain_finished(reference: &Picture, rendered: Option<&FloatPicture>, pi
         size,
         colors: colors(reference).iter().copied().map(color_of).collect(),
     });
-    let base = Rc::new(Made::new(own.clone()));
+    let base = Rc::new(Rendering::new(own.clone()));
     let is_known =
-        |mistake: &Mistake| mistake.is_of_pixels() && (rendered.is_some() || !mistake.needs_colors());
+        |mistake: &Mistake| mistake.is_of_pixels() && (rendered.is_some() || !mistake.needs_floats());
     let all: Vec<Mistake> = Mistake::all().filter(is_known).collect();
     let pairs = all.iter().flat_map(|one| all.iter().map(move |other| vec![one.clone(), other.clone()]));
     let pairs = pairs.filter(|pair| !pair[0].is_akin(&pair[1]));
     let every = all.iter().map(|one| vec![one.clone()]).chain(pairs);
-    let before = rounding::rest(picture, &base, None);
+    let before = rounding::residual(picture, &base, None);
     let search = Search::new(picture, base, size, &before, 1);
-    let likely = every.filter_map(|mistakes| search.likely_finished(mistakes, &own));
-    let judge = |mistakes: Vec<Mistake>| {
-        let mut made = own.clone();
-        Finish::new(&mistakes).apply(&mut made);
-        search.judged(mistakes, Made::new(made), None)
+    let suspects = every.filter_map(|mistakes| search.suspect_by_pixel_changes(mistakes, &own));
+    let judge = |Suspect { mistakes, .. }| {
+        let mut changed = own.clone();
+        PixelChanges::new(&mistakes).apply(&mut changed);
+        search.judge_whole(mistakes, Rendering::new(changed), None)
     };
     let candidates: Vec<Candidate> =
-        search.most_likely(likely.collect()).into_iter().filter_map(judge).collect();
+        search.shortlist(suspects.collect()).into_iter().filter_map(judge).collect();
     let most_left = MAX_LEFT * before.unexplained.len() as f64;
-    let is_all = |candidate: &Candidate| {
-        candidate.is_all(&before) || candidate.rest.unexplained.len() as f64 <= most_left
+    let explains_nearly_all = |candidate: &Candidate| {
+        candidate.explains_all(&before) || candidate.residual.unexplained.len() as f64 <= most_left
     };
-    let best = best_of(&candidates, is_all).map(|best| equal(best, &[], size));
-    let found = best.or_else(|| part(&search, &candidates));
+    let best = best_of(&candidates, explains_nearly_all).map(|best| equal(best, &[], size));
+    let found = best.or_else(|| partial_cause(&search, &candidates));
     found.unwrap_or(Finding::Unknown { tried: all.len(), difference: None })
 }

@@ -1,5 +1,6 @@
 //! Renders the pictures of a student's tracer with the request's samples and filter.
 
+use super::first_layer;
 use super::rules::Rule;
 use super::student::{HitsItself, Student};
 use crate::base::memory;
@@ -15,13 +16,12 @@ use crate::sampling::sampler::Sampler;
 use crate::sampling::spread::Spread;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// The number of rows painted at a time. They are kept until the film has taken them.
 const ROWS: usize = 64;
 
-/// A map from a point of the picture, in pixels from the lower left corner, and the picture's size to the distance by
-/// which the point moves.
+/// Returns how far a point of the picture moves. The arguments are the point, in pixels from the lower left corner, and
+/// the size of the picture.
 pub type Move = fn(DVec2, DVec2) -> DVec2;
 
 /// Paints the first layer of a request by a student's tracer.
@@ -29,6 +29,7 @@ pub type Move = fn(DVec2, DVec2) -> DVec2;
 pub struct Painter<'a> {
     student: &'a Student<'a>,
     request: &'a Request,
+    layer: Layer,
     camera: Camera,
     /// Moves of the points that rays pass through.
     moves: &'a [Move],
@@ -39,41 +40,42 @@ pub struct Painter<'a> {
 impl<'a> Painter<'a> {
     /// Returns a painter. Pixels have unspecified colours after the student's patience is over.
     pub fn new(student: &'a Student, request: &'a Request, moves: &'a [Move]) -> Self {
-        let camera = student.renderer.camera(request);
-        Self { student, request, camera, moves, moved: DVec2::ZERO }
+        let (layer, camera) = (first_layer(request), student.renderer.camera(request));
+        Self { student, request, layer, camera, moves, moved: DVec2::ZERO }
     }
 
-    /// Returns a painter whose tracer decides by `hits_itself` which rays hit the surface that they leave, and calls
-    /// `work` with it.
-    pub fn with_self_hits<T>(&self, hits_itself: HitsItself, work: impl FnOnce(&Painter) -> T) -> T {
-        let student = Student { hits_itself: Some(hits_itself), ..*self.student };
-        work(&Painter { student: &student, ..*self })
+    /// Returns the colour of a pixel, by its column and row from the top left, with its point moved. `hits_itself`
+    /// decides which rays hit the surface that they leave.
+    pub fn pixel_with_self_hits(&self, pixel: [usize; 2], moved: DVec2, hits_itself: HitsItself) -> Color {
+        let student = &Student { hits_itself: Some(hits_itself), ..*self.student };
+        Painter { student, ..*self }.pixels(&[pixel], moved)[0]
     }
 
     /// Returns the colour along a ray in the request's layer.
     fn color(&self, ray: &Ray) -> Color {
-        let (student, rules) = (self.student, self.student.rules);
+        let student = self.student;
+        let breaks = |rule| student.rules.contains(&rule);
         let measures = student.renderer.scene.measure_colors;
-        match self.request.layers.first() {
-            Some(&Layer::Depth { near, far }) => {
+        match self.layer {
+            Layer::Depth { near, far } => {
                 let Some((t, surface)) = student.seen(ray) else {
-                    return Color::splat(f64::from(rules.has(Rule::DepthInverted)));
+                    return Color::splat(f64::from(breaks(Rule::DepthInverted)));
                 };
                 let (Projection::Perspective(eye) | Projection::Orthographic(eye)) = self.camera.projection();
-                let t = match rules.has(Rule::DepthAlongAxis) {
+                let t = match breaks(Rule::DepthAlongAxis) {
                     true => (surface.position - ray.origin).dot(eye.direction),
                     false => t,
                 };
                 let grey = measures.depths.grey(t, [near, far]);
-                Color::splat(if rules.has(Rule::DepthInverted) { 1.0 - grey } else { grey })
+                Color::splat(if breaks(Rule::DepthInverted) { 1.0 - grey } else { grey })
             }
-            Some(Layer::Normals) => {
+            Layer::Normals => {
                 let normal = student.seen(ray).map_or(DVec3::ZERO, |(_, surface)| surface.normal);
-                if rules.has(Rule::NormalsClamped) {
+                if breaks(Rule::NormalsClamped) {
                     normal.max(DVec3::ZERO)
-                } else if rules.has(Rule::NormalsShifted) && normal != DVec3::ZERO {
+                } else if breaks(Rule::NormalsShifted) && normal != DVec3::ZERO {
                     0.5 * normal + 0.5
-                } else if rules.has(Rule::NormalsShifted) {
+                } else if breaks(Rule::NormalsShifted) {
                     Color::ZERO
                 } else {
                     measures.normals.color(normal)
@@ -85,9 +87,9 @@ impl<'a> Painter<'a> {
 
     /// Returns the request's sampler and filter. Depths and normals are seen through the centres of pixels.
     fn sampling(&self) -> (Sampler, Filter) {
-        match self.request.layers.first() {
-            Some(Layer::Depth { .. } | Layer::Normals) => (Sampler::CENTER, Filter::PIXEL),
-            _ => (self.request.sampler, self.request.filter),
+        match self.layer {
+            Layer::Color => (self.request.sampler, self.request.filter),
+            _ => (Sampler::CENTER, Filter::PIXEL),
         }
     }
 
@@ -117,6 +119,7 @@ impl<'a> Painter<'a> {
     fn pixel(&self, [x, y]: [usize; 2]) -> Color {
         let (sampler, filter) = self.sampling();
         let [width, height] = self.request.size;
+        // Shortcut: without a border or shared random numbers, a pixel needs no film.
         if filter.support() == 0 && sampler.c_rand([0, 0], width).is_none() {
             let j = height - 1 - y;
             let (mut sum, mut weights) = (Color::ZERO, 0.0);
@@ -139,8 +142,7 @@ impl<'a> Painter<'a> {
         let (request, size) = (self.request, self.request.size);
         let [width, height] = size;
         let (columns, rows) = (request.columns(), request.rows());
-        let traced_columns = with_border(&columns, filter.support(), width);
-        let traced_rows = with_border(&rows, filter.support(), height);
+        let (traced_columns, traced_rows) = (request.traced_columns(), request.traced_rows(rows.clone()));
         let level = instructions::available()[0];
         let row = |j: usize| {
             let mut spread = Spread::new(filter, level, j, size);
@@ -191,11 +193,6 @@ fn blurred(picture: &FloatPicture) -> FloatPicture {
     }
     colors.extend(blur.end().unwrap_or_default());
     FloatPicture { size: reduced(picture.size), colors }
-}
-
-/// Returns the range extended by the pixels whose samples contribute to it.
-fn with_border(range: &Range<usize>, support: usize, end: usize) -> Range<usize> {
-    range.start.saturating_sub(support)..(range.end + support).min(end)
 }
 
 #[cfg(test)]

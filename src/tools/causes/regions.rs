@@ -1,8 +1,6 @@
 //! Connected regions of pixels.
 
-use super::changes::Unset;
 use crate::picture::Window;
-use crate::tools::compare::Rgb;
 
 /// Returns the largest connected region of these pixels of a picture of this size, where diagonal neighbours touch. The
 /// pixels are in ascending order, in the region too.
@@ -42,18 +40,4 @@ pub fn window_around(pixels: &[usize], width: usize) -> Window {
     let [x, y] = [columns().min(), rows().min()].map(Option::unwrap_or_default);
     let [right, bottom] = [columns().max(), rows().max()].map(Option::unwrap_or_default);
     Window { x, y, width: right + 1 - x, height: bottom + 1 - y }
-}
-
-/// Returns the pixels that may never have been set: a window at the border of the picture around the largest region that
-/// is wrong, which has one colour.
-pub fn unset_pixels(picture: &[Rgb], size: [usize; 2], wrong: &[usize]) -> Option<Unset> {
-    let region = largest_region(wrong, size);
-    let color = picture[*region.first()?];
-    let window = window_around(&region, size[0]);
-    let is_at_border =
-        window.x == 0 || window.y == 0 || window.right() == size[0] || window.bottom() == size[1];
-    let mut rows = picture.chunks_exact(size[0]).skip(window.y).take(window.height);
-    let is_plain = rows.all(|row| row[window.x..window.right()].iter().all(|pixel| *pixel == color));
-    (is_at_border && is_plain && window.width * window.height < picture.len())
-        .then_some(Unset { window, color })
 }

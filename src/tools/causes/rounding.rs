@@ -1,14 +1,14 @@
 //! Rounding, shown pixel by pixel.
 //!
-//! A tracer in single precision decides otherwise at edges, where a neighbouring ray decides otherwise, too. So a pixel
-//! is explained by rounding if its colour is one that this program sees along a ray moved by at most a tenth of a pixel,
-//! and if the moved views differ from the right one by about as much. Smaller differences, of one level, are rounding if
+//! At an edge, a ray in single precision may fall on the other side. Then so does a ray moved by a tenth of a pixel. So
+//! a pixel is explained by rounding if its colour is one that this program sees along a ray moved by at most that, and
+//! if the moved views differ from the right one by about as much. Smaller differences, of one level, are rounding if
 //! they have both signs and are not in most pixels.
 
-use super::made::{Made, MadePixel};
-use super::self_hits::is_made;
-use super::student::Departure;
-use super::variant::{Rough, Variant, colors_at};
+use super::rendering::{RenderedPixel, Rendering};
+use super::rules::RayKind;
+use super::self_hits::possible_colors;
+use super::variant::{Thresholds, Variant, colors_at};
 use crate::picture::Color;
 use crate::tools::compare::{Rgb, largest_channel_difference};
 use crate::world::SurfacePoint;
@@ -23,20 +23,22 @@ const CLOSE: u8 = 2;
 const COURSE_EPSILONS: [f64; 2] = [0.0001, 0.001];
 /// The largest share of all pixels that rounding changes by one level.
 const MOST_BY_A_LEVEL: f64 = 0.5;
-/// The smallest share of these with the rarer sign, and the number of pixels that may all have the same.
+/// The smallest share of these with the rarer sign.
 const RARER_SIGN: f64 = 0.1;
-const FEW: usize = 8;
-/// The number of pixels that are examined one by one, and of those that are sampled if more differ.
-const MOST_EXAMINED: usize = 1 << 12;
+/// Fewer pixels than this may all have one sign.
+const MIN_SIGNED: usize = 8;
+/// The largest number of pixels that are examined one by one.
+const MAX_EXAMINED: usize = 1 << 12;
+/// The largest number of camera rays of one view of these pixels. [`SAMPLED`] pixels are always examined.
+const MAX_VIEW_RAYS: usize = 1 << 16;
+/// If more pixels than this differ, about as many are sampled.
 const SAMPLED: usize = 1 << 7;
-/// The number of camera rays of one view of the pixels that are examined.
-const MOST_RAYS: usize = 1 << 16;
 /// The relative rounding of a ray's weight in single precision.
 const WEIGHT_ROUNDING: f64 = 1e-5;
 
 /// The pixels in which a picture differs from one that this program makes, and which of them rounding explains.
 #[derive(Clone, Debug)]
-pub struct Rest {
+pub struct Residual {
     /// The number of pixels whose bytes differ.
     pub differing: usize,
     /// The pixels that rounding does not explain, in ascending order.
@@ -47,113 +49,123 @@ pub struct Rest {
     pub epsilon: Option<f64>,
 }
 
-/// Finds out what rounding explains of the difference between a picture and a variant, whose picture is `made`. Without
-/// a variant no pixel can be seen again, so rounding explains one level only.
-pub fn rest(picture: &[Rgb], made: &Made, variant: Option<&Variant>) -> Rest {
-    let pairs = || picture.iter().zip(&made.pixels).enumerate();
-    let differing = pairs().filter(|(_, (pixel, made))| **pixel != made.bytes).count();
+/// Returns what rounding leaves unexplained of the difference between a picture and a variant with this rendering.
+/// Without a variant no pixel can be seen again, so rounding explains one level only.
+pub fn residual(picture: &[Rgb], rendering: &Rendering, variant: Option<&Variant>) -> Residual {
+    let pairs = || picture.iter().zip(&rendering.pixels).enumerate();
+    let differing = pairs().filter(|(_, (pixel, own))| **pixel != own.bytes).count();
     let visible: Vec<usize> =
-        pairs().filter(|(_, (pixel, made))| made.differs_visibly(**pixel)).map(|(at, _)| at).collect();
+        pairs().filter(|(_, (pixel, own))| own.differs_visibly(**pixel)).map(|(at, _)| at).collect();
     let is_by_a_level = |at: &usize| {
-        let (pixel, made) = (picture[*at], &made.pixels[*at]);
-        made.levels(pixel) > 0 && !made.differs_visibly(pixel)
+        let (pixel, own) = (picture[*at], &rendering.pixels[*at]);
+        own.levels(pixel) > 0 && !own.differs_visibly(pixel)
     };
     let by_a_level: Vec<usize> = (0..picture.len()).filter(is_by_a_level).collect();
-    let mut rest = Rest { differing, unexplained: visible.clone(), visible, epsilon: None };
-    let views = variant.map(|variant| Views { picture, made, variant });
-    if let Some(views) = &views {
-        rest.unexplained = rest.examine(views, rest.visible.clone());
-    }
-    // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
-    let left = match &views {
-        Some(views) if !is_balanced(picture, made, &by_a_level) => rest.examine_grazing(views, by_a_level),
-        _ => by_a_level,
+    let views = variant.map(|variant| Views { picture, rendering, variant });
+    let by_more = match &views {
+        Some(views) => views.examine(visible.clone()),
+        None => Unexplained::all(visible.clone()),
     };
-    if !is_balanced(picture, made, &left) {
-        rest.unexplained.extend(left);
-        rest.unexplained.sort_unstable();
+    // A level is so little that many wrong pictures are as close to a moved view. Rays that graze do not move.
+    let by_a_level = match &views {
+        Some(views) if !is_balanced(picture, rendering, &by_a_level) => views.examine_grazing(by_a_level),
+        _ => Unexplained::all(by_a_level),
+    };
+    let mut unexplained = by_more.pixels;
+    if !is_balanced(picture, rendering, &by_a_level.pixels) {
+        unexplained.extend(by_a_level.pixels);
+        unexplained.sort_unstable();
     }
-    rest
+    Residual { differing, unexplained, visible, epsilon: by_a_level.epsilon.or(by_more.epsilon) }
 }
 
 /// Returns true if rounding may change these pixels by one level: in both directions, and not most pixels.
-fn is_balanced(picture: &[Rgb], made: &Made, by_a_level: &[usize]) -> bool {
-    let above = by_a_level.iter().filter(|&&at| made.pixels[at].is_below(picture[at])).count();
+fn is_balanced(picture: &[Rgb], rendering: &Rendering, by_a_level: &[usize]) -> bool {
+    let above = by_a_level.iter().filter(|&&at| rendering.pixels[at].is_below(picture[at])).count();
     let rarer = above.min(by_a_level.len() - above) as f64;
-    let has_both_signs = by_a_level.len() < FEW || rarer >= RARER_SIGN * by_a_level.len() as f64;
+    let has_both_signs = by_a_level.len() < MIN_SIGNED || rarer >= RARER_SIGN * by_a_level.len() as f64;
     has_both_signs && by_a_level.len() as f64 <= MOST_BY_A_LEVEL * picture.len() as f64
 }
 
-impl Rest {
-    /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
-    fn examine(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
-        let variant = views.variant;
-        let most = (MOST_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MOST_EXAMINED);
-        if pixels.len() > SAMPLED {
-            let step = pixels.len() / SAMPLED;
-            let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
-            let left = views.unexplained(&sample, Rough::NONE);
-            if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
-                return pixels;
-            }
-        }
-        let mut left = views.unexplained(&pixels, Rough::NONE);
-        if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
-            return left;
-        }
-        if variant.weighs_rays() {
-            for weight in [1.0 - WEIGHT_ROUNDING, 1.0 + WEIGHT_ROUNDING] {
-                left = views.unexplained(&left, Rough { epsilon: None, weight });
-            }
-        }
-        let by_epsilon = |epsilon| {
-            let left = views.unexplained(&left, Rough { epsilon: Some(epsilon), weight: 1.0 });
-            let moves: Vec<[f64; 2]> = moves(true).collect();
-            views.unexplained_by_grazing(left, epsilon, &moves)
-        };
-        self.better_epsilon(left.len(), by_epsilon)
+/// Pixels that views leave unexplained.
+struct Unexplained {
+    pixels: Vec<usize>,
+    /// The course's own epsilon, if it explains some others.
+    epsilon: Option<f64>,
+}
+
+impl Unexplained {
+    /// Leaves all of these pixels.
+    fn all(pixels: Vec<usize>) -> Self {
+        Self { pixels, epsilon: None }
     }
 
-    /// Returns which of these pixels, which differ by one level, no ray explains that grazes a surface.
-    fn examine_grazing(&mut self, views: &Views, pixels: Vec<usize>) -> Vec<usize> {
-        if pixels.len() > MOST_EXAMINED || !views.variant.has_secondary_rays() {
-            return pixels;
-        }
-        let by_epsilon = |epsilon| views.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]]);
-        self.better_epsilon(pixels.len(), by_epsilon)
-    }
-
-    /// Returns the pixels that the better one of the course's epsilons leaves, of this number of pixels.
-    fn better_epsilon(&mut self, pixels: usize, left: impl Fn(f64) -> Vec<usize>) -> Vec<usize> {
-        let [one, other] = COURSE_EPSILONS.map(left);
-        let (epsilon, left) =
-            if one.len() <= other.len() { (COURSE_EPSILONS[0], one) } else { (COURSE_EPSILONS[1], other) };
-        if left.len() < pixels {
-            self.epsilon = Some(epsilon);
-        }
-        left
+    /// Returns what the better one of the course's epsilons leaves of this number of pixels.
+    fn by_better_epsilon(count: usize, left: impl Fn(f64) -> Vec<usize>) -> Self {
+        let [one, other] =
+            COURSE_EPSILONS.map(|epsilon| Self { pixels: left(epsilon), epsilon: Some(epsilon) });
+        let better = if one.pixels.len() <= other.pixels.len() { one } else { other };
+        Self { epsilon: better.epsilon.filter(|_| better.pixels.len() < count), ..better }
     }
 }
 
 /// A picture, and the variant from which it differs.
 struct Views<'v> {
     picture: &'v [Rgb],
-    made: &'v Made,
+    rendering: &'v Rendering,
     variant: &'v Variant<'v>,
 }
 
 impl Views<'_> {
-    /// Returns true if a view explains a pixel.
-    fn explains(&self, at: usize, view: Color) -> bool {
-        let view = self.variant.finish().color(view, at, self.variant.size());
-        is_explained(self.picture[at], self.made.colors[at], view)
+    /// Returns which of these pixels no moved view explains. If they are many, a sample decides whether all are examined.
+    fn examine(&self, pixels: Vec<usize>) -> Unexplained {
+        let variant = self.variant;
+        let most = (MAX_VIEW_RAYS / variant.rays_per_pixel()).clamp(SAMPLED, MAX_EXAMINED);
+        if pixels.len() > SAMPLED {
+            let step = pixels.len() / SAMPLED;
+            let sample: Vec<usize> = pixels.iter().copied().step_by(step).collect();
+            let left = self.unexplained(&sample, Thresholds::OWN);
+            if pixels.len() > most && 2 * left.len() > sample.len() || pixels.len() > 2 * most {
+                return Unexplained::all(pixels);
+            }
+        }
+        let mut left = self.unexplained(&pixels, Thresholds::OWN);
+        if left.is_empty() || left.len() > most || !variant.has_secondary_rays() {
+            return Unexplained::all(left);
+        }
+        if variant.weighs_rays() {
+            for weight in [1.0 - WEIGHT_ROUNDING, 1.0 + WEIGHT_ROUNDING] {
+                left = self.unexplained(&left, Thresholds { epsilon: None, weight });
+            }
+        }
+        let moves: Vec<[f64; 2]> = moves(true).collect();
+        Unexplained::by_better_epsilon(left.len(), |epsilon| {
+            let left = self.unexplained(&left, Thresholds { epsilon: Some(epsilon), weight: 1.0 });
+            self.unexplained_by_grazing(left, epsilon, &moves)
+        })
     }
 
-    /// Returns which of these pixels no moved view of a rough tracer explains.
-    fn unexplained(&self, pixels: &[usize], rough: Rough) -> Vec<usize> {
-        let left = self.variant.with_painter(rough, |painter| {
+    /// Returns which of these pixels, which differ by one level, no ray explains that grazes a surface.
+    fn examine_grazing(&self, pixels: Vec<usize>) -> Unexplained {
+        if pixels.len() > MAX_EXAMINED || !self.variant.has_secondary_rays() {
+            return Unexplained::all(pixels);
+        }
+        Unexplained::by_better_epsilon(pixels.len(), |epsilon| {
+            self.unexplained_by_grazing(pixels.clone(), epsilon, &[[0.0; 2]])
+        })
+    }
+
+    /// Returns true if a view explains a pixel.
+    fn explains(&self, at: usize, view: Color) -> bool {
+        let view = self.variant.pixel_changes().color(view, at, self.variant.size());
+        is_explained(self.picture[at], self.rendering.colors[at], view)
+    }
+
+    /// Returns which of these pixels no moved view explains of a tracer with these thresholds.
+    fn unexplained(&self, pixels: &[usize], thresholds: Thresholds) -> Vec<usize> {
+        let left = self.variant.with_painter(thresholds, |painter| {
             let mut left = pixels.to_vec();
-            for [x, y] in moves(rough != Rough::NONE) {
+            for [x, y] in moves(thresholds != Thresholds::OWN) {
                 let views = colors_at(painter, self.variant, &left, DVec2::new(x, y));
                 let pairs = left.iter().zip(views);
                 left = pairs.filter(|(at, view)| !self.explains(**at, *view)).map(|(&at, _)| at).collect();
@@ -174,15 +186,18 @@ impl Views<'_> {
             return pixels;
         }
         let largest_cosine = self.variant.depth() / epsilon;
-        let grazes = |why, surface: &SurfacePoint, direction: DVec3| {
-            why != Departure::Onwards && surface.normal.dot(direction).abs() <= largest_cosine
+        let grazes = |kind, surface: &SurfacePoint, direction: DVec3| {
+            kind != RayKind::Onwards && surface.normal.dot(direction).abs() <= largest_cosine
         };
-        let rough = Rough { epsilon: Some(epsilon), weight: 1.0 };
-        let left = self.variant.with_painter(rough, |painter| {
+        let thresholds = Thresholds { epsilon: Some(epsilon), weight: 1.0 };
+        let left = self.variant.with_painter(thresholds, |painter| {
             let is_left = |at: &usize| {
-                let source = self.variant.finish().source(*at, self.variant.size());
-                let accepts = |view| self.explains(*at, view);
-                !moves.iter().any(|&[x, y]| is_made(painter, source, DVec2::new(x, y), &grazes, &accepts))
+                let source = self.variant.pixel_changes().source(*at, self.variant.size());
+                let is_explained = |&[x, y]: &[f64; 2]| {
+                    let mut views = possible_colors(painter, source, DVec2::new(x, y), &grazes);
+                    views.any(|view| self.explains(*at, view))
+                };
+                !moves.iter().any(is_explained)
             };
             pixels.par_iter().copied().filter(is_left).collect()
         });
@@ -198,7 +213,7 @@ fn moves(with_centre: bool) -> impl Iterator<Item = [f64; 2]> {
 
 /// Returns true if a moved view explains why a pixel differs from the right colour.
 fn is_explained(pixel: Rgb, right: Color, view: Color) -> bool {
-    let (right_pixel, view_pixel) = (MadePixel::new(right), MadePixel::new(view));
+    let (right_pixel, view_pixel) = (RenderedPixel::new(right), RenderedPixel::new(view));
     let difference = largest_channel_difference(pixel, right_pixel.bytes);
     let shown = |color: Color| (255.0 * color).clamp(Color::ZERO, Color::splat(255.0));
     let moved = (shown(view) - shown(right)).abs().max_element();

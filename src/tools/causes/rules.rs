@@ -1,7 +1,42 @@
 //! The rules that a student's tracer breaks.
 
-/// A broken rule. The table of mistakes describes it.
+use serde::Serialize;
+
+/// The kinds of rays that leave surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayKind {
+    Reflected,
+    Refracted,
+    Shadow,
+    /// Towards a light, after crossing a transparent surface.
+    Onwards,
+}
+
+/// The rays that hit the surface that they leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SelfHitting {
+    /// Rays to lights.
+    Shadow,
+    /// Reflected and refracted rays.
+    Secondary,
+    /// All rays.
+    All,
+}
+
+impl SelfHitting {
+    /// Returns true if rays of this kind are among these.
+    pub fn has(self, kind: RayKind) -> bool {
+        match kind {
+            RayKind::Shadow => self != Self::Secondary,
+            RayKind::Reflected | RayKind::Refracted => self != Self::Shadow,
+            RayKind::Onwards => false,
+        }
+    }
+}
+
+/// A broken rule. The table of mistakes describes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
     AmbientFromAbove,
     AmbientWithoutDiffuse,
@@ -23,8 +58,8 @@ pub enum Rule {
     HalfWayNotNormalised,
     HighlightsByReflection,
     HighlightsByWrongReflection,
-    HighlightsNormalisedBlinn,
-    HighlightsNormalisedPhong,
+    /// Highlights are multiplied by (n + k) / (k pi), with this k.
+    HighlightsNormalised(f64),
     HighlightsOnlyWhereLit,
     HighlightsTimesCosine,
     HighlightsTimesDiffuse,
@@ -34,9 +69,7 @@ pub enum Rule {
     LightsAndAmbientOverwritten,
     LightsClamped,
     LightsOverwritten,
-    NoEpsilon,
-    NoEpsilonOfSecondary,
-    NoEpsilonOfShadows,
+    NoEpsilon(SelfHitting),
     NoiseHalved,
     NoiseSmoothStep,
     NormalFlippedInReflection,
@@ -60,9 +93,8 @@ pub enum Rule {
     RefractionWithoutColor,
     SamplesClamped,
     SchlickSwapped,
-    ShadowBiasHundredth,
-    ShadowBiasTenth,
-    ShadowBiasThousandth,
+    /// Shadow rays start this far from the surface along the normal.
+    ShadowBias(f64),
     ShadowRaysHalved,
     ShadowsBlack,
     ShadowsFromBehindLight,
@@ -79,27 +111,4 @@ pub enum Rule {
     WindingReversed,
     WoodNotSquared,
     WoodRootMissing,
-}
-
-/// A set of broken rules.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rules(u128);
-
-impl Rules {
-    pub fn add(&mut self, rule: Rule) {
-        self.0 |= 1 << rule as u32;
-    }
-
-    pub fn has(self, rule: Rule) -> bool {
-        self.0 >> rule as u32 & 1 != 0
-    }
-
-    /// Returns true if it has any of these rules.
-    pub fn has_any(self, rules: &[Rule]) -> bool {
-        rules.iter().any(|&rule| self.has(rule))
-    }
-
-    pub fn is_empty(self) -> bool {
-        self.0 == 0
-    }
 }

@@ -1,40 +1,59 @@
-//! The search for the mistakes that explain a picture.
+//! Judges mistakes by the pixels that they make right: first by a sample, and then by the whole picture.
 //!
-//! A mistake is first judged by a sample of the pixels: several hundred wrong ones, and right ones, which it must leave
-//! right. The likely mistakes are then judged by the whole picture. A mistake is accepted if it makes most of the wrong
-//! pixels right, and shows wherever it can. It is all that is wrong if rounding explains what it leaves.
+//! The sample has several hundred wrong pixels, and right ones, which a mistake must leave right. A mistake explains
+//! most of the difference if it makes most of the wrong pixels right, and shows wherever it can. It explains all if
+//! rounding explains what it leaves.
 
 use super::finding::Finding;
-use super::made::{Made, MadePixel};
 use super::mistakes::Mistake;
-use super::rounding::{self, Rest};
-use super::variant::{Finish, Rough, Variant, colors_at};
+use super::rendering::{RenderedPixel, Rendering};
+use super::rounding::{self, Residual};
+use super::variant::{PixelChanges, Thresholds, Variant, colors_at};
 use crate::picture::{Color, FloatPicture};
 use crate::tools::compare::Rgb;
 use glam::DVec2;
 use std::rc::Rc;
 
-/// The number of wrong pixels by which a mistake is judged first. They are fewer, but not below the smallest number, if
-/// they need more rays than this.
-const FIRST: usize = 48;
-const MIN_FIRST: usize = 12;
-const FIRST_RAYS: usize = 1 << 10;
-/// The numbers of wrong and of right pixels in the sample. They are fewer, but not below the smallest number, if they
-/// need more rays than this.
-const WRONG: usize = 512;
-const RIGHT: usize = 256;
-const MIN_SAMPLE: usize = 48;
-const SAMPLE_RAYS: usize = 1 << 14;
+/// The size of a sample of pixels. Few are enough where each needs many rays.
+struct SampleSize {
+    most: usize,
+    least: usize,
+    /// The number of camera rays that it should not exceed.
+    rays: usize,
+}
+
+impl SampleSize {
+    /// Returns the number of pixels, each of which depends on this many camera rays.
+    fn pixels(&self, rays_per_pixel: usize) -> usize {
+        (self.rays / rays_per_pixel).clamp(self.least, self.most)
+    }
+}
+
+/// The wrong pixels by which a mistake is judged first.
+const FIRST: SampleSize = SampleSize { most: 48, least: 12, rays: 1 << 10 };
+/// The wrong pixels in the sample.
+const WRONG: SampleSize = SampleSize { most: 512, least: 48, rays: 1 << 14 };
+/// The right pixels in the sample.
+const RIGHT: SampleSize = SampleSize { most: 256, ..WRONG };
 /// The smallest share of the first wrong pixels that a mistake makes right.
 const MIN_FIRST_SHARE: f64 = 0.15;
-/// The smallest share of the wrong pixels that a mistake makes right, and of the pixels that it changes. A change that
-/// is only similar to the mistake leaves an error in the same pixels.
-const MIN_SHARES: [f64; 2] = [0.6, 0.75];
-/// The smallest such shares of a mistake that makes nearly all right that it changes. Other mistakes show in the rest.
-const MIN_SHARES_IF_PRECISE: [f64; 2] = [1.0 / 3.0, 0.98];
-/// The smallest such shares if hardly any pixel is visibly wrong. Many mistakes make half of the pixels right that are
-/// wrong by a level.
-const MIN_SHARES_BY_A_LEVEL: [f64; 2] = [0.9, 0.75];
+
+/// The shares of pixels that a mistake makes right.
+#[derive(Clone, Copy)]
+struct Shares {
+    of_wrong: f64,
+    of_changed: f64,
+}
+
+/// The smallest shares of most mistakes. A change that is only similar to the mistake leaves an error in the same
+/// pixels.
+const MIN_SHARES: Shares = Shares { of_wrong: 0.6, of_changed: 0.75 };
+/// The smallest shares of a mistake that makes nearly all right that it changes. Other mistakes explain the other wrong
+/// pixels.
+const MIN_SHARES_IF_PRECISE: Shares = Shares { of_wrong: 1.0 / 3.0, of_changed: 0.98 };
+/// The smallest shares if hardly any pixel is visibly wrong. Many mistakes make half of the pixels right that are wrong
+/// by a level.
+const MIN_SHARES_BY_A_LEVEL: Shares = Shares { of_wrong: 0.9, of_changed: 0.75 };
 /// The largest share of the pixels changed by a mistake that may be right without it. A mistake shows where it can.
 const MAX_CONTRADICTED: f64 = 0.03;
 /// The largest number of pixels that a mistake makes nearly right, for each one that it makes right. A mistake that is
@@ -42,9 +61,10 @@ const MAX_CONTRADICTED: f64 = 0.03;
 const MAX_NEARLY: f64 = 0.1;
 /// A pixel is nearly right if it differs by at most this many levels.
 const NEARLY: u8 = 6;
-/// The number of mistakes that are judged by the whole picture, and the number of camera rays of all their pictures.
-const MOST_LIKELY: usize = 10;
-const MOST_LIKELY_RAYS: usize = 1 << 22;
+/// The largest number of mistakes that are judged by the whole picture.
+const MAX_SHORTLIST: usize = 10;
+/// The largest number of camera rays of all their pictures. Two are always judged.
+const MAX_SHORTLIST_RAYS: usize = 1 << 22;
 /// Every mistake of another kind must leave at least this many times as many wrong pixels.
 const MIN_LEAD: f64 = 2.0;
 /// The number of pixels that a correct tracer in single precision may leave unexplained.
@@ -52,24 +72,28 @@ pub const MAX_UNEXPLAINED: usize = 2;
 /// With fewer unexplained pixels, only a mistake that gives the very picture is named.
 pub const MIN_VISIBLE: usize = 4;
 
-/// Mistakes whose picture was judged as a whole.
+/// Mistakes that may explain the picture, judged by the sample.
+pub struct Suspect {
+    pub mistakes: Vec<Mistake>,
+    /// The number of pixels in the sample that they leave wrong.
+    left: usize,
+}
+
+/// Mistakes that explain most of the picture, judged by all pixels.
 pub struct Candidate {
     pub mistakes: Vec<Mistake>,
-    pub made: Rc<Made>,
+    pub rendering: Rc<Rendering>,
     /// The difference that they leave.
-    pub rest: Rest,
+    pub residual: Residual,
     /// The share of the wrong pixels that they make right.
     pub share: f64,
 }
-
-/// Likely mistakes, and the number of pixels in the sample that they leave wrong.
-pub type Likely = (usize, Vec<Mistake>);
 
 /// The search for the cause of one picture.
 pub struct Search<'p> {
     picture: &'p [Rgb],
     /// The picture on which mistakes are made: this program's own, or one with a mistake that is known.
-    base: Rc<Made>,
+    base: Rc<Rendering>,
     size: [usize; 2],
     /// True for each pixel that the base and rounding do not explain.
     is_wrong: Vec<bool>,
@@ -84,9 +108,9 @@ pub struct Search<'p> {
     rays: usize,
 }
 
-/// Counts of pixels.
+/// Numbers of pixels.
 #[derive(Clone, Copy, Debug, Default)]
-struct Counts {
+struct PixelCounts {
     /// Wrong with the base, and of these right with the mistake.
     wrong: usize,
     mended: usize,
@@ -100,9 +124,15 @@ struct Counts {
     nearly: usize,
 }
 
-impl Counts {
+impl PixelCounts {
     fn share(&self) -> f64 {
         self.mended as f64 / self.wrong as f64
+    }
+
+    /// Returns true if the mistake makes at least these shares right.
+    fn reaches(&self, least: Shares) -> bool {
+        let precision = self.right as f64 / self.changed as f64;
+        self.share() >= least.of_wrong && precision >= least.of_changed
     }
 
     /// Returns the number of pixels that are wrong with the mistake.
@@ -112,28 +142,26 @@ impl Counts {
 }
 
 impl<'p> Search<'p> {
-    /// Starts a search. `rest` is what the base leaves of the difference.
+    /// Starts a search. The base leaves this residual.
     pub fn new(
         picture: &'p [Rgb],
-        base: Rc<Made>,
+        base: Rc<Rendering>,
         size: [usize; 2],
-        rest: &Rest,
+        residual: &Residual,
         rays_per_pixel: usize,
     ) -> Self {
-        let level = u8::from(rest.visible.len() >= MIN_VISIBLE);
+        let level = u8::from(residual.visible.len() >= MIN_VISIBLE);
         let mut is_wrong = vec![false; picture.len()];
         // Where rounding explains all, only a mistake that explains it better is of interest.
-        let visible = if rest.unexplained.len() < MIN_VISIBLE { &rest.visible[..] } else { &[] };
-        rest.unexplained.iter().chain(visible).for_each(|&at| is_wrong[at] = true);
+        let visible = if residual.unexplained.len() < MIN_VISIBLE { &residual.visible[..] } else { &[] };
+        residual.unexplained.iter().chain(visible).for_each(|&at| is_wrong[at] = true);
         let is_wrong_by = |at: &usize| is_wrong[*at] && base.pixels[*at].levels(picture[*at]) > level;
         let wrong: Vec<usize> = (0..picture.len()).filter(is_wrong_by).collect();
         let right: Vec<usize> =
             (0..picture.len()).filter(|&at| base.pixels[at].levels(picture[at]) == 0).collect();
-        // Few pixels are enough where each needs many rays.
-        let most = |pixels: usize| pixels.min((SAMPLE_RAYS / rays_per_pixel).max(MIN_SAMPLE));
-        let mut sample = scattered(&wrong, most(WRONG));
+        let mut sample = scattered(&wrong, WRONG.pixels(rays_per_pixel));
         let wrong = sample.len();
-        sample.extend(scattered(&right, most(RIGHT)));
+        sample.extend(scattered(&right, RIGHT.pixels(rays_per_pixel)));
         Self { picture, base, size, is_wrong, level, sample, wrong, rays: rays_per_pixel * picture.len() }
     }
 
@@ -143,17 +171,17 @@ impl<'p> Search<'p> {
     }
 
     /// Counts pixels, by their indices, to which the mistake gives these colours.
-    fn counts(&self, made: impl Iterator<Item = (usize, MadePixel)>) -> Counts {
-        let mut counts = Counts::default();
-        for (at, made) in made {
+    fn counts(&self, rendered: impl Iterator<Item = (usize, RenderedPixel)>) -> PixelCounts {
+        let mut counts = PixelCounts::default();
+        for (at, rendered) in rendered {
             let (pixel, base) = (self.picture[at], &self.base.pixels[at]);
             let before = base.levels(pixel);
-            let (is_right_before, after) = (before <= self.level, made.levels(pixel));
+            let (is_right_before, after) = (before <= self.level, rendered.levels(pixel));
             let is_wrong = !is_right_before && self.is_wrong[at];
             let is_right = after <= self.level;
             counts.wrong += usize::from(is_wrong);
             counts.mended += usize::from(is_wrong && is_right);
-            if base.levels(made.bytes) > self.level {
+            if base.levels(rendered.bytes) > self.level {
                 counts.changed += 1;
                 counts.right += usize::from(is_right);
                 counts.contradicted += usize::from(!is_right && is_right_before);
@@ -165,16 +193,14 @@ impl<'p> Search<'p> {
     }
 
     /// Counts all pixels of a picture.
-    fn counts_of(&self, made: &Made) -> Counts {
-        self.counts(made.pixels.iter().copied().enumerate())
+    fn counts_of(&self, rendering: &Rendering) -> PixelCounts {
+        self.counts(rendering.pixels.iter().copied().enumerate())
     }
 
     /// Judges the variant's mistakes by the sample, alone and with each of these changes of the finished picture.
-    /// Returns those that are likely.
-    pub fn likely(&self, variant: &Variant, mistakes: &[Mistake], changes: &[Mistake]) -> Vec<Likely> {
-        let found = variant.with_painter(Rough::NONE, |painter| {
-            // Few pixels are enough where each needs many rays.
-            let first = (FIRST_RAYS / variant.rays_per_pixel()).clamp(MIN_FIRST, FIRST).min(self.wrong);
+    pub fn suspects(&self, variant: &Variant, mistakes: &[Mistake], changes: &[Mistake]) -> Vec<Suspect> {
+        let found = variant.with_painter(Thresholds::OWN, |painter| {
+            let first = FIRST.pixels(variant.rays_per_pixel()).min(self.wrong);
             let colors = colors_at(painter, variant, &self.sample[..first], DVec2::ZERO);
             let is_possible =
                 |all: &Vec<Mistake>| self.sample_counts(all, &colors).share() >= MIN_FIRST_SHARE;
@@ -186,109 +212,111 @@ impl<'p> Search<'p> {
                 return vec![];
             }
             let colors = colors_at(painter, variant, &self.sample, DVec2::ZERO);
-            possible.into_iter().filter_map(|all| self.judged_by_sample(all, &colors)).collect()
+            possible.into_iter().filter_map(|all| self.suspect(all, &colors)).collect()
         });
         found.unwrap_or_default()
     }
 
-    /// Judges changes of a finished picture by the sample, like [`likely`](Self::likely).
-    pub fn likely_finished(&self, mistakes: Vec<Mistake>, own: &FloatPicture) -> Option<Likely> {
-        let finish = Finish::new(&mistakes);
+    /// Judges changes of a finished picture by the sample.
+    pub fn suspect_by_pixel_changes(&self, mistakes: Vec<Mistake>, own: &FloatPicture) -> Option<Suspect> {
+        let changes = PixelChanges::new(&mistakes);
         let source = |&at: &usize| {
-            let [x, y] = finish.source(at, self.size);
+            let [x, y] = changes.source(at, self.size);
             own.colors[y * self.size[0] + x]
         };
         let colors: Vec<Color> = self.sample.iter().map(source).collect();
-        self.judged_by_sample(mistakes, &colors)
+        self.suspect(mistakes, &colors)
     }
 
     /// Judges mistakes by the whole sample, which has these colours before changes of the finished picture.
-    fn judged_by_sample(&self, mistakes: Vec<Mistake>, colors: &[Color]) -> Option<Likely> {
+    fn suspect(&self, mistakes: Vec<Mistake>, colors: &[Color]) -> Option<Suspect> {
         let counts = self.sample_counts(&mistakes, colors);
-        let is_likely = counts.share() >= MIN_SHARES_IF_PRECISE[0] / 2.0
+        let is_suspect = counts.share() >= MIN_SHARES_IF_PRECISE.of_wrong / 2.0
             && counts.contradicted as f64 <= 0.1 * counts.changed as f64 + 2.0;
-        is_likely.then(|| (counts.left(), mistakes))
+        is_suspect.then(|| Suspect { left: counts.left(), mistakes })
     }
 
     /// Counts the first pixels of the sample, which have these colours before changes of the finished picture.
-    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color]) -> Counts {
-        let finish = Finish::new(mistakes);
+    fn sample_counts(&self, mistakes: &[Mistake], colors: &[Color]) -> PixelCounts {
+        let changes = PixelChanges::new(mistakes);
         let pairs = self.sample.iter().zip(colors);
-        self.counts(pairs.map(|(&at, &color)| (at, MadePixel::new(finish.color(color, at, self.size)))))
+        self.counts(pairs.map(|(&at, &color)| (at, RenderedPixel::new(changes.color(color, at, self.size)))))
     }
 
-    /// Sorts likely mistakes, the best ones first, and drops those that a better one leads.
-    pub fn most_likely(&self, mut likely: Vec<Likely>) -> Vec<Vec<Mistake>> {
-        likely.sort_by_key(|(left, mistakes)| (*left, mistakes.len()));
-        let best = likely.first().map_or(0, |(left, _)| *left);
+    /// Sorts suspects, the best ones first, and drops those that a better one leads.
+    pub fn shortlist(&self, mut suspects: Vec<Suspect>) -> Vec<Suspect> {
+        suspects.sort_by_key(|suspect| (suspect.left, suspect.mistakes.len()));
+        let best = suspects.first().map_or(0, |suspect| suspect.left);
         let bound = MIN_LEAD * best as f64 + 8.0;
-        let kept = likely.into_iter().take_while(|(left, _)| *left as f64 <= bound);
-        let most = (MOST_LIKELY_RAYS / self.rays).clamp(2, MOST_LIKELY);
-        kept.map(|(_, mistakes)| mistakes).take(most).collect()
+        let most = (MAX_SHORTLIST_RAYS / self.rays).clamp(2, MAX_SHORTLIST);
+        suspects.into_iter().take_while(|suspect| suspect.left as f64 <= bound).take(most).collect()
     }
 
     /// Judges mistakes by the whole picture. Returns `None` if they are refuted.
-    pub fn judged(&self, mistakes: Vec<Mistake>, made: Made, variant: Option<&Variant>) -> Option<Candidate> {
-        let counts = self.counts_of(&made);
-        if !self.is_accepted(&counts) {
+    pub fn judge_whole(
+        &self,
+        mistakes: Vec<Mistake>,
+        rendering: Rendering,
+        variant: Option<&Variant>,
+    ) -> Option<Candidate> {
+        let counts = self.counts_of(&rendering);
+        if !self.explains_most(&counts) {
             return None;
         }
-        let rest = rounding::rest(self.picture, &made, variant);
-        Some(Candidate { mistakes, made: Rc::new(made), rest, share: counts.share() })
+        let residual = rounding::residual(self.picture, &rendering, variant);
+        Some(Candidate { mistakes, rendering: Rc::new(rendering), residual, share: counts.share() })
     }
 
-    fn is_accepted(&self, counts: &Counts) -> bool {
-        let precision = counts.right as f64 / counts.changed as f64;
-        let explains =
-            |[min_share, min_precision]: [f64; 2]| counts.share() >= min_share && precision >= min_precision;
-        let is_meant = match self.level {
-            0 => explains(MIN_SHARES_BY_A_LEVEL),
-            _ => explains(MIN_SHARES) || explains(MIN_SHARES_IF_PRECISE),
+    /// Returns true if mistakes with these counts make most wrong pixels right, and contradict few right ones.
+    fn explains_most(&self, counts: &PixelCounts) -> bool {
+        let explains_most = match self.level {
+            0 => counts.reaches(MIN_SHARES_BY_A_LEVEL),
+            _ => counts.reaches(MIN_SHARES) || counts.reaches(MIN_SHARES_IF_PRECISE),
         };
         let most_contradicted = MAX_CONTRADICTED * counts.changed as f64 + 0.001 * self.picture.len() as f64;
-        is_meant && counts.contradicted as f64 <= most_contradicted
+        explains_most && counts.contradicted as f64 <= most_contradicted
     }
 
-    /// Returns true if a candidate is not merely similar to the picture's mistakes.
-    fn is_meant(&self, candidate: &Candidate) -> bool {
-        let counts = self.counts_of(&candidate.made);
+    /// Returns true if the pixels that a candidate changes are equal, and not only nearly right.
+    fn is_exact(&self, candidate: &Candidate) -> bool {
+        let counts = self.counts_of(&candidate.rendering);
         counts.nearly as f64 <= MAX_NEARLY * counts.equal as f64
     }
 }
 
 impl Candidate {
     /// Returns the candidate without a mistake.
-    pub fn unchanged(made: Rc<Made>, rest: Rest) -> Self {
-        Self { mistakes: vec![], made, rest, share: 0.0 }
+    pub fn unchanged(rendering: Rc<Rendering>, residual: Residual) -> Self {
+        Self { mistakes: vec![], rendering, residual, share: 0.0 }
     }
 
     /// Returns true if rounding explains what the mistakes leave of a difference of this size.
-    pub fn is_all(&self, before: &Rest) -> bool {
+    pub fn explains_all(&self, before: &Residual) -> bool {
         match (before.unexplained.len(), before.visible.len()) {
-            (0..MIN_VISIBLE, 0..MIN_VISIBLE) => self.rest.differing == 0,
-            (0..MIN_VISIBLE, _) => self.rest.visible.is_empty() && self.rest.unexplained.is_empty(),
-            _ => self.rest.unexplained.len() <= MAX_UNEXPLAINED,
+            (0..MIN_VISIBLE, 0..MIN_VISIBLE) => self.residual.differing == 0,
+            (0..MIN_VISIBLE, _) => self.residual.visible.is_empty() && self.residual.unexplained.is_empty(),
+            _ => self.residual.unexplained.len() <= MAX_UNEXPLAINED,
         }
     }
 
     /// Returns the number of pixels that are left, the unexplained ones first.
     pub fn left(&self) -> (usize, usize) {
-        (self.rest.unexplained.len(), self.rest.differing)
+        (self.residual.unexplained.len(), self.residual.differing)
     }
 }
 
 /// Returns the mistake of which a part of the difference consists, if there is one: a single mistake that is not merely
 /// similar to another, and that leads all others.
-pub fn part(search: &Search, candidates: &[Candidate]) -> Option<Finding> {
+pub fn partial_cause(search: &Search, candidates: &[Candidate]) -> Option<Finding> {
     let singles = || candidates.iter().filter(|candidate| candidate.mistakes.len() == 1);
     let best = singles().min_by_key(|candidate| candidate.left())?;
-    let bound = MIN_LEAD * best.rest.unexplained.len() as f64;
+    let bound = MIN_LEAD * best.residual.unexplained.len() as f64;
     let leads = |other: &Candidate| {
         other.mistakes[0].is_akin(&best.mistakes[0])
-            || other.rest.unexplained.len() as f64 >= bound
-            || other.made.is_like(&best.made)
+            || other.residual.unexplained.len() as f64 >= bound
+            || other.rendering.is_like(&best.rendering)
     };
-    let is_part = search.is_meant(best) && singles().all(leads);
+    let is_part = search.is_exact(best) && singles().all(leads);
     is_part.then(|| Finding::Part { cause: best.mistakes[0].clone(), share: best.share })
 }
 

@@ -6,11 +6,11 @@
 use super::Original;
 use super::changes::has_secondary_rays;
 use super::finding::Finding;
-use super::made::MadePixel;
 use super::paint::Painter;
-use super::self_hits::is_made;
-use super::student::{SelfHitting, Student};
-use crate::picture::Color;
+use super::rendering::RenderedPixel;
+use super::rules::SelfHitting;
+use super::self_hits::possible_colors;
+use super::student::Student;
 use crate::render::Layer;
 use crate::tools::compare::{Rgb, colors};
 use crate::world::SurfacePoint;
@@ -38,7 +38,7 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     let own = original.own();
     let scattered = unlike_neighbours(picture, colors(&own), wrong, request.size[0]).at_wrong;
     // A pixel with several samples mixes too many colours.
-    let can_show = original.layer() == Layer::Color
+    let can_show = original.layer == Layer::Color
         && (request.effects.bounces <= MAX_BOUNCES || !has_secondary_rays(&renderer.scene))
         && request.sampler.is_center()
         && request.filter.support() == 0
@@ -53,11 +53,11 @@ pub fn speckles(original: &Original, picture: &[Rgb], wrong: &[usize]) -> Option
     let student = &Student { patience, ..Student::new(renderer, caster, request.effects) };
     let painter = Painter::new(student, request, &[]);
     let count = |rays: SelfHitting| {
-        let may_hit = |why, _: &SurfacePoint, _| rays.has(why);
+        let may_hit = |kind, _: &SurfacePoint, _| rays.has(kind);
         let is_speckle = |&&at: &&usize| {
-            let accepts = |color: Color| MadePixel::new(color).levels(picture[at]) <= 1;
             let source = [at % request.size[0], at / request.size[0]];
-            !original.is_cancelled() && is_made(&painter, source, DVec2::ZERO, &may_hit, &accepts)
+            let mut colors = possible_colors(&painter, source, DVec2::ZERO, &may_hit);
+            !original.is_cancelled() && colors.any(|color| RenderedPixel::new(color).levels(picture[at]) <= 1)
         };
         examined.par_iter().filter(is_speckle).count()
     };

@@ -4,9 +4,9 @@ use super::Original;
 use super::changes::{Part, has_secondary_rays, leave_out};
 use super::mistakes::{Make, Mistake};
 use super::paint::{Move, Painter};
-use super::rules::Rules;
+use super::rules::Rule;
 use super::student::{MAX_BOUNCES, Student};
-use super::wrong_hits::{EXHAUSTIVE, MAX_TESTS, WrongHits};
+use super::wrong_hits::{MAX_TESTS, WrongHits, is_exhaustive};
 use crate::picture::{Color, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request};
@@ -16,18 +16,18 @@ use crate::trace::Shadows;
 use crate::world::Objects;
 use glam::DVec2;
 
-/// Numbers that differ in a tracer in single precision.
+/// Numbers by which a tracer in single precision may decide otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rough {
+pub struct Thresholds {
     /// An epsilon in place of the scene's.
     pub epsilon: Option<f64>,
     /// The factor of the smallest weight of a ray that is traced.
     pub weight: f64,
 }
 
-impl Rough {
-    /// The numbers of this program.
-    pub const NONE: Self = Self { epsilon: None, weight: 1.0 };
+impl Thresholds {
+    /// This program's own.
+    pub const OWN: Self = Self { epsilon: None, weight: 1.0 };
 }
 
 /// A picture with some mistakes, ready to be rendered.
@@ -36,11 +36,11 @@ pub struct Variant<'o> {
     /// The renderer of another scene.
     renderer: Option<Renderer>,
     request: Request,
-    rules: Rules,
+    rules: Vec<Rule>,
     moves: Vec<Move>,
     /// A part of the scene that is left out.
     without: Option<Part>,
-    finish: Finish,
+    pixel_changes: PixelChanges,
 }
 
 impl<'o> Variant<'o> {
@@ -48,10 +48,10 @@ impl<'o> Variant<'o> {
     pub fn new(original: &'o Original, mistakes: &[Mistake]) -> Option<Self> {
         let own = original.renderer();
         let (mut scene, mut request) = (own.scene.clone(), original.request.clone());
-        let (mut rules, mut moves, mut without) = (Rules::default(), vec![], None);
+        let (mut rules, mut moves, mut without) = (vec![], vec![], None);
         for mistake in mistakes {
             match mistake.make {
-                Make::Colors(_) | Make::Flip(_) | Make::Unset(_) => {}
+                Make::Colors { .. } | Make::Flip(_) | Make::Unset(_) => {}
                 Make::Points(shift) => moves.push(shift),
                 Make::Request(change) => change(&mut request, &scene),
                 Make::Scene(change) => change(&mut scene),
@@ -59,24 +59,23 @@ impl<'o> Variant<'o> {
                     leave_out(&mut scene, part);
                     without = Some(part);
                 }
-                Make::Rule(rule) => rules.add(rule),
+                Make::Rule(rule) => rules.push(rule),
             }
         }
-        // The scene's own camera is none of the request's.
+        // A camera equal to the scene's counts as unchanged.
         if request.camera == Some(own.scene.camera) {
             request.camera = original.request.camera;
         }
         let is_student = !rules.is_empty() || !moves.is_empty();
         let is_deep = is_student && request.effects.bounces > MAX_BOUNCES && has_secondary_rays(&scene);
-        let is_large =
-            rules.has_any(&EXHAUSTIVE) && own.world().ids().len() * request.camera_rays() > MAX_TESTS;
+        let is_large = is_exhaustive(&rules) && own.world().ids().len() * request.camera_rays() > MAX_TESTS;
         if is_deep || is_large {
             return None;
         }
         let renderer =
             (scene != own.scene).then(|| own.with_scene(scene, &original.patience)).transpose().ok()?;
-        let finish = Finish::new(mistakes);
-        Some(Self { original, renderer, request, rules, moves, without, finish })
+        let pixel_changes = PixelChanges::new(mistakes);
+        Some(Self { original, renderer, request, rules, moves, without, pixel_changes })
     }
 
     /// Returns true if the tracer and its scene are the original's, so that only the finished picture changes.
@@ -90,8 +89,8 @@ impl<'o> Variant<'o> {
         let scene =
             self.renderer.as_ref().map_or(&self.original.renderer().scene, |renderer| &renderer.scene);
         let effects = self.request.effects;
-        let leaves = effects.shadows != Shadows::None || effects.bounces > 0 && has_secondary_rays(scene);
-        self.request.layers.first() == Some(&Layer::Color) && leaves
+        let has_rays = effects.shadows != Shadows::None || effects.bounces > 0 && has_secondary_rays(scene);
+        self.original.layer == Layer::Color && has_rays
     }
 
     /// Returns true if the weights of rays decide which ones are traced.
@@ -101,7 +100,7 @@ impl<'o> Variant<'o> {
 
     /// Returns the number of camera rays on which a pixel depends.
     pub fn rays_per_pixel(&self) -> usize {
-        let is_color = self.request.layers.first() == Some(&Layer::Color);
+        let is_color = self.original.layer == Layer::Color;
         let Request { sampler, filter, .. } = self.request;
         let side = 2 * filter.support() + 1;
         if is_color { sampler.count() as usize * side * side } else { 1 }
@@ -109,12 +108,12 @@ impl<'o> Variant<'o> {
 
     /// Returns the width and height of the picture.
     pub fn size(&self) -> [usize; 2] {
-        self.request.layer_size(&self.original.layer())
+        self.request.layer_size(&self.original.layer)
     }
 
     /// Returns the changes of the finished picture.
-    pub fn finish(&self) -> &Finish {
-        &self.finish
+    pub fn pixel_changes(&self) -> &PixelChanges {
+        &self.pixel_changes
     }
 
     /// Returns the whole picture. `None` if it is cancelled, or memory is too small.
@@ -126,12 +125,12 @@ impl<'o> Variant<'o> {
                 |prepared: &Prepared| prepared.render_watched(&self.request, self.original.patience.0).ok();
             self.with_prepared(rendered)??.0.remove(0)
         } else {
-            self.with_painter(Rough::NONE, |painter| painter.picture().ok())??
+            self.with_painter(Thresholds::OWN, |painter| painter.picture().ok())??
         };
         if self.original.is_cancelled() {
             return None;
         }
-        self.finish.apply(&mut picture);
+        self.pixel_changes.apply(&mut picture);
         Some(picture)
     }
 
@@ -146,21 +145,21 @@ impl<'o> Variant<'o> {
     }
 
     /// Calls `work` with a student's tracer that paints the picture before it is finished. `None` if memory is too small.
-    pub fn with_painter<T>(&self, rough: Rough, work: impl FnOnce(&Painter) -> T) -> Option<T> {
+    pub fn with_painter<T>(&self, thresholds: Thresholds, work: impl FnOnce(&Painter) -> T) -> Option<T> {
         let paint = |prepared: &Prepared| {
             let patience = &self.original.patience;
             let (renderer, caster) = (prepared.renderer(), &prepared.caster(patience).ok()?);
             let objects = Objects::new(&renderer.scene, self.original.renderer().meshes(), caster.world)?;
-            let wrong = WrongHits::new(caster, &objects, self.rules, self.hidden(&objects));
+            let wrong = WrongHits::new(caster, &objects, &self.rules, self.hidden(&objects));
             let mut effects = self.request.effects;
-            effects.min_weight *= rough.weight;
+            effects.min_weight *= thresholds.weight;
             let student = if wrong.is_needed() {
                 Student::new(renderer, &wrong, effects)
             } else {
                 Student::new(renderer, caster, effects)
             };
-            let (objects, epsilon) = (Some(&objects), rough.epsilon);
-            let student = Student { rules: self.rules, objects, epsilon, patience, ..student };
+            let (objects, epsilon) = (Some(&objects), thresholds.epsilon);
+            let student = Student { rules: &self.rules, objects, epsilon, patience, ..student };
             Some(work(&Painter::new(&student, &self.request, &self.moves)))
         };
         self.with_prepared(paint)?
@@ -195,32 +194,32 @@ const DEPTH: f64 = 1.0 / (1u64 << 19) as f64;
 /// Returns the colours of a variant at some pixels, before they are finished, with all points moved.
 pub fn colors_at(painter: &Painter, variant: &Variant, pixels: &[usize], moved: DVec2) -> Vec<Color> {
     let size = variant.size();
-    let sources: Vec<[usize; 2]> = pixels.iter().map(|&at| variant.finish.source(at, size)).collect();
+    let sources: Vec<[usize; 2]> = pixels.iter().map(|&at| variant.pixel_changes.source(at, size)).collect();
     painter.pixels(&sources, moved)
 }
 
 /// Changes of a finished picture: flips, and changes of colours in their order.
 #[derive(Clone, Debug, Default)]
-pub struct Finish {
+pub struct PixelChanges {
     /// Left to right, and upside down.
     flips: [bool; 2],
     changes: Vec<Make>,
 }
 
-impl Finish {
+impl PixelChanges {
     /// Returns the changes that these mistakes make.
     pub fn new(mistakes: &[Mistake]) -> Self {
-        let mut finish = Self::default();
+        let mut all = Self::default();
         for mistake in mistakes {
             match mistake.make {
                 Make::Flip([across, down]) => {
-                    finish.flips = [finish.flips[0] ^ across, finish.flips[1] ^ down];
+                    all.flips = [all.flips[0] ^ across, all.flips[1] ^ down];
                 }
-                make @ (Make::Colors(_) | Make::Unset(_)) => finish.changes.push(make),
+                make @ (Make::Colors { .. } | Make::Unset(_)) => all.changes.push(make),
                 _ => {}
             }
         }
-        finish
+        all
     }
 
     /// Returns the column and row of the pixel that is moved to this index by the flips.
@@ -233,7 +232,7 @@ impl Finish {
     /// Returns the finished colour of the pixel with this index in the finished picture.
     pub fn color(&self, color: Color, at: usize, size: [usize; 2]) -> Color {
         self.changes.iter().fold(color, |color, change| match change {
-            Make::Colors(change) => change(color),
+            Make::Colors { change, .. } => change(color),
             Make::Unset(unset) if unset.has([at % size[0], at / size[0]]) => color_of(unset.color),
             _ => color,
         })

@@ -1,12 +1,16 @@
 //! Hits that are found in wrong ways.
 
-use super::rules::{Rule, Rules};
-use super::student::Hits;
+use super::hits::Hits;
+use super::rules::Rule;
 use crate::math::ray::{Ray, Visible};
 use crate::world::{Objects, PlacedObject, SurfacePoint, World};
 
-/// The rules that need a test of every primitive.
-pub const EXHAUSTIVE: [Rule; 4] = [Rule::FarHit, Rule::FirstHit, Rule::LastHit, Rule::TNotRescaled];
+/// Returns true if one of these rules needs a test of every primitive.
+pub fn is_exhaustive(rules: &[Rule]) -> bool {
+    rules
+        .iter()
+        .any(|rule| matches!(rule, Rule::FarHit | Rule::FirstHit | Rule::LastHit | Rule::TNotRescaled))
+}
 
 /// The largest number of tests for the camera rays of a picture, if every primitive is tested.
 pub const MAX_TESTS: usize = 1 << 26;
@@ -14,7 +18,7 @@ pub const MAX_TESTS: usize = 1 << 26;
 /// Finds hits as broken rules say.
 pub struct WrongHits<'a> {
     hits: &'a dyn Hits,
-    rules: Rules,
+    rules: &'a [Rule],
     /// The objects in the order of the scene.
     objects: Vec<&'a PlacedObject>,
     /// Primitives that no ray hits, in ascending order.
@@ -22,7 +26,7 @@ pub struct WrongHits<'a> {
 }
 
 impl<'a> WrongHits<'a> {
-    pub fn new(hits: &'a dyn Hits, objects: &'a Objects, rules: Rules, hidden: Vec<u32>) -> Self {
+    pub fn new(hits: &'a dyn Hits, objects: &'a Objects, rules: &'a [Rule], hidden: Vec<u32>) -> Self {
         let mut objects: Vec<_> = objects.iter().collect();
         objects.sort_by_key(|object| object.id);
         Self { hits, rules, objects, hidden }
@@ -30,8 +34,12 @@ impl<'a> WrongHits<'a> {
 
     /// Returns true if hits differ from the tracer's.
     pub fn is_needed(&self) -> bool {
-        let is_culled = self.rules.has_any(&[Rule::BackFacesCulled, Rule::FrontFacesCulled]);
-        is_culled || self.rules.has_any(&EXHAUSTIVE) || !self.hidden.is_empty()
+        let is_culled = self.breaks(Rule::BackFacesCulled) || self.breaks(Rule::FrontFacesCulled);
+        is_culled || is_exhaustive(self.rules) || !self.hidden.is_empty()
+    }
+
+    fn breaks(&self, rule: Rule) -> bool {
+        self.rules.contains(&rule)
     }
 
     fn is_hidden(&self, id: u32) -> bool {
@@ -41,7 +49,7 @@ impl<'a> WrongHits<'a> {
     /// Returns true if rays pass through a primitive.
     fn is_passed(&self, ray: &Ray, visible: Visible) -> bool {
         let culled = |rule: Rule, sign: f64| {
-            self.rules.has(rule)
+            self.breaks(rule)
                 && self.world().is_triangle(visible.primitive)
                 && sign * self.hits.surface(ray, visible).normal.dot(ray.direction) > 0.0
         };
@@ -51,8 +59,8 @@ impl<'a> WrongHits<'a> {
     }
 
     /// Tests all primitives, and returns the hit that the rules choose.
-    fn chosen(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
-        let exclude = leaves.filter(|&id| self.world().is_triangle(id));
+    fn chosen(&self, ray: &Ray, origin_primitive: Option<u32>) -> Option<Visible> {
+        let exclude = origin_primitive.filter(|&id| self.world().is_triangle(id));
         let endless = Ray { t_max: f64::INFINITY, ..*ray };
         let mut chosen: Option<Visible> = None;
         for object in &self.objects {
@@ -65,8 +73,8 @@ impl<'a> WrongHits<'a> {
                 };
                 let replaces = match chosen {
                     None => true,
-                    Some(_) if self.rules.has(Rule::FirstHit) => false,
-                    Some(_) if self.rules.has(Rule::LastHit) => true,
+                    Some(_) if self.breaks(Rule::FirstHit) => false,
+                    Some(_) if self.breaks(Rule::LastHit) => true,
                     Some(best) => t < best.t_bound,
                 };
                 if replaces {
@@ -80,7 +88,7 @@ impl<'a> WrongHits<'a> {
     /// Returns the t of a primitive: the near one, or the far one of a sphere.
     fn crossing(&self, ray: &Ray, id: u32) -> Option<f64> {
         let near = self.world().crossing(ray, id)?;
-        if !self.rules.has(Rule::FarHit) || !self.world().is_shape(id) {
+        if !self.breaks(Rule::FarHit) || !self.world().is_shape(id) {
             return Some(near);
         }
         // Past the near hit by a few roundings.
@@ -90,7 +98,7 @@ impl<'a> WrongHits<'a> {
 
     /// Returns the factor of distances along a ray in the space of an object.
     fn scale(&self, ray: &Ray, object: &PlacedObject) -> f64 {
-        if !self.rules.has(Rule::TNotRescaled) {
+        if !self.breaks(Rule::TNotRescaled) {
             return 1.0;
         }
         let length = (object.matrix.matrix3.inverse() * ray.direction).length();
@@ -103,13 +111,13 @@ impl Hits for WrongHits<'_> {
         self.hits.world()
     }
 
-    fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
-        if self.rules.has_any(&EXHAUSTIVE) {
-            return self.chosen(ray, leaves);
+    fn nearest(&self, ray: &Ray, origin_primitive: Option<u32>) -> Option<Visible> {
+        if is_exhaustive(self.rules) {
+            return self.chosen(ray, origin_primitive);
         }
         let mut ray = *ray;
         for _ in 0..self.world().most_crossings() {
-            let visible = self.hits.nearest(&ray, leaves)?;
+            let visible = self.hits.nearest(&ray, origin_primitive)?;
             if !self.is_passed(&ray, visible) {
                 return Some(visible);
             }
@@ -119,11 +127,11 @@ impl Hits for WrongHits<'_> {
     }
 
     fn distance(&self, ray: &Ray, visible: Visible) -> f64 {
-        if self.rules.has_any(&EXHAUSTIVE) { visible.t_bound } else { self.hits.distance(ray, visible) }
+        if is_exhaustive(self.rules) { visible.t_bound } else { self.hits.distance(ray, visible) }
     }
 
     fn surface(&self, ray: &Ray, visible: Visible) -> SurfacePoint {
-        if !self.rules.has(Rule::TNotRescaled) {
+        if !self.breaks(Rule::TNotRescaled) {
             return self.hits.surface(ray, visible);
         }
         let object = self.objects.iter().find(|object| object.primitives.contains(&visible.primitive));

@@ -1,6 +1,6 @@
 //! Textures that are computed in wrong ways.
 
-use super::rules::{Rule, Rules};
+use super::rules::Rule;
 use super::student::LEVEL;
 use crate::scene::material::{Pattern, Texture};
 use crate::shading::perlin::{gradient, turbulence};
@@ -16,33 +16,39 @@ pub const RULES: [Rule; 5] = [
     Rule::WoodNotSquared,
 ];
 
+/// The rules that change wood.
+const WOOD_RULES: [Rule; 3] = [Rule::NoiseSmoothStep, Rule::WoodRootMissing, Rule::WoodNotSquared];
+
 /// Returns the weight of a texture's first child at a point.
-pub fn first_weight(rules: Rules, texture: &Texture, point: DVec3) -> f64 {
+pub fn first_weight(rules: &[Rule], texture: &Texture, point: DVec3) -> f64 {
+    let breaks = |rule| rules.contains(&rule);
     let q = texture.world_to_texture.map.transform_point3(point);
-    let noise = |q, octaves| match rules.has(Rule::NoiseSmoothStep) {
+    let noise = |q, octaves| match breaks(Rule::NoiseSmoothStep) {
         true => smooth_step_turbulence(q, octaves),
         false => turbulence(q, octaves, LEVEL),
     };
     match texture.pattern {
-        Pattern::Checkerboard if rules.has(Rule::CheckerboardCut) => {
+        Pattern::Checkerboard if breaks(Rule::CheckerboardCut) => {
             // The coordinates are truncated towards zero.
             let cells = q.to_array().map(|q| q as i64);
             f64::from(cells.iter().filter(|&cell| cell % 2 != 0).count() % 2 == 0)
         }
-        Pattern::Noise { octaves } if rules.has_any(&[Rule::NoiseHalved, Rule::NoiseSmoothStep]) => {
-            let factor = if rules.has(Rule::NoiseHalved) { 0.5 } else { 1.0 };
+        Pattern::Noise { octaves } if breaks(Rule::NoiseHalved) || breaks(Rule::NoiseSmoothStep) => {
+            let factor = if breaks(Rule::NoiseHalved) { 0.5 } else { 1.0 };
             (factor * noise(q, octaves) + 0.5).clamp(0.0, 1.0)
         }
-        Pattern::Marble { octaves, frequency, amplitude } if rules.has(Rule::NoiseSmoothStep) => {
+        Pattern::Marble { octaves, frequency, amplitude } if breaks(Rule::NoiseSmoothStep) => {
             (1.0 + libm::sin(frequency * q.x + amplitude * noise(q, octaves))) / 2.0
         }
-        Pattern::Wood { octaves, frequency, amplitude } if rules.has_any(&RULES[2..]) => {
+        Pattern::Wood { octaves, frequency, amplitude }
+            if rules.iter().any(|rule| WOOD_RULES.contains(rule)) =>
+        {
             let square = q.x * q.x + q.z * q.z;
-            let distance = if rules.has(Rule::WoodRootMissing) { square } else { square.sqrt() };
+            let distance = if breaks(Rule::WoodRootMissing) { square } else { square.sqrt() };
             let grain = noise(DVec3::new(q.x, 0.2 * q.y, q.z), octaves);
             let angle = frequency * (distance + 0.05 * q.y) + amplitude * grain;
             let ring = (0.5 + libm::sin(angle)).clamp(0.0, 1.0);
-            if rules.has(Rule::WoodNotSquared) { ring } else { ring * ring }
+            if breaks(Rule::WoodNotSquared) { ring } else { ring * ring }
         }
         _ => texture::first_weight(texture, &point.into(), LEVEL),
     }

@@ -18,7 +18,7 @@ mod sweep;
 mod text;
 
 pub use csv::csv;
-pub use numerical::{Departure, Numerical};
+pub use numerical::{Deviation, Numerical};
 pub use page::page;
 pub use plan::plan;
 pub use setting::{Axis, SamplingKind, Setting};
@@ -166,7 +166,7 @@ impl ErrorReport {
     pub fn lines<'r>(&self, group: &'r MeasuredFilter) -> Vec<Line<'r>> {
         let front = group.front();
         let line = |one: &'r Measurement| {
-            let is_more = |departure: Departure| departure.error > one.error / 10.0;
+            let is_more = |deviation: Deviation| deviation.error > one.error / 10.0;
             Line {
                 group,
                 one,

@@ -7,7 +7,7 @@ use crate::render::adaptive::Adaptive;
 use crate::sampling::filter::Filter;
 use crate::sampling::sampler::{Pattern, Sampler};
 use crate::scene::Scene;
-use crate::scene::material::{Material, Paint, Texture};
+use crate::scene::material::Material;
 use crate::tools::causes::has_secondary_rays;
 use crate::trace::Effects;
 use crate::world::World;
@@ -97,25 +97,17 @@ fn powers_below(end: u32) -> impl Iterator<Item = u32> {
 /// Returns settings with fewer octaves than the scene has, if it has noise.
 fn octaves(scene: &Scene, own: &Setting) -> Vec<Setting> {
     let mut materials = scene.materials.clone();
-    let most = materials.iter_mut().filter_map(octaves_of).map(|octaves| *octaves).max().unwrap_or(0);
+    let most =
+        materials.iter_mut().filter_map(Material::octaves_mut).map(|octaves| *octaves).max().unwrap_or(0);
     let request = jittered(own, EFFECTS_SAMPLES);
     let setting = |octaves| Setting { axis: Axis::Octaves(octaves), request: request.clone(), ..own.clone() };
     powers_below(most).map(setting).collect()
 }
 
-fn octaves_of(material: &mut Material) -> Option<&mut u32> {
-    let (Material::Texture(Texture { pattern, .. }) | Material::Painted(_, Paint::Pattern(pattern, _))) =
-        material
-    else {
-        return None;
-    };
-    pattern.octaves_mut()
-}
-
 /// Returns the scene with each noise limited to `most` octaves.
 pub fn with_octaves(scene: &Scene, most: u32) -> Scene {
     let mut changed = scene.clone();
-    for octaves in changed.materials.iter_mut().filter_map(octaves_of) {
+    for octaves in changed.materials.iter_mut().filter_map(Material::octaves_mut) {
         *octaves = most.min(*octaves);
     }
     changed

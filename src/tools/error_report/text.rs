@@ -1,6 +1,6 @@
 //! Writes a report for a terminal: the answer first, then the Pareto front.
 
-use super::{Answer, Departure, ErrorReport, Measurement, Numerical};
+use super::{Answer, Deviation, ErrorReport, Measurement, Numerical};
 use crate::stats::RULE;
 
 /// The largest number of rows of the front, beside its last one and those of the answers.
@@ -69,8 +69,8 @@ fn row(start: &str, one: &Measurement) -> String {
 /// Describes the effect of rounding.
 fn numerical(numerical: &Numerical) -> [String; 3] {
     let Numerical { size: [width, height], samples, program, single } = numerical;
-    let line = |name: &str, found: &Departure| {
-        let Departure { bytes, largest, error, hits } = found;
+    let line = |name: &str, found: &Deviation| {
+        let Deviation { bytes, largest, error, hits } = found;
         format!(
             "  {name:<26} {hits} hits and {bytes} bytes differ, by at most {largest} levels, RMSE {error:.4}"
         )

@@ -33,9 +33,9 @@ const MAX_CLOSE_CALLS: usize = 1 << 8;
 impl Explainer<'_, '_> {
     /// Returns the first close calls of a ray with primitives other than the one that it leaves. `sees` is its first hit.
     /// Examines every primitive.
-    pub fn close_calls(&self, ray: &Ray, leaves: Option<u32>, sees: Option<Hit>) -> Vec<CloseCall> {
+    pub fn close_calls(&self, ray: &Ray, origin_primitive: Option<u32>, sees: Option<Hit>) -> Vec<CloseCall> {
         let search = Search { world: self.world, ray, sees, shear: Shear::new(ray) };
-        let others = self.world.ids().filter(|&id| leaves != Some(id));
+        let others = self.world.ids().filter(|&id| origin_primitive != Some(id));
         let found = others.filter_map(|id| {
             let kind = search.close_call(id)?;
             Some(CloseCall { kind, object: Some(self.object(id)) })

@@ -4,7 +4,6 @@ use super::close_call::is_about_zero;
 use super::tree::{CloseCall, CloseCallKind, LightBlocker, MaterialPart, ObjectPart, RayNode};
 use super::tree::{Shadow, Surface, TextureWeight};
 use crate::base::escape::escape;
-use crate::base::patience::Endless;
 use crate::caster::{Caster, RayOrigin};
 use crate::diagnostic::Diagnostic;
 use crate::math::instructions::Level;
@@ -19,7 +18,6 @@ use crate::world::{Objects, SurfacePoint, World};
 #[derive(Debug)]
 pub struct Explainer<'p, 'r> {
     pub(super) prepared: &'p Prepared<'r>,
-    caster: Caster<'p>,
     pub(super) world: &'p World,
     pub(super) scene: &'p Scene,
     objects: Objects,
@@ -28,10 +26,10 @@ pub struct Explainer<'p, 'r> {
 impl<'p, 'r> Explainer<'p, 'r> {
     /// Creates an explainer for a scene whose renderer has kept its meshes.
     pub fn new(prepared: &'p Prepared<'r>) -> Result<Self, Diagnostic> {
-        let (renderer, world, caster) = (prepared.renderer(), prepared.world(), prepared.caster(&Endless)?);
+        let (renderer, world) = (prepared.renderer(), prepared.world());
         let objects = Objects::new(&renderer.scene, renderer.meshes(), world);
         let objects = objects.ok_or_else(|| Diagnostic::error("the meshes were not kept"))?;
-        Ok(Self { prepared, caster, world, scene: &renderer.scene, objects })
+        Ok(Self { prepared, world, scene: &renderer.scene, objects })
     }
 
     /// Returns the index of a primitive's object in the scene.
@@ -107,14 +105,14 @@ impl<'p, 'r> Explainer<'p, 'r> {
     }
 
     /// Completes a ray towards the light of this index, which leaves this primitive.
-    pub fn finish_shadow(&self, shadow: &mut Shadow, light: usize, leaves: u32) {
+    pub fn finish_shadow(&self, shadow: &mut Shadow, light: usize, origin_primitive: u32, caster: &Caster) {
         let nearest = || {
-            let origin = RayOrigin::on(self.world, Some(leaves));
-            let visible = self.caster.nearest(&shadow.ray, origin)?;
+            let origin = RayOrigin::on(self.world, Some(origin_primitive));
+            let visible = caster.nearest(&shadow.ray, origin)?;
             Some(self.world.hit(&shadow.ray, visible))
         };
         let sees = shadow.crossed.first().map(|crossing| crossing.hit).or_else(nearest);
-        shadow.close_calls = self.close_calls(&shadow.ray, Some(leaves), sees);
+        shadow.close_calls = self.close_calls(&shadow.ray, Some(origin_primitive), sees);
         if shadow.crossed.is_empty() {
             // A light on a surface is behind it, even if rounding lets the ray miss the surface.
             let at_light = self.world.primitives_at_light(light).first();

@@ -4,7 +4,7 @@ use super::close_call::is_about_zero;
 use super::explainer::Explainer;
 use super::tree::{CloseCall, CloseCallKind, Crossing, LeftOut, Lighting, NotFollowed};
 use super::tree::{PixelTree, RayNode, SampleTree, Shadow};
-use crate::caster::CourseSteps;
+use crate::caster::{Caster, CourseSteps};
 use crate::diagnostic::Diagnostic;
 use crate::math::ray::Ray;
 use crate::picture::{Color, RED_FIRST, truncate_to_bytes};
@@ -69,7 +69,7 @@ impl Explainer<'_, '_> {
                     let ray = camera.ray(DVec2::new(column as f64, row as f64), offset);
                     let is_kept = tree.samples.len() < MAX_SAMPLES;
                     let kept = if is_kept { room.min(lines / (1 + lights)) } else { 0 };
-                    let mut recorder = Recorder::new(self, ray, kept, stop);
+                    let mut recorder = Recorder::new(self, &caster, ray, kept, stop);
                     let color = tracer.color(&ray, &mut stack, &mut recorder);
                     recorder.leave_out();
                     if stop.is_over() {
@@ -103,6 +103,7 @@ impl Explainer<'_, '_> {
 /// Records the descendants of one camera ray while the tracer follows them, as long as there is room.
 struct Recorder<'e, 'p, 'r> {
     explainer: &'e Explainer<'p, 'r>,
+    caster: &'e Caster<'e>,
     stop: &'e Stop,
     /// The camera ray first, and each ray after its parent.
     rays: Vec<RayNode>,
@@ -120,9 +121,16 @@ struct Recorder<'e, 'p, 'r> {
 
 impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
     /// Starts with a camera ray.
-    fn new(explainer: &'e Explainer<'p, 'r>, ray: Ray, room: usize, stop: &'e Stop) -> Self {
+    fn new(
+        explainer: &'e Explainer<'p, 'r>,
+        caster: &'e Caster,
+        ray: Ray,
+        room: usize,
+        stop: &'e Stop,
+    ) -> Self {
         let (rays, left_out, waiting, current, counts, shadow) = Default::default();
-        let mut recorder = Self { explainer, stop, rays, room, left_out, waiting, current, counts, shadow };
+        let mut recorder =
+            Self { explainer, caster, stop, rays, room, left_out, waiting, current, counts, shadow };
         recorder.push(None, ray, Color::ONE, 1.0);
         recorder.current = recorder.waiting.pop().flatten();
         recorder.non_shadow_ray();
@@ -145,12 +153,20 @@ impl<'e, 'p, 'r> Recorder<'e, 'p, 'r> {
             self.left_out.rays += 1;
             return;
         }
-        let (mut bounces, mut leaves) = (0, None);
+        let (mut bounces, mut origin_primitive) = (0, None);
         if let Some(parent) = self.current.map(|parent| &mut self.rays[parent]) {
             parent.children.push(place);
-            (bounces, leaves) = (parent.bounces + 1, parent.hit.map(|hit| hit.primitive));
+            (bounces, origin_primitive) = (parent.bounces + 1, parent.hit.map(|hit| hit.primitive));
         }
-        self.rays.push(RayNode { kind, bounces, ray, leaves, filter, weight, ..RayNode::default() });
+        self.rays.push(RayNode {
+            kind,
+            bounces,
+            ray,
+            origin_primitive,
+            filter,
+            weight,
+            ..RayNode::default()
+        });
     }
 }
 
@@ -184,7 +200,7 @@ impl Observer for Recorder<'_, '_, '_> {
             (Event::Met(hit), Some(node)) => {
                 (node.hit, node.counts) = (hit, take(&mut self.counts));
                 if is_in_time() {
-                    node.close_calls = explainer.close_calls(&node.ray, node.leaves, hit);
+                    node.close_calls = explainer.close_calls(&node.ray, node.origin_primitive, hit);
                 }
             }
             (Event::Surface { point, material }, Some(node)) => explainer.add_surface(node, point, material),
@@ -198,10 +214,10 @@ impl Observer for Recorder<'_, '_, '_> {
                 node.surface.iter_mut().for_each(|surface| surface.ambient = Some(color));
             }
             (Event::ShadowRay(ray), Some(_)) => self.shadow = Some(Shadow { ray, ..Shadow::default() }),
-            (Event::Crossed { hit, tint, leaves }, Some(_)) => {
+            (Event::Crossed { hit, tint, is_leaving }, Some(_)) => {
                 if let Some(shadow) = &mut self.shadow {
                     let object = explainer.object(hit.primitive);
-                    shadow.crossed.push(Crossing { object, hit, tint, leaves });
+                    shadow.crossed.push(Crossing { object, hit, tint, is_leaving });
                 }
             }
             (Event::Light { incident, cosine, passed, parts }, Some(node)) => {
@@ -209,7 +225,7 @@ impl Observer for Recorder<'_, '_, '_> {
                 let (counts, mut shadow) = (take(&mut self.counts), self.shadow.take());
                 if let Some(shadow) = shadow.as_mut().filter(|_| is_in_time()) {
                     shadow.counts = counts;
-                    explainer.finish_shadow(shadow, surface.lights.len(), hit.primitive);
+                    explainer.finish_shadow(shadow, surface.lights.len(), hit.primitive, self.caster);
                     if is_about_zero(cosine) {
                         shadow.close_calls.push(close(CloseCallKind::Cosine));
                     }

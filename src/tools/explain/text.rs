@@ -238,9 +238,9 @@ impl Text<'_> {
     }
 
     fn shadow(&mut self, light: &Lighting, shadow: &Shadow) {
-        for Crossing { object, hit, tint, leaves } in &shadow.crossed {
+        for Crossing { object, hit, tint, is_leaving } in &shadow.crossed {
             let t = short(hit.t);
-            self.add(match leaves {
+            self.add(match is_leaving {
                 _ if *tint == Color::ZERO => format!("shadow ray blocked by {object} at t {t}"),
                 false => format!("shadow ray enters {object} at t {t}"),
                 true => format!("shadow ray leaves {object} after t {t}, tinted {} per unit", triple(*tint)),

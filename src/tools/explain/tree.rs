@@ -68,7 +68,7 @@ pub struct RayNode {
     pub ray: Ray,
     /// The primitive that it leaves. `None` for the camera ray.
     #[serde(skip)]
-    pub(super) leaves: Option<u32>,
+    pub(super) origin_primitive: Option<u32>,
     #[serde(skip)]
     pub(super) hit: Option<Hit>,
     /// The factor of its colour in the picture.
@@ -150,7 +150,8 @@ pub struct Crossing {
     /// Its transparent colour. Black if it blocks the light.
     pub tint: Color,
     /// True if the light leaves the object there and is tinted for the distance inside.
-    pub leaves: bool,
+    #[serde(rename = "leaves")]
+    pub is_leaving: bool,
 }
 
 /// A primitive, as a part of an object in the scene's text.

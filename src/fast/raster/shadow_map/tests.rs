@@ -52,10 +52,10 @@ fn check(world: &World, maps: &ShadowMaps, points: &[(DVec3, Option<u32>)]) -> [
     let caster = Caster::new(world, Some([9; 3])).unwrap();
     let mut counts = [0; 3];
     for (index, light) in world.lights.iter().enumerate() {
-        for &(point, leaves) in points {
+        for &(point, origin_primitive) in points {
             let incident = incident(light, point);
             let ray = Ray { t_max: incident.distance, ..Ray::new(point, incident.direction) };
-            let origin = RayOrigin::on(world, leaves);
+            let origin = RayOrigin::on(world, origin_primitive);
             let is_blocked = caster.any(&ray, origin);
             match maps.blocker(index, point) {
                 Blocker::Nothing => {

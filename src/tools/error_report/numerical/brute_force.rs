@@ -2,7 +2,7 @@
 
 use crate::base::patience::{Endless, Steps};
 use crate::math::ray::{Ray, Visible};
-use crate::tools::causes::student::Hits;
+use crate::tools::causes::hits::Hits;
 use crate::world::World;
 
 /// Tests every primitive, one by one.
@@ -23,8 +23,8 @@ impl Hits for BruteForce<'_> {
         self.world
     }
 
-    fn nearest(&self, ray: &Ray, leaves: Option<u32>) -> Option<Visible> {
-        let exclude = leaves.filter(|&id| self.world.is_triangle(id));
+    fn nearest(&self, ray: &Ray, origin_primitive: Option<u32>) -> Option<Visible> {
+        let exclude = origin_primitive.filter(|&id| self.world.is_triangle(id));
         let nearest = self.hits(ray, exclude).map(|(t, _)| t).reduce(f64::min)?;
         let end = nearest + self.world.coincidence_reach(nearest);
         let close = self.hits(ray, exclude).filter(|&(t, _)| t <= end).collect();

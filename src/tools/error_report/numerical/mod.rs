@@ -11,8 +11,9 @@ use crate::picture::{BadSize, FloatPicture};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Request, Window};
 use crate::sampling::sampler::{Pattern, Sampler};
+use crate::tools::causes::hits::Hits;
 use crate::tools::causes::paint::Painter;
-use crate::tools::causes::student::{Hits, MAX_BOUNCES, Student};
+use crate::tools::causes::student::{MAX_BOUNCES, Student};
 use brute_force::BruteForce;
 use glam::DVec2;
 use single::SinglePrecision;
@@ -24,14 +25,14 @@ pub struct Numerical {
     /// The size of the part of the picture traced, in pixels.
     pub size: [usize; 2],
     pub samples: u32,
-    pub program: Departure,
+    pub program: Deviation,
     /// The errors of a textbook's tracer in single precision.
-    pub single: Departure,
+    pub single: Deviation,
 }
 
 /// The differences of colours and hits from brute force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Departure {
+pub struct Deviation {
     /// The number of bytes of the picture that differ.
     pub bytes: u64,
     /// The largest difference of a byte, in levels.
@@ -68,11 +69,11 @@ pub fn measure(
     let Ok((mut own, _)) = prepared.render_watched(&request, &watch) else { return Ok(None) };
     let own = own.remove(0);
     let Ok(caster) = prepared.caster(patience) else { return Ok(None) };
-    let departure = |picture, hits: &dyn Hits| Departure {
+    let deviation_of = |picture, hits: &dyn Hits| Deviation {
         hits: other_hits(&student, &request, hits),
-        ..departure(picture, &exact)
+        ..deviation(picture, &exact)
     };
-    let (program, single) = (departure(&own, &caster), departure(&rough, &single));
+    let (program, single) = (deviation_of(&own, &caster), deviation_of(&rough, &single));
     Ok(Some(Numerical { size: exact.size, samples: request.sampler.count(), program, single }))
 }
 
@@ -94,14 +95,14 @@ fn affordable(renderer: &Renderer, request: &Request) -> Request {
 }
 
 /// Compares two pictures. They must have the same size.
-fn departure(picture: &FloatPicture, exact: &FloatPicture) -> Departure {
+fn deviation(picture: &FloatPicture, exact: &FloatPicture) -> Deviation {
     let [bytes, expected] = [picture, exact].map(|picture| picture.to_bytes().0);
     let differences = bytes.iter().zip(&expected).map(|(a, b)| a.abs_diff(*b));
     let squares = picture.colors.iter().zip(&exact.colors).map(|(a, b)| {
         let difference = super::reference::shown(*a) - super::reference::shown(*b);
         difference.length_squared()
     });
-    Departure {
+    Deviation {
         bytes: differences.clone().filter(|&levels| levels > 0).count() as u64,
         largest: differences.max().unwrap_or(0),
         error: super::reference::levels(squares.sum(), picture),

@@ -2,7 +2,7 @@
 //! Ray/Triangle Intersection", JGT 2(1), 1997), the quadratic formula for spheres, and a fixed epsilon.
 
 use crate::math::ray::{Ray, Visible};
-use crate::tools::causes::student::Hits;
+use crate::tools::causes::hits::Hits;
 use crate::world::plane::Plane;
 use crate::world::shape::{Shape, UnitSphereMaps};
 use crate::world::sphere::Sphere;

@@ -1,4 +1,4 @@
-//! A picture made by this program, and how another one differs from it.
+//! A picture rendered by this program, and how another one differs from it.
 
 use crate::picture::{Color, FloatPicture};
 use crate::tools::compare::{Rgb, largest_channel_difference};
@@ -6,15 +6,15 @@ use crate::tools::compare::{Rgb, largest_channel_difference};
 /// The largest error of a colour in single precision, in levels.
 const ROUNDING: f64 = 1.0 / 64.0;
 
-/// A pixel of a picture made by this program: its colour as bytes, and the bytes to which rounding may change it.
+/// A pixel of a rendered picture: its colour as bytes, and the bytes to which rounding may change it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MadePixel {
+pub struct RenderedPixel {
     pub bytes: Rgb,
     low: Rgb,
     high: Rgb,
 }
 
-impl MadePixel {
+impl RenderedPixel {
     pub fn new(color: Color) -> Self {
         // The conversion truncates, clamps and maps NaN to 0.
         let moved = |levels: f64| color.to_array().map(|channel| (255.0 * channel + levels) as u8);
@@ -43,16 +43,16 @@ impl MadePixel {
     }
 }
 
-/// A picture made by this program.
+/// A picture rendered by this program, perhaps with mistakes.
 #[derive(Clone, Debug)]
-pub struct Made {
+pub struct Rendering {
     pub colors: Vec<Color>,
-    pub pixels: Vec<MadePixel>,
+    pub pixels: Vec<RenderedPixel>,
 }
 
-impl Made {
+impl Rendering {
     pub fn new(picture: FloatPicture) -> Self {
-        let pixels = picture.colors.iter().map(|&color| MadePixel::new(color)).collect();
+        let pixels = picture.colors.iter().map(|&color| RenderedPixel::new(color)).collect();
         Self { colors: picture.colors, pixels }
     }
 
