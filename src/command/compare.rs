@@ -13,7 +13,7 @@ use crate::image_io::{Format, OutputFile, ReadNotes, Wanted, read_pixels};
 use crate::picture::Pixels;
 use crate::render::Request;
 use crate::render::renderer::Renderer;
-use crate::tools::causes::{Finding, Original, explain_finished};
+use crate::tools::causes::{Finding, Original, explain};
 use crate::tools::compare::{Brightness, Difference, DifferencePicture, Tolerance, sizes_differ};
 use std::fmt::{self, Display};
 use std::path::Path;
@@ -147,29 +147,21 @@ impl<'o> Pair<'o> {
     }
 }
 
-/// Finds why a picture from outside differs from the reference: by other renderings of the scene, or else by changes to
-/// the finished picture. The scene cannot be used if its picture has another size. Causes are judged by bytes, so numbers
-/// whose bytes are equal have none, and are never said to differ by rounding alone.
+/// Finds why a picture from outside differs from the reference. The scene cannot be used if its picture has another size.
+/// Bytes that are equal have no cause, and for finished pictures an unknown one is not named.
 fn cause(options: &Options, scene: Option<&Renderer>, a: &Pixels, b: &Pixels) -> Option<Finding> {
     /// The colours and bytes of two pictures and the bytes of several wrong ones, with something to spare.
     const BYTES_PER_PIXEL: u64 = 128;
     memory::ask(a.size().iter().product::<usize>() as u64 * BYTES_PER_PIXEL).ok()?;
-    let are_numbers = matches!((a, b), (Pixels::Numbers(_), Pixels::Numbers(_)));
-    let (size, a, b) = (a.size(), a.bytes(), b.bytes());
-    if a == b {
+    if a.bytes() == b.bytes() {
         return None;
     }
-    let rendered = scene.zip(options.compared_layer()).filter(|_| rendered_size(options) == Some(size));
+    let rendered = scene.zip(options.compared_layer()).filter(|_| rendered_size(options) == Some(a.size()));
     let original = rendered.and_then(|(renderer, layer)| {
         Original::new(renderer, &Request { layers: vec![layer], ..options.request() })
     });
-    let found = match original {
-        Some(original) => Some(original.explain(&a)),
-        None => {
-            Some(explain_finished(&b, None, &a)).filter(|found| !matches!(found, Finding::Unknown { .. }))
-        }
-    };
-    found.filter(|found| !(are_numbers && matches!(found, Finding::Rounding { .. })))
+    let found = explain(original.as_ref(), b, None, a)?;
+    (original.is_some() || !matches!(found, Finding::Unknown { .. })).then_some(found)
 }
 
 /// Width and height of the rendered picture that is compared, in pixels.

@@ -42,7 +42,7 @@ pub use search::MAX_UNEXPLAINED;
 
 use crate::base::patience::Patience;
 use crate::caster::RayOrigin;
-use crate::picture::{FloatPicture, Picture};
+use crate::picture::{FloatPicture, Picture, Pixels};
 use crate::render::renderer::{Prepared, Renderer};
 use crate::render::{Layer, Progress, Request, Tracing, Watch};
 use crate::scene::Object;
@@ -330,9 +330,26 @@ fn grounds(candidates: &[Candidate]) -> Vec<&Candidate> {
     grounds
 }
 
+/// Finds why a picture differs from a reference: by other renderings of the scene, or by changes to the finished picture
+/// if there is no original. `rendered` are the colours of the reference, if they are known. Pictures are judged by their
+/// bytes, so a picture of numbers is never said to differ from another by rounding alone.
+pub fn explain(
+    original: Option<&Original>,
+    reference: &Pixels,
+    rendered: Option<&FloatPicture>,
+    picture: &Pixels,
+) -> Option<Finding> {
+    let found = match original {
+        Some(original) => original.explain(&picture.bytes()),
+        None => explain_finished(&reference.bytes(), rendered, &picture.bytes()),
+    };
+    let are_numbers = matches!((reference, picture), (Pixels::Numbers(_), Pixels::Numbers(_)));
+    (!are_numbers || !matches!(found, Finding::Rounding { .. })).then_some(found)
+}
+
 /// Finds why a picture differs from a finished one, whose scene is not known. `rendered` are its colours, or `None` if
 /// only its bytes are known. Mistakes in converting colours to bytes are then not tried. Both have the same size.
-pub fn explain_finished(reference: &Picture, rendered: Option<&FloatPicture>, picture: &Picture) -> Finding {
+fn explain_finished(reference: &Picture, rendered: Option<&FloatPicture>, picture: &Picture) -> Finding {
     let (size, picture) = (reference.size(), colors(picture));
     let own = rendered.cloned().unwrap_or_else(|| FloatPicture {
         size,

@@ -1,12 +1,9 @@
 //! A reference, and the verdict on a picture.
 
 use crate::picture::{FloatPicture, Pixels};
-use crate::tools::causes::{Finding, MAX_UNEXPLAINED, Original, explain_finished};
+use crate::tools::causes::{Finding, MAX_UNEXPLAINED, Original, explain};
 use crate::tools::compare::{Difference, Scale, Tolerance};
 use std::fmt;
-
-/// The number of pixels that rounding need not explain in a picture that passes.
-const MOST_UNEXPLAINED: u64 = MAX_UNEXPLAINED as u64;
 
 /// The condition on which a picture passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +18,7 @@ impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Equal => f.write_str("none"),
-            Self::Rounding => write!(f, "rounding of single precision, and {MOST_UNEXPLAINED} pixels"),
+            Self::Rounding => write!(f, "rounding of single precision, and {MAX_UNEXPLAINED} pixels"),
             Self::Tolerance(Tolerance { levels, pixels }) => write!(f, "{levels} levels, {pixels} pixels"),
         }
     }
@@ -73,19 +70,13 @@ impl<'r> Reference<'r> {
             _ => None,
         };
         let left = unexplained.unwrap_or(difference.pixels_that_differ());
-        let most = if unexplained.is_some() { MOST_UNEXPLAINED } else { 0 };
-        Verdict { passes: left <= most, unexplained }
+        let most = if unexplained.is_some() { MAX_UNEXPLAINED } else { 0 };
+        Verdict { passes: left <= most as u64, unexplained }
     }
 
-    /// Finds why a picture differs, by its bytes. So a picture of numbers never differs by rounding alone.
+    /// Finds why a picture differs.
     pub fn explain(&self, picture: &Pixels) -> Option<Finding> {
-        let bytes = picture.bytes();
-        let found = match &self.original {
-            Some(original) => original.explain(&bytes),
-            None => explain_finished(&self.pixels.bytes(), self.colors.as_ref(), &bytes),
-        };
-        let are_numbers = matches!((&self.pixels, picture), (Pixels::Numbers(_), Pixels::Numbers(_)));
-        Some(found).filter(|found| !(are_numbers && matches!(found, Finding::Rounding { .. })))
+        explain(self.original.as_ref(), &self.pixels, self.colors.as_ref(), picture)
     }
 
     /// Returns the scale on which the reference and this picture are shown, if they are compared by their numbers.
