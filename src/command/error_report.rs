@@ -7,6 +7,7 @@ use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
 use crate::base::escape::quoted;
 use crate::base::shell::Shell;
+use crate::base::stdio::STDIO;
 use crate::cli::{ErrorReporting, Options};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{check_distinct, put_in_place};
@@ -27,7 +28,7 @@ pub fn run(reporting: &ErrorReporting, signals: &Signals, log: &Log) -> Result<O
     // Load the scene and settle the options.
     let loaded = many.install(|| options.load_scene())?;
     let files = ["report.html", "report.csv"].map(|name| folder.join(name));
-    let written = files.clone().into_iter().chain(["-".into()]);
+    let written = files.clone().into_iter().chain([STDIO.into()]);
     check_distinct(written, options.files().chain(loaded.files())).map_err(refused)?;
     let remarks = [no_lights(&loaded.scene), loaded.choice.remark()];
     remarks.into_iter().flatten().for_each(|found| log.log(found));

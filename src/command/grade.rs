@@ -10,6 +10,7 @@ use super::report::FORMAT;
 use super::signals::Signals;
 use super::{End, Outcome, refused, threads};
 use crate::base::escape::escape;
+use crate::base::stdio::{STDIO, is_stdio};
 use crate::cli::{self, Grading};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{OutputFile, check_distinct};
@@ -18,7 +19,7 @@ use folder::{Folder, entries};
 use references::References;
 use std::ffi::OsStr;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Compares everything with its reference.
 pub fn run(options: &Grading, signals: &Signals, log: &Log) -> Result<Outcome, End> {
@@ -89,7 +90,7 @@ fn check_files(options: &Grading, references: &References, folder: &Folder) -> R
         cli::References::Folder(_) => None,
     };
     let handed_in = folder.files().map(|file| ("picture", file));
-    let printed = (!prints_json(options)).then(|| PathBuf::from("-"));
+    let printed = (!prints_json(options)).then(|| STDIO.into());
     let read = commands.into_iter().chain(references.files()).chain(handed_in);
     check_distinct(written(options).chain(printed), read).map_err(refused)
 }
@@ -100,7 +101,7 @@ fn written(options: &Grading) -> impl Iterator<Item = PathBuf> {
 
 /// Returns true if the document is printed in place of the text.
 fn prints_json(options: &Grading) -> bool {
-    options.json.as_deref() == Some(Path::new("-"))
+    options.json.as_deref().is_some_and(is_stdio)
 }
 
 /// The pictures of all names.

@@ -2,6 +2,7 @@
 
 use super::log::Log;
 use super::signals::Signals;
+use crate::base::stdio::is_stdio;
 use crate::cli::{LivePage, Options};
 use crate::diagnostic::Diagnostic;
 use std::io::{IsTerminal, stderr, stdin};
@@ -27,7 +28,7 @@ pub fn is_shown(options: &Options) -> bool {
 
 /// The scene's file, which can be read again; not standard input.
 fn scene_file(options: &Options) -> Option<&Path> {
-    options.input.as_deref().filter(|input| *input != Path::new("-"))
+    options.input.as_deref().filter(|input| !is_stdio(input))
 }
 
 #[cfg(feature = "gui")]

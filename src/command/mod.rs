@@ -15,6 +15,7 @@ mod convert;
 mod grade;
 mod error_report;
 
+use crate::base::stdio::is_stdio;
 use crate::cli::{self, Command, ShowProgress};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::OutputFile;
@@ -64,7 +65,7 @@ impl Outcome {
     /// The result of a run that has written these files. It leaves out standard output, and all files if the user wants
     /// to see no progress.
     fn new(text: String, written: impl IntoIterator<Item = PathBuf>, progress: ShowProgress) -> Self {
-        let is_told = |file: &PathBuf| progress != ShowProgress::Never && file.as_os_str() != "-";
+        let is_told = |file: &PathBuf| progress != ShowProgress::Never && !is_stdio(file);
         Self { text, written: written.into_iter().filter(is_told).collect(), passes: true }
     }
 }

@@ -4,6 +4,7 @@ use super::log::Log;
 use super::signals::Signals;
 use super::{End, parts, refused};
 use crate::base::lock;
+use crate::base::stdio::STDIO;
 use crate::cli::{Options, Output};
 use crate::diagnostic::Diagnostic;
 use crate::image_io::{
@@ -21,7 +22,7 @@ pub fn prepare_report(files: &[PathBuf; 2]) -> Result<[OutputFile; 2], Diagnosti
 /// Refuses a run that renders or compares if it would write a file twice, or one that it reads. `in_scene` are the
 /// files that the scene names.
 pub fn check(options: &Options, in_scene: Vec<ReadFile>) -> Result<(), End> {
-    let standard_output = Path::new("-");
+    let standard_output = Path::new(STDIO);
     let prints = options.has_text() && !options.written().any(|file| file == standard_output);
     let named = options.written().chain(prints.then_some(standard_output));
     let named = named.map(|file| Written::Named(file.to_owned()));

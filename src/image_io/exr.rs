@@ -5,6 +5,7 @@
 use super::common_to_readers::{ReadNotes, Wanted, beyond_bytes, no_pixels, too_short, zeros};
 use super::written_headers::{EXR_FLOAT, EXR_START};
 use crate::base::escape::{escape, quoted};
+use crate::base::memory;
 use crate::diagnostic::Diagnostic;
 use crate::picture::{Color, Pixels};
 use std::borrow::Cow;
@@ -95,6 +96,8 @@ pub(super) fn read(file: &[u8], limit: u64, wanted: Wanted) -> Result<(Pixels, R
             return bad("a row has a wrong length");
         };
         let bytes = rest.split_off(..length).ok_or_else(short)?;
+        // The bytes of the block, and their differences.
+        memory::ask(2 * whole as u64)?;
         let Some(unpacked) = unpacked(header.compression, bytes, whole) else {
             return bad("its compressed numbers are broken");
         };

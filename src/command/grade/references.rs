@@ -2,6 +2,7 @@
 
 use super::folder::entries;
 use crate::base::escape::quoted;
+use crate::base::stdio::is_stdio;
 use crate::caster::choose::Structure;
 use crate::cli::{self, Command, Options, Output};
 use crate::diagnostic::Diagnostic;
@@ -145,7 +146,7 @@ fn rendering(line: &str) -> Result<Options, Diagnostic> {
         _ => return Err(Diagnostic::error("the command does not render a scene")),
     };
     let is_cost = |output: &Output| matches!(output.layer, Layer::Cost(_));
-    let is_stream = options.input.as_deref() == Some(Path::new("-"));
+    let is_stream = options.input.as_deref().is_some_and(is_stdio);
     let problem = if options.outputs.iter().any(is_cost) {
         "a cost map cannot be graded: leave out `-cost_map`"
     } else if options.region.is_some() {
