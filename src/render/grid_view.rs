@@ -309,22 +309,6 @@ mod tests {
     }
 
     #[test]
-    fn a_face_is_lit_by_every_light_before_it() {
-        let text = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 2 }
-             Background { color 0 0 0 ambientLight 0.25 0 0 }
-             Lights { numLights 3 DirectionalLight { direction 0 -3 -4 color 0.5 1 0 }
-             DirectionalLight { direction 0 0 1 color 9 9 9 }
-             PointLight { position 0 0 3 color 0 0 2 attenuation 0 1 0 } }
-             Group { numObjects 0 }";
-        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
-        let face = Face { t: 4.0, normal: DVec3::Z, color: Color::new(1.0, 0.5, 0.25) };
-        // Ambient light, then 4/5 of the first light, nothing of the second, and half of the third.
-        let expected = face.color * Color::new(0.25 + 0.8 * 0.5, 0.8, 1.0);
-        let found = face.lit(&Ray::new(DVec3::Z * 5.0, DVec3::NEG_Z), &world);
-        assert!((found - expected).abs().max_element() < 1e-15);
-    }
-
-    #[test]
     fn colors_run_from_white_over_green_to_red() {
         let shown = |count| count_color(count).to_array();
         assert_eq!([1, 2, 5].map(shown), [[1.0; 3], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]]);
@@ -332,26 +316,5 @@ mod tests {
             [11, 17, 18, 900].map(shown),
             [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
         );
-    }
-
-    #[test]
-    fn faces_stand_where_they_are_in_boxes_anywhere_of_cells_of_any_size() {
-        let scene =
-            "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 0 }";
-        let bounds = Aabb { min: DVec3::new(1.0, 2.0, 3.0), max: DVec3::new(3.0, 8.0, 4.0) };
-        let mut occupancy = Occupancy::new(&parse(scene).unwrap(), &[], bounds, [4, 2, 1], &Endless).unwrap();
-        for cell in [[0, 0, 0], [2, 1, 0]] {
-            occupancy.0.add(&[occupancy.0.lattice.index(cell) as u32]);
-        }
-        for (origin, direction, t, normal) in [
-            ([0.0, 5.5, 3.5], DVec3::X, 2.0, DVec3::NEG_X),
-            ([9.0, 5.5, 3.5], DVec3::NEG_X, 6.5, DVec3::X),
-            ([2.25, 3.0, 3.5], DVec3::Y, 2.0, DVec3::NEG_Y),
-            ([1.25, 0.0, 3.5], DVec3::Y, 2.0, DVec3::NEG_Y),
-            ([1.25, 4.0, 9.0], DVec3::NEG_Z, 5.0, DVec3::Z),
-        ] {
-            let face = occupancy.first_face(&ray(origin, direction.to_array())).unwrap();
-            assert_eq!((face.t, face.normal), (t, normal), "{origin:?} {direction}");
-        }
     }
 }

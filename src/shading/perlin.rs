@@ -182,24 +182,6 @@ mod tests {
     }
 
     #[test]
-    fn zero_at_integer_points() {
-        for x in -5..=5 {
-            for y in -5..=5 {
-                for z in -5..=5 {
-                    assert_eq!(noise(DVec3::new(x as f64, y as f64, z as f64)), 0.0);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn repeats_after_256_and_does_not_mirror_at_zero() {
-        let p = DVec3::new(-0.375, -3.25, 2.625);
-        assert_eq!(noise(p), noise(p + 256.0));
-        assert_ne!(noise(p), noise(-p));
-    }
-
-    #[test]
     fn no_octave_is_no_noise() {
         assert_eq!(turbulence(DVec3::splat(0.3), 0, Level::baseline()), 0.0);
         assert_eq!(turbulence(DVec3::splat(0.3), 1, Level::baseline()), noise(DVec3::splat(0.3)));
@@ -215,17 +197,6 @@ mod tests {
             _ => offset.z,
         };
         (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
-    }
-
-    #[test]
-    fn gradients_are_those_of_the_reference() {
-        for (i, &[x, y, z, unused]) in HASHED_GRADIENTS.iter().enumerate() {
-            for offset in [DVec3::new(0.25, 0.5, 0.125), DVec3::new(-0.7, 0.1, -1.0 / 3.0)] {
-                let hash = PERMUTATION[i % 256] as usize;
-                assert_eq!(DVec3::new(x, y, z).dot(offset), selected(hash, offset), "{hash}");
-            }
-            assert_eq!(unused, 0.0);
-        }
     }
 
     #[test]
@@ -268,15 +239,6 @@ mod tests {
                 let expected = (plain_noise(p) + 0.0).to_bits();
                 let with = |level| turbulence(p, 1, level).to_bits();
                 assert!(instructions::available().into_iter().all(|set| with(set) == expected), "{p}");
-            }
-        }
-    }
-
-    #[test]
-    fn far_noise_is_that_of_the_remainder() {
-        for p in [DVec3::new(0.25, 0.5, 0.75), DVec3::new(200.75, 3.5, 100.25)] {
-            for period in [2f64.powi(31), -2f64.powi(31), 2f64.powi(40)] {
-                assert_eq!(noise(p + period), noise(p), "{p} {period}");
             }
         }
     }

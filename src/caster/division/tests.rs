@@ -22,10 +22,6 @@ fn divided(world: &World, level: usize) -> Division {
     Division::new((world, &Endless), (0..world.triangles.len() as u32).collect(), &frame, level).unwrap()
 }
 
-fn scattered(k: u32) -> DVec3 {
-    (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * f64::from(k)).fract()
-}
-
 /// The numbers of nodes, of small branches, of levels, and the ids in the leaves.
 fn shape(division: &Division) -> (usize, usize, usize, Vec<u32>) {
     match division {
@@ -45,17 +41,6 @@ fn shape(division: &Division) -> (usize, usize, usize, Vec<u32>) {
             (nodes, small, levels + 1, ids)
         }
     }
-}
-
-#[test]
-fn nodes_are_half_full_and_every_primitive_is_in_one_leaf() {
-    let world = world((0..5000).map(|k| (scattered(k), 0.01)));
-    let division = divided(&world, 0);
-    let (nodes, small, _, mut ids) = shape(&division);
-    let children = (nodes - 1 + division.leaves()) as f64 / nodes as f64;
-    assert!(small == 0 && children > 4.0, "{children}");
-    ids.sort_unstable();
-    assert!(ids.into_iter().eq(0..5000));
 }
 
 #[test]

@@ -97,13 +97,6 @@ fn a_sphere_has_the_radius_and_the_semi_axes_of_its_transform() {
     }
 }
 
-#[test]
-fn a_plane_is_transformed_with_its_points() {
-    let object = "Transform { Translate 0 0 5 Scale 1 1 3 Plane { normal 0 0 2 offset 4 } }";
-    let world = world_of(object, &[]).unwrap();
-    assert_eq!(world.planes, [Plane { normal: DVec3::Z, offset: 17.0 }]);
-}
-
 /// The number of questions whether building a world should end, which is proportional to its steps.
 fn questions(objects: &str, count: usize, lights: &[String]) -> usize {
     let text = format!(
