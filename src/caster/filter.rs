@@ -253,26 +253,6 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_is_in_neither_set() {
-        let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);
-        // Close to the ray's origin, so that double precision would have to decide.
-        let near = (front.0, -0.75);
-        let block = block([front, near, front, near, front, near, front, near]);
-        for level in instructions::available() {
-            for (left_out, possible, certain) in [
-                ([NONE; 2], 0b1111_1111, 0b0101_0101),
-                ([2, NONE], 0b1111_1011, 0b0101_0001),
-                ([7, 2], 0b0111_1011, 0b0101_0001),
-                ([0, 0], 0b1111_1110, 0b0101_0100),
-                ([8, 9], 0b1111_1111, 0b0101_0101),
-            ] {
-                let verdict = test_at(level, &block, &RAY, left_out);
-                assert_eq!((verdict.possible, verdict.certain), (possible, certain), "{left_out:?}");
-            }
-        }
-    }
-
-    #[test]
     fn the_depth_of_a_filter_ray_ends_where_the_ray_does() {
         let mut state = FilterState { ray: RAY, entry: 2.0, depth_per_t: 4.0, t_per_depth: 0.25 };
         state.shorten(2.4375);

@@ -1,6 +1,5 @@
 //! Small pictures: windows, strips, and renders that end early.
 
-mod known;
 mod layers;
 
 use super::*;

@@ -14,6 +14,19 @@ fn cells_of(insert: impl Fn(&mut Vec<u32>)) -> Vec<u32> {
     out
 }
 
+/// The error bound must count the rounding of the radius, which is more than the padding here.
+#[test]
+fn the_surface_of_a_huge_sphere_is_inserted_where_it_passes_through_cells() {
+    let l = lattice();
+    for (far, wall) in [(1e13, 3), (-1e13, 4)] {
+        // The surface is practically the plane x = 1, where cells 3 and 4 meet.
+        let cells = cells_of(|out| of_ball(&l, DVec3::new(1.0 + far, 2.0, 0.5), 1e13, 1e-6, out));
+        for (y, z) in (0..8).flat_map(|y| (0..8).map(move |z| (y, z))) {
+            assert!([wall, 7 - wall].iter().all(|&x| cells.contains(&(l.index([x, y, z]) as u32))));
+        }
+    }
+}
+
 #[test]
 fn the_cells_of_a_box_are_counted() {
     let l = lattice();
