@@ -190,18 +190,10 @@ fn the_watch_ends_a_long_row_before_its_end() {
     }
 }
 
-/// Covers a picture whose samples contribute to their own rows only, and windows of one row.
+/// Covers a picture whose samples contribute to their own rows only.
 #[test]
 fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
     let request = Request { layers: vec![Layer::Color], ..Request::new([3, 150]) };
-    let (result, whole) = rows(&scene(SPHERE), &request, Tracing::Counted, usize::MAX);
-    assert_eq!(result.map(|counts| counts.non_shadow_rays), Ok(450));
-    for (y, row) in whole.iter().enumerate() {
-        let window = Some(Window { x: 0, y, width: 3, height: 1 });
-        let alone =
-            rows(&scene(SPHERE), &Request { window, ..request.clone() }, Tracing::Counted, usize::MAX);
-        assert_eq!(alone.1, std::slice::from_ref(row), "{y}");
-    }
     for last in [1, 63, 64, 65, 129] {
         let watch = |progress: Progress| {
             if progress.done >= last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

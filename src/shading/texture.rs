@@ -237,7 +237,6 @@ pub fn is_in_boundary(texture: &Texture, point: &RoundedPoint) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::robust::UNIT_ROUNDOFF;
     use crate::scene::material::Phong;
     use glam::DAffine3;
 
@@ -323,32 +322,6 @@ mod tests {
         for p in [DVec3::new(0.25, 0.5, 0.625), DVec3::new(1.25, -0.5, 3.375), DVec3::new(0.5, 0.25, 0.25)] {
             let expected = (turbulence(p, 3, Level::baseline()) + 0.5).clamp(0.0, 1.0);
             assert_eq!(weight(Pattern::Noise { octaves: 3 }, p), expected);
-        }
-    }
-
-    /// Returns the weight of a checkerboard's first material at `roundings` times 2^-53 below a boundary.
-    fn below_a_boundary(world_to_texture: DAffine3, boundary: DVec3, roundings: f64) -> f64 {
-        let t =
-            Texture { world_to_texture: world_to_texture.into(), ..texture(Pattern::Checkerboard, [0, 1]) };
-        first_weight(&t, &(boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF)).into(), Level::baseline())
-    }
-
-    #[test]
-    fn a_boundary_is_as_wide_as_a_coordinate_s_error_bound() {
-        // Along an axis the bound is 4 roundings of the sum of the coordinate and the translation.
-        let boundary = DVec3::new(0.5, 3.0, 0.5);
-        for (roundings, first) in [(8.0, 0.0), (16.0, 1.0)] {
-            assert_eq!(below_a_boundary(DAffine3::IDENTITY, boundary, roundings), first);
-        }
-        let moved = DAffine3::from_translation(DVec3::Y * 8.0);
-        for (roundings, first) in [(48.0, 0.0), (56.0, 1.0)] {
-            assert_eq!(below_a_boundary(moved, DVec3::new(0.5, -5.0, 0.5), roundings), first);
-        }
-        // If several coordinates contribute, the bound is 16 roundings of their sum.
-        let mut sheared = DAffine3::IDENTITY;
-        sheared.matrix3.x_axis.y = 1.0;
-        for (roundings, first) in [(44.0, 1.0), (52.0, 0.0)] {
-            assert_eq!(below_a_boundary(sheared, DVec3::new(1.0, 2.0, 0.5), roundings), first);
         }
     }
 

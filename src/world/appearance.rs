@@ -101,3 +101,49 @@ pub fn vertex_normals(
     let normal_matrix = robust::cofactor(linear) * if is_mirrored { -1.0 } else { 1.0 };
     Some(sums.into_iter().map(|sum| normal_matrix * sum.normalize_or_zero()).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns a large triangle that faces up, and a small one that faces x, with an edge in common.
+    fn folded() -> Mesh {
+        Mesh {
+            vertices: vec![DVec3::ZERO, DVec3::Z, DVec3::new(-4.0, 0.0, 0.0), DVec3::NEG_Y],
+            triangles: vec![[0, 2, 1], [0, 3, 1]].into_iter().map(|[a, b, c]| [a, c, b]).collect(),
+        }
+    }
+
+    fn normals(weights: FaceWeights, linear: DMat3) -> Vec<DVec3> {
+        let smooth = MeshNormals::Smooth { weights, flat_up_to: 3 };
+        vertex_normals(&folded(), 4, (linear, linear.determinant() < 0.0), smooth).unwrap()
+    }
+
+    #[test]
+    fn faces_count_by_their_area_or_alike() {
+        let mesh = folded();
+        let face = |k: usize| {
+            let [a, b, c] = mesh.triangles[k].map(|vertex| mesh.vertices[vertex as usize]);
+            (b - a).cross(c - a)
+        };
+        let [large, small] = [face(0), face(1)];
+        assert_eq!((large.length(), small.length()), (4.0, 1.0));
+        let of = |weights| normals(weights, DMat3::IDENTITY);
+        let area = of(FaceWeights::Area);
+        assert!((area[0] - (large + small).normalize()).length() < 1e-15 && area[0] == area[1]);
+        assert_eq!([area[2], area[3]], [large.normalize(), small]);
+        let equal = of(FaceWeights::Equal);
+        assert!((equal[0] - (large.normalize() + small).normalize()).length() < 1e-15);
+    }
+
+    #[test]
+    fn normals_are_transformed_by_the_inverse_transpose() {
+        let linear = DMat3::from_diagonal(DVec3::new(-2.0, 1.0, 1.0));
+        let (moved, still) =
+            (normals(FaceWeights::Area, linear), normals(FaceWeights::Area, DMat3::IDENTITY));
+        for (moved, still) in moved.into_iter().zip(still) {
+            let expected = (linear.inverse().transpose() * still).normalize();
+            assert!((moved.normalize() - expected).length() < 1e-15, "{moved}");
+        }
+    }
+}

@@ -273,6 +273,33 @@ mod tests {
     }
 
     #[test]
+    fn surfaces_farther_apart_than_roundings_do_not_coincide() {
+        const LOW: &str = "Triangle { vertex0 0 0 0.1 vertex1 1 0 0.1 vertex2 0 1 0.1 }";
+        let above = format!("Triangle {{ vertex0 7 0 {0} vertex1 9 0 {0} vertex2 7 1 {0} }}", 0.1 + 1e-12);
+        let under = |list: &str, object: &str| format!("Transform {{ {list} {object} }}");
+        let sphere = |list: &str| under(list, "Sphere { center 0 0 0 radius 1 }");
+        let plane = |turn: &str, offset: f64| {
+            under(&format!("XRotate 33 {turn}"), &format!("Plane {{ normal 0 0 1 offset {offset} }}"))
+        };
+        for (one, other) in [
+            (LOW.into(), above),
+            (LOW.into(), LOW.replace("0 1 0.1", "0 1 0.10000001")),
+            (LOW.into(), "Plane { normal 0 0 1 offset 0.1000001 }".into()),
+            (LOW.into(), "Plane { normal 0 1e-6 1 offset 0.1 }".into()),
+            // A large error along the plane does not move the plane.
+            (LOW.into(), under("Scale 4e20 0.2 0.2", "Plane { normal 0 0 1 offset 1 }")),
+            (LOW.into(), sphere("")),
+            (plane("", 0.1), plane("ZRotate 71", 0.1 + 1e-13)),
+            (sphere("UniformScale 1.0000000000001"), sphere("YRotate 10")),
+            (sphere("Translate 1e-6 0 0"), sphere("YRotate 10")),
+            (sphere("Scale 1 2 0.5"), sphere("Scale 2 1 0.5 ZRotate 90")),
+            (sphere("Scale 1 2 0.5"), sphere("Scale 1 2 0.5000000001")),
+        ] {
+            assert!(!coincide(&one, &other), "{one} and {other}");
+        }
+    }
+
+    #[test]
     fn the_steps_of_uniting_grow_with_the_hits() {
         let questions = |count: usize| {
             let spheres: Vec<String> = (0..count)
