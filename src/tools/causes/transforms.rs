@@ -74,3 +74,58 @@ pub fn transpose_matrices(scene: &mut Scene) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parser::parse;
+    use crate::world::placements;
+    use glam::{DAffine3, DMat3};
+
+    fn scene(objects: &str) -> Scene {
+        parse(&format!(
+            "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 4 }}
+             Materials {{ numMaterials 1 Material {{ }} }}
+             Group {{ numObjects 1 MaterialIndex 0 {objects} }}"
+        ))
+        .unwrap()
+    }
+
+    fn matrix(scene: &Scene) -> DAffine3 {
+        placements(scene).next().unwrap().matrix
+    }
+
+    fn changed(mut scene: Scene, change: impl FnOnce(&mut Scene)) -> DAffine3 {
+        change(&mut scene);
+        matrix(&scene)
+    }
+
+    const SPHERE: &str = "Sphere { center 0 0 0 radius 1 }";
+
+    #[test]
+    fn nested_transforms_are_combined_otherwise() {
+        let nested = |outer: &str, inner: &str| {
+            let inner = format!("Group {{ numObjects 1 Transform {{ {inner} {SPHERE} }} }}");
+            scene(&format!("Transform {{ {outer} {inner} }}"))
+        };
+        let right = || nested("Translate 1 2 3", "Scale 1 2 3");
+        let reversed = changed(right(), |scene| combine_nested(scene, |outer, inner| inner * outer));
+        assert_eq!(reversed, matrix(&nested("Scale 1 2 3", "Translate 1 2 3")));
+        let innermost = changed(right(), |scene| combine_nested(scene, |_, inner| inner));
+        assert_eq!(innermost, DAffine3::from_scale(glam::DVec3::new(1.0, 2.0, 3.0)));
+    }
+
+    #[test]
+    fn every_kind_of_rotation_is_by_radians() {
+        for (text, expected) in [
+            ("XRotate 0.5", DMat3::from_rotation_x(0.5)),
+            ("YRotate { -30 } # degrees\n", DMat3::from_rotation_y(-30.0)),
+            ("ZRotate 7e-1", DMat3::from_rotation_z(0.7)),
+            ("Rotate { 0 0 1 1.25 }", DMat3::from_rotation_z(1.25)),
+        ] {
+            let list = scene(&format!("Transform {{ {text} {SPHERE} }}"));
+            let found = changed(list, |scene| each_rotation(scene, f64::to_degrees)).matrix3;
+            assert!((found - expected).to_cols_array().iter().all(|rest| rest.abs() < 1e-12), "{text}");
+        }
+    }
+}
