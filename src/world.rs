@@ -19,6 +19,8 @@ mod point_error;
 mod resting_lights;
 mod runs;
 mod surface;
+#[cfg(test)]
+pub(crate) mod test_worlds;
 mod unseen;
 pub(crate) mod triangle4;
 
@@ -320,14 +322,13 @@ fn with_unit_direction(light: Light) -> Light {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parser::parse;
 
     #[test]
     fn the_nearer_of_two_hits_precedes_and_at_the_same_t_the_lower_object() {
-        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-             Group { numObjects 2 Material { } Plane { normal 0 1 0 offset 1 }
-             Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 } }";
-        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+        let world = test_worlds::world_of(&[
+            "Plane { normal 0 1 0 offset 1 }",
+            "Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 }",
+        ]);
         // The plane comes first in the scene, and the triangle has the lower id.
         let precedes = |t: f64, one: u32, other: u32| world.precedes((t, one), (2.0, other));
         assert_eq!([1.0, 2.0, 3.0].map(|t| precedes(t, 1, 0)), [true, true, false]);

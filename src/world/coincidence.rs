@@ -254,20 +254,10 @@ fn largest_number(m: DMat3) -> f64 {
 mod tests {
     use super::*;
     use crate::base::patience::tests::Counted;
-    use crate::scene::parser::parse;
-
-    fn world(objects: &[&str]) -> World {
-        let text = format!(
-            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-             Group {{ numObjects {} Material {{ }} {} }}",
-            objects.len(),
-            objects.join(" ")
-        );
-        World::new(&parse(&text).unwrap(), &[]).unwrap()
-    }
+    use crate::world::test_worlds::world_of;
 
     fn coincide(one: &str, other: &str) -> bool {
-        let world = world(&[one, other]);
+        let world = world_of(&[one, other]);
         assert_eq!(world.coincide(0, 1), world.coincide(1, 0));
         world.coincide(0, 1)
     }
@@ -305,7 +295,7 @@ mod tests {
             let spheres: Vec<String> = (0..count)
                 .map(|i| format!("Sphere {{ center 0 0 0 radius {} }}", 1.0 - 4e-16 * i as f64))
                 .collect();
-            let world = world(&spheres.iter().map(String::as_str).collect::<Vec<_>>());
+            let world = world_of(&spheres);
             let ray = Ray::new(DVec3::new(0.1, 0.2, 5.0), -DVec3::Z);
             let hits = world.ids().map(|id| (world.crossing(&ray, id).unwrap(), id)).collect();
             let patience = Counted::up_to(usize::MAX);

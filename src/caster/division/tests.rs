@@ -1,19 +1,14 @@
 use super::*;
 use crate::base::patience::Endless;
-use crate::scene::mesh::Mesh;
-use crate::scene::parser::parse;
+use crate::world::test_worlds::world_of_triangles;
 use glam::DVec3;
 
 /// Returns a world of triangles, each given by its lower corner and its side.
 fn world(triangles: impl Iterator<Item = (DVec3, f64)>) -> World {
-    let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-         Group { numObjects 1 Material { } TriangleMesh { obj_file a.obj } }";
     let corners = |(corner, side): (DVec3, f64)| {
         [DVec3::new(1.0, 1.0, 0.0), DVec3::Z, DVec3::ZERO].map(|offset| corner + side * offset)
     };
-    let vertices: Vec<DVec3> = triangles.flat_map(corners).collect();
-    let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    World::new(&parse(text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
+    world_of_triangles(triangles.map(corners), &[])
 }
 
 /// Divides all triangles of a world in the frame of a cube around the origin.

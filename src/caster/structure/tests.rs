@@ -3,23 +3,16 @@ use crate::base::patience::Endless;
 use crate::caster::cell_counts::CellCounts;
 use crate::math::instructions::Level;
 use crate::math::ray::Ray;
-use crate::scene::mesh::Mesh;
-use crate::scene::parser::parse;
+use crate::world::test_worlds::{world_of, world_of_triangles};
 use fearless_simd::dispatch;
 use glam::DVec3;
 
-/// Returns a world of `count` triangles, given by their numbers, and a sphere.
-fn world(count: u32, corners: impl Fn(u32) -> [DVec3; 3]) -> World {
-    let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 } Group { numObjects 2
-         Material { } TriangleMesh { obj_file a.obj } Sphere { center 0.5 0.5 0.5 radius 0.125 } }";
-    let vertices = (0..count).flat_map(corners).collect();
-    let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    World::new(&parse(text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
-}
+const BALL: &str = "Sphere { center 0.5 0.5 0.5 radius 0.125 }";
 
 #[test]
 fn a_list_is_a_cell_with_everything_in_it() {
-    let world = world(5, |i| [DVec3::ZERO, DVec3::ONE, f64::from(i + 1) * DVec3::Y]);
+    let triangle = |i: u32| [DVec3::ZERO, DVec3::ONE, f64::from(i + 1) * DVec3::Y];
+    let world = world_of_triangles((0..5).map(triangle), &[BALL]);
     let list = AccelerationStructure::new(&world, Layout::List, &Endless).unwrap();
     assert_eq!(list.size(), StructureSize { cells: 1, references: 6, blocks: 1 });
 }
@@ -27,7 +20,7 @@ fn a_list_is_a_cell_with_everything_in_it() {
 /// Every third triangle is a line, and the one after it equals the one behind that.
 #[test]
 fn primitives_that_no_ray_sees_are_in_no_structure() {
-    let world = world(30, |i| {
+    let triangle = |i: u32| {
         let corner = DVec3::splat(f64::from(i / 3) / 10.0);
         let sides = match i % 3 {
             0 => [DVec3::ZERO, DVec3::X, 0.5 * DVec3::X],
@@ -35,7 +28,8 @@ fn primitives_that_no_ray_sees_are_in_no_structure() {
             _ => [DVec3::ZERO, DVec3::Y, DVec3::X],
         };
         sides.map(|side| corner + side)
-    });
+    };
+    let world = world_of_triangles((0..30).map(triangle), &[BALL]);
     assert_eq!((world.finite_count(), world.visible_count()), (31, 11));
     for layout in [Layout::List, Layout::Grid([1; 3]), Layout::Tree] {
         let structure = AccelerationStructure::new(&world, layout, &Endless).unwrap();
@@ -47,9 +41,7 @@ fn primitives_that_no_ray_sees_are_in_no_structure() {
 
 #[test]
 fn a_ray_is_in_the_proven_range_by_its_distance_from_the_centre() {
-    let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-         Group { numObjects 1 Material { } Sphere { center 1000 0 0 radius 0.0005 } }";
-    let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+    let world = world_of(&["Sphere { center 1000 0 0 radius 0.0005 }"]);
     let structure = AccelerationStructure::new(&world, Layout::Grid([1; 3]), &Endless).unwrap();
     let is_in_proven_range = |x: f64| {
         let ray = Ray::new(DVec3::X * x, DVec3::Y);
