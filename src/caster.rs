@@ -191,23 +191,3 @@ impl Patience for Caster<'_> {
         self.patience.is_over()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::parser::parse;
-
-    #[test]
-    fn a_caster_without_finite_primitives_has_no_structure() {
-        let world = |objects: &str| {
-            let camera = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }";
-            World::new(&parse(&format!("{camera} Group {{ {objects} }}")).unwrap(), &[]).unwrap()
-        };
-        let sphere = world("numObjects 1 Material { } Sphere { center 0 0 0 radius 1 }");
-        let plane = world("numObjects 1 Material { } Plane { normal 0 0 1 offset 0 }");
-        for (world, cells) in [(&sphere, Some([2, 3, 4])), (&sphere, None), (&plane, Some([2, 3, 4]))] {
-            let caster = Caster::new(world, cells).unwrap();
-            assert_eq!(caster.size() == StructureSize::default(), world.finite_count() == 0);
-        }
-    }
-}

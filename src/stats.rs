@@ -203,13 +203,6 @@ mod tests {
     }
 
     #[test]
-    fn what_a_scene_lacks_is_null() {
-        let text = Report { bounds: None, grid: None, ..report() }.to_string();
-        assert!(text.contains("  scene bounds               NULL\n"));
-        assert!(text.contains("  num grid cells             NULL\n"));
-    }
-
-    #[test]
     fn the_standard_error_stands_below_the_times() {
         assert!(report().to_string().ends_with("  threads                    2\n"));
         let text = Report { standard_error: Some(0.12345), ..report() }.to_string();
@@ -234,16 +227,5 @@ mod tests {
     fn hours_are_not_padded() {
         assert_eq!(clock(Duration::from_millis(3_723_004)), "1:02:03.004");
         assert_eq!(clock(Duration::from_secs(36_000)), "10:00:00.000");
-    }
-
-    #[test]
-    fn counts_add_up() {
-        let counts = |non_shadow_rays, shadow_rays, intersections, cells_traversed| Counts {
-            non_shadow_rays,
-            shadow_rays,
-            intersections,
-            cells_traversed,
-        };
-        assert_eq!(counts(1, 3, 7, 2).merge(counts(2, 1, 11, 4)), counts(3, 4, 18, 6));
     }
 }

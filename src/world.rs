@@ -19,6 +19,8 @@ mod point_error;
 mod resting_lights;
 mod runs;
 mod surface;
+#[cfg(test)]
+pub(crate) mod test_worlds;
 mod unseen;
 pub(crate) mod triangle4;
 
@@ -320,54 +322,16 @@ fn with_unit_direction(light: Light) -> Light {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parser::parse;
-
-    /// Twelve objects of four kinds in mixed order, each with a material of its own.
-    fn world() -> World {
-        let kinds = [
-            "Plane { normal 0 1 0 offset 1 }",
-            "Transform { Scale 1 2 3 Sphere { center 0 0 0 radius 1 } }",
-            "Sphere { center 0 0 0 radius 1 }",
-            "Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 }",
-            "Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }",
-            "Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 }",
-        ];
-        let objects: Vec<String> =
-            (0..12).map(|k| format!("MaterialIndex {k} {}", kinds[k % kinds.len()])).collect();
-        let text = format!(
-            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-             Materials {{ numMaterials 12 {} }} Group {{ numObjects 12 {} }}",
-            "Material { } ".repeat(12),
-            objects.join(" ")
-        );
-        World::new(&parse(&text).unwrap(), &[]).unwrap()
-    }
-
-    #[test]
-    fn every_id_is_that_of_one_primitive_and_its_material() {
-        use Primitive::*;
-        let world = world();
-        let kinds: Vec<Primitive> = (0..12).map(|id| world.primitive(id)).collect();
-        let triangles = (0..6).map(Triangle);
-        let others = [Shape(0), Shape(1), Shape(2), Shape(3), Plane(0), Plane(1)];
-        assert_eq!(kinds, triangles.chain(others).collect::<Vec<_>>());
-        assert_eq!((world.finite_count(), world.first_plane()), (10, 10));
-        let materials: Vec<MaterialId> = (0..12).map(|id| world.material_of(id)).collect();
-        assert_eq!(materials, [3, 4, 5, 9, 10, 11, 1, 2, 7, 8, 0, 6]);
-        let ray = Ray::new(DVec3::new(0.1, 0.2, -5.0), DVec3::Z);
-        let left = |primitive| world.surface(&ray, &Hit { t: 5.0, primitive }).triangle;
-        assert_eq!([0, 5, 6, 8, 10].map(left), [Some(0), Some(5), None, None, None]);
-    }
 
     #[test]
     fn the_nearer_of_two_hits_precedes_and_at_the_same_t_the_lower_object() {
-        let world = world();
+        let world = test_worlds::world_of(&[
+            "Plane { normal 0 1 0 offset 1 }",
+            "Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 }",
+        ]);
+        // The plane comes first in the scene, and the triangle has the lower id.
         let precedes = |t: f64, one: u32, other: u32| world.precedes((t, one), (2.0, other));
-        // The objects are in the order of their materials.
-        let rank = |id| world.material_of(id);
-        for (one, other) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
-            assert!(precedes(1.0, one, other) && !precedes(3.0, one, other));
-            assert_eq!(precedes(2.0, one, other), rank(one) < rank(other), "{one} {other}");
-        }
+        assert_eq!([1.0, 2.0, 3.0].map(|t| precedes(t, 1, 0)), [true, true, false]);
+        assert_eq!([1.0, 2.0, 3.0].map(|t| precedes(t, 0, 1)), [true, false, false]);
     }
 }

@@ -113,7 +113,7 @@ pub fn cubic(bounds: &Aabb, total: f64) -> [usize; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parser::parse;
+    use crate::world::test_worlds::{world_of, world_of_triangles};
     use glam::DVec3;
 
     fn boxed(extent: DVec3, total: f64) -> [usize; 3] {
@@ -138,16 +138,6 @@ mod tests {
         assert_eq!(cubic(&flat, 1e9), [100_000, 100, 100]);
     }
 
-    fn world(objects: &[String]) -> World {
-        let text = format!(
-            "OrthographicCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 size 3 }}
-             Group {{ numObjects {} Material {{ }} {} }}",
-            objects.len(),
-            objects.join(" ")
-        );
-        World::new(&parse(&text).unwrap(), &[]).unwrap()
-    }
-
     /// Returns a world of this many triangles and spheres, and a plane, all in one place.
     fn nested(triangles: usize, spheres: usize) -> World {
         let sizes = |count| 1..=count;
@@ -155,18 +145,14 @@ mod tests {
         let sphere = |i| format!("Sphere {{ center 0 0 0 radius {i} }}");
         let plane = "Plane { normal 0 1 0 offset 0 }".to_string();
         let finite = sizes(triangles).map(triangle).chain(sizes(spheres).map(sphere));
-        world(&finite.chain([plane]).collect::<Vec<_>>())
+        world_of(&finite.chain([plane]).collect::<Vec<_>>())
     }
 
     /// Returns a world of small triangles around points that fill the unit cube evenly.
-    fn scattered(count: usize) -> World {
-        let triangle = |i: usize| {
-            let [x, y, z] = (DVec3::new(0.618, 0.754, 0.569) * i as f64).fract().to_array();
-            let (right, up) = (x + 0.01, y + 0.01);
-            format!("Triangle {{ vertex0 {x} {y} {z} vertex1 {right} {y} {z} vertex2 {x} {up} {z} }}")
-        };
-        let far = "Triangle { vertex0 1 1 1 vertex1 1.01 1 1 vertex2 1 1.01 1 }".to_string();
-        world(&(0..count).map(triangle).chain([far]).collect::<Vec<_>>())
+    fn scattered(count: u32) -> World {
+        let corner = |i: u32| (DVec3::new(0.618, 0.754, 0.569) * f64::from(i)).fract();
+        let small = |corner: DVec3| [DVec3::ZERO, DVec3::X, DVec3::Y].map(|side| corner + 0.01 * side);
+        world_of_triangles((0..count).map(corner).chain([DVec3::ONE]).map(small), &[])
     }
 
     #[test]

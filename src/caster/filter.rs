@@ -199,9 +199,7 @@ mod tests {
     use crate::caster::block::NONE;
     use crate::math::aabb::Aabb;
     use crate::math::instructions;
-    use crate::scene::mesh::Mesh;
-    use crate::scene::parser::parse;
-    use crate::world::World;
+    use crate::world::test_worlds::world_of_triangles;
     use glam::DVec3;
 
     /// A ray along z from -0.75 on, for a distance of 1.
@@ -210,14 +208,8 @@ mod tests {
 
     /// Triangles across the z axis, each by its corners and its z.
     fn block(triangles: [([[f64; 2]; 3], f64); LANES]) -> Block {
-        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-             Group { numObjects 1 Material { } TriangleMesh { obj_file a.obj } }";
-        let vertices = triangles.iter().flat_map(|(corners, z)| corners.map(|[x, y]| DVec3::new(x, y, *z)));
-        let mesh = Mesh {
-            vertices: vertices.collect(),
-            triangles: (0..LANES as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-        };
-        let world = World::new(&parse(text).unwrap(), &[mesh]).unwrap();
+        let placed = |(corners, z): ([[f64; 2]; 3], f64)| corners.map(|[x, y]| DVec3::new(x, y, z));
+        let world = world_of_triangles(triangles.map(placed), &[]);
         let frame = Frame::new(&Aabb { min: DVec3::splat(-0.9), max: DVec3::splat(0.9) });
         let mut block = Block::new(std::array::from_fn(|i| i as u32));
         block.fill(&world, &frame);
@@ -248,26 +240,6 @@ mod tests {
             for (lane, t) in [(0, 0.75), (5, 0.875)] {
                 let [min, max] = verdict.depths(lane, &block);
                 assert!(min < t && t < max && max - min < 1e-3, "{level:?} {min} {max}");
-            }
-        }
-    }
-
-    #[test]
-    fn what_is_left_out_is_in_neither_set() {
-        let front = ([[-0.5, -0.5], [0.5, -0.5], [0.0, 0.25]], 0.0);
-        // Close to the ray's origin, so that double precision would have to decide.
-        let near = (front.0, -0.75);
-        let block = block([front, near, front, near, front, near, front, near]);
-        for level in instructions::available() {
-            for (left_out, possible, certain) in [
-                ([NONE; 2], 0b1111_1111, 0b0101_0101),
-                ([2, NONE], 0b1111_1011, 0b0101_0001),
-                ([7, 2], 0b0111_1011, 0b0101_0001),
-                ([0, 0], 0b1111_1110, 0b0101_0100),
-                ([8, 9], 0b1111_1111, 0b0101_0101),
-            ] {
-                let verdict = test_at(level, &block, &RAY, left_out);
-                assert_eq!((verdict.possible, verdict.certain), (possible, certain), "{left_out:?}");
             }
         }
     }

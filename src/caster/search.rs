@@ -346,17 +346,14 @@ impl<'a, G: Goal> Search<'a, G> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parser::parse;
+    use crate::world::test_worlds::world_of_triangles;
     use glam::DVec3;
 
     /// If only bounds on the t of the best triangle are known, its exact t decides.
     #[test]
     fn of_a_triangle_within_bounds_and_another_the_nearer_one_is_kept() {
-        let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-             Group { numObjects 2 Material { }
-             Triangle { vertex0 -1 -1 4 vertex1 1 -1 4 vertex2 0 1 4 }
-             Triangle { vertex0 -1 -1 5 vertex1 1 -1 5 vertex2 0 1 5 } }";
-        let world = World::new(&parse(text).unwrap(), &[]).unwrap();
+        let across = |z: f64| [DVec3::new(-1.0, -1.0, z), DVec3::new(1.0, -1.0, z), DVec3::new(0.0, 1.0, z)];
+        let world = world_of_triangles([4.0, 5.0].map(across), &[]);
         let ray = Ray::new(DVec3::ZERO, DVec3::Z);
         for (t, is_kept) in [(3.4, true), (3.9, true), (4.0, false), (4.1, false), (4.6, false)] {
             let mut nearest = Nearest::new(&world, &ray);

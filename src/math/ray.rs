@@ -66,11 +66,6 @@ mod tests {
     }
 
     #[test]
-    fn a_point_at_t() {
-        assert_eq!(ray().at(2.0), DVec3::new(11.0, 14.0, 17.0));
-    }
-
-    #[test]
     fn a_ray_covers_its_start_and_not_its_end() {
         let covered = |ray: Ray, ts: [f64; 4]| ts.map(|t| ray.covers(t));
         assert_eq!(covered(ray(), [3.9, 4.0, 7.9, 8.0]), [false, true, true, false]);

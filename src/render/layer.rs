@@ -112,19 +112,3 @@ impl Layer {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_of_layers() {
-        let size = |layer: Layer| layer.size([7, 5]);
-        assert_eq!(
-            [Layer::Color, Layer::Normals, Layer::Depth { near: 0.0, far: 1.0 }].map(size),
-            [[7, 5]; 3]
-        );
-        assert_eq!(size(Layer::Samples { zoom: 3 }), [21, 15]);
-        assert_eq!(size(Layer::Filter { zoom: 3 }), [22, 16]);
-    }
-}

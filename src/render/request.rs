@@ -194,18 +194,6 @@ impl Request {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_window_counts_from_the_top_and_is_clipped_to_the_picture() {
-        let request = |window| Request { window, ..Request::new([10, 8]) };
-        assert_eq!((request(None).columns(), request(None).rows()), (0..10, 0..8));
-        let part = request(Some(Window { x: 2, y: 1, width: 3, height: 4 }));
-        assert_eq!((part.columns(), part.rows(), part.window_size()), (2..5, 3..7, [3, 4]));
-        let over = request(Some(Window { x: 8, y: 6, width: usize::MAX, height: 9 }));
-        assert_eq!((over.columns(), over.rows()), (8..10, 0..2));
-        let beside = request(Some(Window { x: 11, y: 9, width: 1, height: 1 }));
-        assert_eq!(beside.window_size(), [0, 0]);
-    }
-
     const DEPTH: Layer = Layer::Depth { near: 1.0, far: 2.0 };
 
     fn request_of(layers: &[Layer]) -> Request {

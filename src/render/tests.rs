@@ -1,6 +1,5 @@
 //! Small pictures: windows, strips, and renders that end early.
 
-mod known;
 mod layers;
 
 use super::*;
@@ -80,74 +79,11 @@ fn rows(text: &str, request: &Request, tracing: Tracing, fails_at: usize) -> Han
     (result, rows)
 }
 
-fn pictures(text: &str, request: &Request) -> Vec<FloatPicture> {
-    let scene = parse(text).unwrap();
-    let world = World::new(&scene, &[]).unwrap();
-    let caster = LazyCaster::new(Caster::of_planes(&world), Layout::List);
-    let shot = Shot { camera: Camera::new(&scene.camera, request.size), caster: &caster, view: View::Scene };
-    render_in_memory(&shot, request, &goes_on).unwrap().0
-}
-
-/// Returns the part of a picture inside a window, where each pixel is a square of `zoom` by `zoom`.
-fn part(picture: &FloatPicture, window: Window, zoom: usize) -> FloatPicture {
-    let [width, height] = picture.size;
-    let cut = |from: usize, length: usize, size: usize| {
-        (from * zoom).min(size)..from.saturating_add(length).saturating_mul(zoom).min(size)
-    };
-    let (columns, rows) = (cut(window.x, window.width, width), cut(window.y, window.height, height));
-    let size = [columns.len(), rows.len()];
-    let row = |y: usize| picture.colors[y * width..][columns.clone()].to_vec();
-    FloatPicture { size, colors: rows.flat_map(row).collect() }
-}
-
 /// Marks a request whose samples are adaptive. [`further`] returns the settings.
 const ADAPTIVE: Sampler = Sampler::of_adaptive(Drand48::UNSEEDED);
 
 fn further(sampler: Sampler) -> Option<Adaptive> {
     (sampler == ADAPTIVE).then_some(Adaptive { most: 40, error: 2.0 })
-}
-
-#[test]
-fn a_window_shows_its_part_of_the_whole_picture_in_every_layer() {
-    let (near, far) = (2.0, 7.0);
-    let layers =
-        [Layer::Color, Layer::Samples { zoom: 3 }, Layer::Depth { near, far }, Layer::Normals, Layer::Color];
-    for (other, sampler, filter) in [
-        ("", Sampler::CENTER, Filter::PIXEL),
-        ("", Sampler::CENTER, Filter::Gaussian { sigma: 0.8 }),
-        ("", jittered(3), Filter::PIXEL),
-        (SPHERE, jittered(2), Filter::Tent { radius: 2.7 }),
-        (SPHERE, Sampler::CENTER, Filter::PIXEL),
-        ("", ADAPTIVE, Filter::PIXEL),
-        (SPHERE, ADAPTIVE, Filter::PIXEL),
-        (SPHERE, ADAPTIVE, Filter::Gaussian { sigma: 0.7 }),
-    ] {
-        let adaptive = further(sampler);
-        let whole = Request { sampler, adaptive, filter, layers: layers.to_vec(), ..Request::new([37, 21]) };
-        let pictures_of = |window| pictures(&scene(other), &Request { window, ..whole.clone() });
-        let expected = pictures_of(None);
-        assert_eq!(expected[0], expected[4]);
-        for picture in &expected {
-            let mut colors: Vec<_> = picture.colors.iter().map(|c| c.to_array().map(f64::to_bits)).collect();
-            colors.sort_unstable();
-            colors.dedup();
-            assert!(colors.len() > 3, "{}", colors.len());
-        }
-        for [x, y, width, height] in [
-            [0, 0, 5, 4],
-            [7, 6, 21, 5],
-            [30, 15, 50, 50],
-            [3, 2, 1, 1],
-            [17, 0, 16, 21],
-            [0, 20, usize::MAX, 1],
-        ] {
-            let window = Window { x, y, width, height };
-            for (k, (picture, whole)) in pictures_of(Some(window)).iter().zip(&expected).enumerate() {
-                let zoom = if k == 1 { 3 } else { 1 };
-                assert!(*picture == part(whole, window, zoom), "{sampler:?} {filter:?} {window:?} layer {k}");
-            }
-        }
-    }
 }
 
 #[test]
@@ -258,18 +194,10 @@ fn the_watch_ends_a_long_row_before_its_end() {
     }
 }
 
-/// Covers a picture whose samples contribute to their own rows only, and windows of one row.
+/// Covers a picture whose samples contribute to their own rows only.
 #[test]
 fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
     let request = Request { layers: vec![Layer::Color], ..Request::new([3, 150]) };
-    let (result, whole) = rows(&scene(SPHERE), &request, Tracing::Counted, usize::MAX);
-    assert_eq!(result.map(|counts| counts.non_shadow_rays), Ok(450));
-    for (y, row) in whole.iter().enumerate() {
-        let window = Some(Window { x: 0, y, width: 3, height: 1 });
-        let alone =
-            rows(&scene(SPHERE), &Request { window, ..request.clone() }, Tracing::Counted, usize::MAX);
-        assert_eq!(alone.1, std::slice::from_ref(row), "{y}");
-    }
     for last in [1, 63, 64, 65, 129] {
         let watch = |progress: Progress| {
             if progress.done >= last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -284,20 +212,6 @@ fn rows_that_need_no_others_are_handed_out_as_far_as_they_are_done() {
         assert!((last..last + rayon::current_num_threads()).contains(&taken), "{last} {taken}");
         assert_eq!(result.err(), Some(Stopped::Cancelled { rows: taken }), "{last}");
     }
-}
-
-#[test]
-fn the_progress_tells_the_rays_that_are_counted() {
-    let request = Request { sampler: jittered(3), layers: vec![Layer::Color], ..Request::new([5, 40]) };
-    let told = Mutex::new(vec![]);
-    let watch = |progress: Progress| {
-        told.lock().unwrap().push((progress.done, progress.rays));
-        ControlFlow::Continue(())
-    };
-    let mut take_row = |_: usize, _: &[Color]| Ok(());
-    render_scene(&scene(""), &request, Tracing::Fast, &watch, &mut take_row).unwrap();
-    let last = told.into_inner().unwrap().into_iter().max();
-    assert_eq!(last, Some((40, 5 * 40 * 3)));
 }
 
 #[test]
@@ -318,22 +232,5 @@ fn a_row_that_is_not_taken_ends_the_render() {
         let (result, taken) = rows(&scene(""), &request, Tracing::Fast, count);
         assert_eq!(result.map_err(Diagnostic::from), Err(refusal()));
         assert_eq!(taken, all[..count]);
-    }
-}
-
-#[test]
-fn the_counts_of_every_strip_are_added_up_once() {
-    for (sampler, filter, samples) in
-        [(Sampler::CENTER, Filter::PIXEL, 1), (jittered(3), Filter::Tent { radius: 1.4 }, 3)]
-    {
-        let request = Request { sampler, filter, layers: vec![Layer::Color], ..Request::new([40, 30]) };
-        let (result, _) = rows(&scene(""), &request, Tracing::Counted, usize::MAX);
-        assert_eq!(result.unwrap().non_shadow_rays, 40 * 30 * samples);
-        let (rays, _) = rows(&scene(""), &request, Tracing::Fast, usize::MAX);
-        assert_eq!(rays.unwrap().rays(), 40 * 30 * samples);
-        // If the filter reaches beyond a window, samples around it are traced, but only its rows count.
-        let window = Some(Window { x: 0, y: 10, width: 40, height: 2 });
-        let (result, _) = rows(&scene(""), &Request { window, ..request }, Tracing::Counted, usize::MAX);
-        assert_eq!(result.unwrap().non_shadow_rays, 40 * 2 * samples);
     }
 }

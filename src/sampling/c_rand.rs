@@ -139,12 +139,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn numbers_are_from_zero_to_one() {
-        let mut generator = CRand::unseeded();
-        let numbers: Vec<f64> = (0..10_000).map(|_| generator.next_number()).collect();
-        let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
-        assert!(numbers.iter().all(|number| (0.0..=1.0).contains(number)) && (mean - 0.5).abs() < 0.01);
-    }
 }

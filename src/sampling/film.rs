@@ -59,68 +59,6 @@ impl Film {
 mod tests {
     use super::*;
     use crate::math::instructions::Level;
-    use glam::DVec2;
-
-    /// Returns the picture if pixel (x, y) has one sample of this colour at its centre.
-    fn filtered(
-        filter: Filter,
-        [width, height]: [usize; 2],
-        color: impl Fn(usize, usize) -> Color,
-    ) -> Vec<Vec<Color>> {
-        let mut film = Film::new(filter, [width, height], 0);
-        let mut picture = vec![];
-        for y in 0..height {
-            let mut spread = Spread::new(filter, Level::baseline(), y, [width, height]);
-            (0..width).for_each(|x| spread.add(x, DVec2::ZERO, color(x, y), 1.0));
-            let mut finish = |row: usize, colors: &mut dyn Iterator<Item = Color>| {
-                assert_eq!(row, picture.len());
-                picture.push(colors.collect());
-            };
-            film.add(spread, &mut finish);
-        }
-        assert_eq!(picture.len(), height);
-        picture
-    }
-
-    #[test]
-    fn the_pixel_box_changes_nothing() {
-        let color = |x: usize, y: usize| Color::new(x as f64 / 3.0, y as f64 / 7.0, 0.1);
-        let picture = filtered(Filter::PIXEL, [5, 4], color);
-        assert!((0..4).all(|y| (0..5).all(|x| picture[y][x] == color(x, y))));
-    }
-
-    #[test]
-    fn a_uniform_picture_stays_uniform_up_to_the_borders() {
-        for filter in [
-            Filter::Box { radius: 1.7 },
-            Filter::Tent { radius: 3.0 },
-            Filter::Gaussian { sigma: 1.0 },
-            Filter::Mitchell { radius: 2.0 },
-            Filter::Box { radius: 1e6 },
-        ] {
-            let picture = filtered(filter, [6, 5], |_, _| Color::splat(0.25));
-            assert!(picture.iter().flatten().all(|c| (*c - 0.25).abs().max_element() < 1e-15), "{filter:?}");
-        }
-    }
-
-    #[test]
-    fn a_wide_box_averages_the_samples_within_the_picture() {
-        let picture = filtered(Filter::Box { radius: 1.0 }, [4, 3], |x, y| Color::splat((x * 10 + y) as f64));
-        assert_eq!(picture[0][0].x, (0.0 + 10.0 + 1.0 + 11.0) / 4.0);
-        assert_eq!(picture[1][2].x, 21.0);
-    }
-
-    #[test]
-    fn a_pixel_without_weighted_samples_is_black() {
-        let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1], 0);
-        let filter = Filter::Box { radius: 0.1 };
-        let mut spread = Spread::new(filter, Level::baseline(), 0, [1, 1]);
-        spread.add(0, DVec2::splat(-0.5), Color::ONE, 1.0);
-        let mut finished = vec![];
-        let mut finish = |_: usize, colors: &mut dyn Iterator<Item = Color>| finished.extend(colors);
-        film.add(spread, &mut finish);
-        assert_eq!(finished, [Color::ZERO]);
-    }
 
     #[test]
     fn a_row_is_emitted_with_the_last_spread_that_contributes_to_it() {

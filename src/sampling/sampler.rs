@@ -209,57 +209,6 @@ impl ExactSizeIterator for Offsets {}
 mod tests {
     use super::*;
 
-    fn offsets(pattern: Pattern, count: u32, index: u64) -> Vec<DVec2> {
-        Sampler::new(pattern, count, Drand48::UNSEEDED).offsets(index).collect()
-    }
-
-    #[test]
-    fn one_uniform_sample_is_the_centre() {
-        assert!(Sampler::new(Pattern::Uniform, 1, Drand48::UNSEEDED).is_center());
-        assert_eq!(offsets(Pattern::Uniform, 1, 7), [DVec2::ZERO]);
-    }
-
-    #[test]
-    fn uniform_samples_are_the_centres_of_strata() {
-        let expected = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)].map(DVec2::from);
-        assert_eq!(offsets(Pattern::Uniform, 4, 0), expected);
-    }
-
-    #[test]
-    fn strata_are_the_grid_nearest_to_a_square() {
-        for (count, columns, rows) in [(8, 4, 2), (12, 4, 3), (7, 7, 1), (4096, 64, 64), (6, 3, 2)] {
-            let samples = offsets(Pattern::Uniform, count, 0);
-            let distinct = |f: fn(&DVec2) -> f64| {
-                let mut all: Vec<u64> = samples.iter().map(|s| f(s).to_bits()).collect();
-                all.sort_unstable();
-                all.dedup();
-                all.len()
-            };
-            assert_eq!((distinct(|s| s.x), distinct(|s| s.y)), (columns, rows), "{count}");
-        }
-    }
-
-    #[test]
-    fn each_jittered_sample_stays_in_its_stratum() {
-        for index in 0..50 {
-            for (s, offset) in offsets(Pattern::Jittered, 12, index).into_iter().enumerate() {
-                let cell = ((offset + 0.5) * DVec2::new(4.0, 3.0)).floor();
-                assert_eq!(cell, DVec2::new((s % 4) as f64, (s / 4) as f64));
-            }
-        }
-    }
-
-    #[test]
-    fn pixels_share_one_sequence() {
-        let mut rng = Drand48::UNSEEDED;
-        for index in 0..20 {
-            for offset in offsets(Pattern::Random, 3, index) {
-                let (y, x): (f64, f64) = (rng.random(), rng.random());
-                assert_eq!(offset, DVec2::new(x, y) - 0.5);
-            }
-        }
-    }
-
     #[test]
     fn pixels_at_equal_steps_have_their_own_offsets() {
         for (pattern, count) in
@@ -275,24 +224,6 @@ mod tests {
                     assert_eq!((offsets.len(), offsets.next()), (0, None));
                 }
             }
-        }
-    }
-
-    #[test]
-    fn random_samples_lie_in_the_pixel() {
-        assert!(
-            offsets(Pattern::Random, 4096, 999)
-                .iter()
-                .all(|o| o.min_element() >= -0.5 && o.max_element() < 0.5)
-        );
-    }
-
-    #[test]
-    fn uniform_samples_of_a_wide_grid() {
-        let expected = [-1.0, 0.0, 1.0].map(|x| x / 3.0);
-        let samples = offsets(Pattern::Uniform, 6, 0);
-        for (s, sample) in samples.into_iter().enumerate() {
-            assert_eq!(sample, DVec2::new(expected[s % 3], if s < 3 { -0.25 } else { 0.25 }));
         }
     }
 

@@ -153,11 +153,6 @@ mod tests {
     }
 
     #[test]
-    fn words_carry_line_and_column() {
-        assert_eq!(words("a  bc\n\td\n\n  e"), [("a", 1, 1), ("bc", 1, 4), ("d", 2, 2), ("e", 4, 3)]);
-    }
-
-    #[test]
     fn braces_are_words_even_when_they_touch_others() {
         assert_eq!(words("a{b}}"), [("a", 1, 1), ("{", 1, 2), ("b", 1, 3), ("}", 1, 4), ("}", 1, 5)]);
     }
@@ -189,14 +184,6 @@ mod tests {
     }
 
     #[test]
-    fn the_end_is_reported_after_the_last_word() {
-        let mut lexer = Lexer::new("ab \n # c\n");
-        lexer.next_word();
-        let end = Word { text: "", at: Position { line: 1, column: 3 } };
-        assert_eq!([lexer.next_word(), lexer.next_word()], [end, end]);
-    }
-
-    #[test]
     fn fields_may_be_spelt_with_underscores() {
         assert!(is_keyword("numObjects", "numObjects"));
         assert!(is_keyword("num_objects", "numObjects"));
@@ -205,18 +192,6 @@ mod tests {
         assert!(!is_keyword("num_Objects", "numObjects"));
         assert!(!is_keyword("numobjects", "numObjects"));
         assert!(!is_keyword("material_index", "MaterialIndex"));
-    }
-
-    #[test]
-    fn the_nearest_keyword_is_found() {
-        let keywords = ["Sphere", "Plane", "Triangle", "TriangleMesh"];
-        assert_eq!(nearest("Sphre", &keywords), Some("Sphere"));
-        assert_eq!(nearest("plane", &keywords), Some("Plane"));
-        assert_eq!(nearest("Triangel", &keywords), Some("Triangle"));
-        assert_eq!(nearest("triangle_mesh", &keywords), Some("TriangleMesh"));
-        for far in ["Teapot", "}", "12", "", &"S".repeat(1_000_000)] {
-            assert_eq!(nearest(far, &keywords), None);
-        }
     }
 
     #[test]

@@ -234,31 +234,6 @@ mod tests {
     }
 
     #[test]
-    fn every_texture_is_read() {
-        let text = "Materials { numMaterials 5 Material { }
-            Noise { materialIndex 0 materialIndex 0 octaves 0 }
-            Marble { Transform { } materialIndex 1 materialIndex 0 octaves 1 frequency 2 amplitude 3 }
-            Wood { materialIndex 2 materialIndex 1 octaves 64 frequency -4 amplitude .5 }
-            Checkerboard { Transform { Translate 1 0 0 UniformScale 2 } materialIndex 0 materialIndex 3 } }";
-        let textures: Vec<_> = read(text)
-            .into_iter()
-            .filter_map(
-                |material| if let Material::Texture(texture) = material { Some(texture) } else { None },
-            )
-            .map(|texture| {
-                (texture.pattern, texture.children, texture.world_to_texture.map.transform_point3(DVec3::X).x)
-            })
-            .collect();
-        let expected = [
-            (Pattern::Noise { octaves: 0 }, [0, 0], 1.0),
-            (Pattern::Marble { octaves: 1, frequency: 2.0, amplitude: 3.0 }, [1, 0], 1.0),
-            (Pattern::Wood { octaves: 64, frequency: -4.0, amplitude: 0.5 }, [2, 1], 1.0),
-            (Pattern::Checkerboard, [0, 3], 3.0),
-        ];
-        assert_eq!(textures, expected);
-    }
-
-    #[test]
     fn a_checkerboard_with_a_size_has_squares_of_that_size() {
         let text = "Materials { numMaterials 2 Material { }
             Checkerboard { Transform { Translate 1 0 0 } materialIndex 0 materialIndex 0 size .5 } }";

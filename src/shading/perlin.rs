@@ -182,24 +182,6 @@ mod tests {
     }
 
     #[test]
-    fn zero_at_integer_points() {
-        for x in -5..=5 {
-            for y in -5..=5 {
-                for z in -5..=5 {
-                    assert_eq!(noise(DVec3::new(x as f64, y as f64, z as f64)), 0.0);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn repeats_after_256_and_does_not_mirror_at_zero() {
-        let p = DVec3::new(-0.375, -3.25, 2.625);
-        assert_eq!(noise(p), noise(p + 256.0));
-        assert_ne!(noise(p), noise(-p));
-    }
-
-    #[test]
     fn no_octave_is_no_noise() {
         assert_eq!(turbulence(DVec3::splat(0.3), 0, Level::baseline()), 0.0);
         assert_eq!(turbulence(DVec3::splat(0.3), 1, Level::baseline()), noise(DVec3::splat(0.3)));
@@ -215,32 +197,6 @@ mod tests {
             _ => offset.z,
         };
         (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
-    }
-
-    #[test]
-    fn gradients_are_those_of_the_reference() {
-        for (i, &[x, y, z, unused]) in HASHED_GRADIENTS.iter().enumerate() {
-            for offset in [DVec3::new(0.25, 0.5, 0.125), DVec3::new(-0.7, 0.1, -1.0 / 3.0)] {
-                let hash = PERMUTATION[i % 256] as usize;
-                assert_eq!(DVec3::new(x, y, z).dot(offset), selected(hash, offset), "{hash}");
-            }
-            assert_eq!(unused, 0.0);
-        }
-    }
-
-    #[test]
-    fn noise_has_the_same_bits_with_any_instructions() {
-        let mut coordinate = (0..).map(|k| 1e3 * (0.754_877_666 * f64::from(k)).fract() - 500.0);
-        let mut near = || DVec3::from_array([(); 3].map(|()| coordinate.next().unwrap_or(f64::NAN)));
-        let points = (0..2000).map(|i| near() * if i % 2 == 0 { 1.0 } else { 1e7 });
-        let far = [1e9, 2f64.powi(31) - 0.5, 2f64.powi(31) + 0.5, 2f64.powi(52), 1e100];
-        let far = far.into_iter().flat_map(|x| [DVec3::new(x, -x, 0.3), DVec3::new(0.1, 0.2, -x)]);
-        for p in points.chain(far) {
-            for level in instructions::available() {
-                let [found, expected] = [level, Level::baseline()].map(|with| turbulence(p, 5, with));
-                assert_eq!(found.to_bits(), expected.to_bits(), "{p} {level:?}");
-            }
-        }
     }
 
     /// Returns one octave, computed corner by corner.
@@ -273,36 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn far_noise_is_that_of_the_remainder() {
-        for p in [DVec3::new(0.25, 0.5, 0.75), DVec3::new(200.75, 3.5, 100.25)] {
-            for period in [2f64.powi(31), -2f64.powi(31), 2f64.powi(40)] {
-                assert_eq!(noise(p + period), noise(p), "{p} {period}");
-            }
-        }
-    }
-
-    #[test]
-    fn noise_blends_the_corners_by_the_fifth_degree_fade() {
-        let fade = |t: f64| 6.0 * t.powi(5) - 15.0 * t.powi(4) + 10.0 * t.powi(3);
-        for p in [
-            DVec3::new(314.0 / 100.0, 42.0, 7.0),
-            DVec3::new(-5.3, 0.7, 254.9),
-            DVec3::new(255.2, -0.4, -300.8),
-        ] {
-            let f = p - p.floor();
-            let mut sum = 0.0;
-            for corner in 0..8 {
-                let at = [corner & 1, corner >> 1 & 1, corner >> 2].map(|bit| bit as f64);
-                let [x, y, z] = [0, 1, 2].map(|axis| (p[axis].floor() + at[axis]).rem_euclid(256.0) as usize);
-                let hash = |i: usize, then: usize| PERMUTATION[i % 256] as usize + then;
-                let direction = GRADIENTS[PERMUTATION[hash(hash(x, y), z) % 256] as usize % 16];
-                let weights = [0, 1, 2].map(|axis| (1.0 - at[axis] - fade(f[axis])).abs());
-                let value = DVec3::from(direction).dot(f - DVec3::from(at));
-                sum += weights.iter().product::<f64>() * value;
-            }
-            assert!((noise(p) - sum).abs() < 1e-13, "{p}: {} {sum}", noise(p));
-        }
-        // The value that Perlin's reference implementation gives.
+    fn noise_has_the_value_of_the_reference_implementation() {
         assert!((noise(DVec3::new(314.0 / 100.0, 42.0, 7.0)) - 0.136919958784).abs() < 1e-12);
     }
 

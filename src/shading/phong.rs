@@ -201,15 +201,6 @@ mod tests {
     }
 
     #[test]
-    fn a_highlight_is_not_scaled_by_the_cosine() {
-        let phong = Phong { diffuse: Color::ZERO, specular: Color::ONE, exponent: 1.0, ..Phong::default() };
-        let light = Incident { direction: DVec3::X, distance: 1.0, color: Color::ONE };
-        let color =
-            PointMaterial::from(&phong).reflect(Highlight::Blinn, &light, &seen(1e-9, DVec3::Y, DVec3::Y));
-        assert!((color.x - 0.5f64.sqrt()).abs() < 1e-15);
-    }
-
-    #[test]
     fn a_highlight_by_the_mirrored_direction_needs_no_surface_that_faces_the_light() {
         let phong = Phong { specular: Color::X, exponent: 2.0, ..Phong::default() };
         let viewer = DVec3::new(1.0, 1.0, 0.0).normalize();

@@ -237,34 +237,11 @@ pub fn is_in_boundary(texture: &Texture, point: &RoundedPoint) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::robust::UNIT_ROUNDOFF;
     use crate::scene::material::Phong;
     use glam::DAffine3;
 
     fn texture(pattern: Pattern, children: [MaterialId; 2]) -> Texture {
         Texture { pattern, world_to_texture: RoundedAffine::IDENTITY, factors: Box::default(), children }
-    }
-
-    #[test]
-    fn parity_is_right_below_zero() {
-        let t = texture(Pattern::Checkerboard, [0, 1]);
-        for (point, first) in [
-            (DVec3::new(0.5, 0.5, 0.5), 1.0),
-            (DVec3::new(-0.5, 0.5, 0.5), 0.0),
-            (DVec3::new(-0.5, -0.5, 0.5), 1.0),
-            (DVec3::new(-1.5, -0.5, -0.5), 1.0),
-            (DVec3::new(1e9 + 0.5, 0.5, 0.5), 1.0),
-        ] {
-            assert_eq!(first_weight(&t, &point.into(), Level::baseline()), first, "{point}");
-        }
-    }
-
-    #[test]
-    fn a_boundary_belongs_to_the_cell_above_on_whichever_side_rounding_falls() {
-        let t = texture(Pattern::Checkerboard, [0, 1]);
-        for y in [3.0 - 4e-16, 3.0, 3.0 + 4e-16] {
-            assert_eq!(first_weight(&t, &DVec3::new(0.5, y, 0.5).into(), Level::baseline()), 0.0);
-        }
     }
 
     /// Tests angles at which the sine is 0.5 away from 0, their neighbours among floating-point numbers, others
@@ -345,59 +322,6 @@ mod tests {
         for p in [DVec3::new(0.25, 0.5, 0.625), DVec3::new(1.25, -0.5, 3.375), DVec3::new(0.5, 0.25, 0.25)] {
             let expected = (turbulence(p, 3, Level::baseline()) + 0.5).clamp(0.0, 1.0);
             assert_eq!(weight(Pattern::Noise { octaves: 3 }, p), expected);
-        }
-    }
-
-    #[test]
-    fn marble_is_a_wave_along_x_that_turbulence_shifts() {
-        let marble =
-            |octaves, amplitude, p| weight(Pattern::Marble { octaves, frequency: 3.0, amplitude }, p);
-        for (x, expected) in [(0.0, 0.5), (0.5, 0.5 + 0.5 * 1.5f64.sin()), (-0.25, 0.5 - 0.5 * 0.75f64.sin())]
-        {
-            assert!((marble(0, 7.0, DVec3::new(x, 9.0, -5.0)) - expected).abs() < 1e-15);
-        }
-        let p = DVec3::new(0.25, 0.5, 0.625);
-        let expected = 0.5 + 0.5 * (3.0 * 0.25 + 7.0 * turbulence(p, 2, Level::baseline())).sin();
-        assert!((marble(2, 7.0, p) - expected).abs() < 1e-15);
-    }
-
-    #[test]
-    fn wood_is_rings_around_y_that_turbulence_along_the_grain_shifts() {
-        let wood = |octaves, amplitude, p| weight(Pattern::Wood { octaves, frequency: 5.0, amplitude }, p);
-        let ring = |phase: f64| (0.5 + phase.sin()).clamp(0.0, 1.0).powi(2);
-        let p = DVec3::new(0.375, 2.5, 0.5);
-        // The radius of a ring grows by a twentieth of the height.
-        assert!((wood(0, 7.0, p) - ring(5.0 * (0.625 + 0.05 * 2.5))).abs() < 1e-15);
-        let p = DVec3::new(0.375, 1.25, 0.5);
-        let grain = turbulence(DVec3::new(0.375, 0.25, 0.5), 2, Level::baseline());
-        let expected = ring(5.0 * (0.625 + 0.05 * 1.25) + 0.75 * grain);
-        assert!(grain != 0.0 && expected > 0.0 && expected < 1.0);
-        assert!((wood(2, 0.75, p) - expected).abs() < 1e-14);
-    }
-
-    /// Returns the weight of a checkerboard's first material at `roundings` times 2^-53 below a boundary.
-    fn below_a_boundary(world_to_texture: DAffine3, boundary: DVec3, roundings: f64) -> f64 {
-        let t =
-            Texture { world_to_texture: world_to_texture.into(), ..texture(Pattern::Checkerboard, [0, 1]) };
-        first_weight(&t, &(boundary - DVec3::Y * (roundings * UNIT_ROUNDOFF)).into(), Level::baseline())
-    }
-
-    #[test]
-    fn a_boundary_is_as_wide_as_a_coordinate_s_error_bound() {
-        // Along an axis the bound is 4 roundings of the sum of the coordinate and the translation.
-        let boundary = DVec3::new(0.5, 3.0, 0.5);
-        for (roundings, first) in [(8.0, 0.0), (16.0, 1.0)] {
-            assert_eq!(below_a_boundary(DAffine3::IDENTITY, boundary, roundings), first);
-        }
-        let moved = DAffine3::from_translation(DVec3::Y * 8.0);
-        for (roundings, first) in [(48.0, 0.0), (56.0, 1.0)] {
-            assert_eq!(below_a_boundary(moved, DVec3::new(0.5, -5.0, 0.5), roundings), first);
-        }
-        // If several coordinates contribute, the bound is 16 roundings of their sum.
-        let mut sheared = DAffine3::IDENTITY;
-        sheared.matrix3.x_axis.y = 1.0;
-        for (roundings, first) in [(44.0, 1.0), (52.0, 0.0)] {
-            assert_eq!(below_a_boundary(sheared, DVec3::new(1.0, 2.0, 0.5), roundings), first);
         }
     }
 

@@ -146,13 +146,4 @@ mod tests {
             assert!((moved.normalize() - expected).length() < 1e-15, "{moved}");
         }
     }
-
-    #[test]
-    fn a_small_mesh_is_flat() {
-        let smooth = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 4 };
-        assert!(vertex_normals(&folded(), 5, (DMat3::IDENTITY, false), smooth).is_some());
-        for normals in [smooth, MeshNormals::Flat] {
-            assert_eq!(vertex_normals(&folded(), 4, (DMat3::IDENTITY, false), normals), None);
-        }
-    }
 }

@@ -254,34 +254,39 @@ fn largest_number(m: DMat3) -> f64 {
 mod tests {
     use super::*;
     use crate::base::patience::tests::Counted;
-    use crate::scene::parser::parse;
-
-    fn world(objects: &[&str]) -> World {
-        let text = format!(
-            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-             Group {{ numObjects {} Material {{ }} {} }}",
-            objects.len(),
-            objects.join(" ")
-        );
-        World::new(&parse(&text).unwrap(), &[]).unwrap()
-    }
+    use crate::world::test_worlds::world_of;
 
     fn coincide(one: &str, other: &str) -> bool {
-        let world = world(&[one, other]);
+        let world = world_of(&[one, other]);
         assert_eq!(world.coincide(0, 1), world.coincide(1, 0));
         world.coincide(0, 1)
     }
 
-    const LOW: &str = "Triangle { vertex0 0 0 0.1 vertex1 1 0 0.1 vertex2 0 1 0.1 }";
-
     #[test]
-    fn triangles_in_one_plane_coincide() {
-        for (z, expected) in [(0.1, true), (0.1f64.next_up(), true), (0.1 + 1e-12, false), (-0.1, false)] {
-            let other = format!("Triangle {{ vertex0 7 0 {z} vertex1 9 0 {z} vertex2 7 1 {z} }}");
-            assert_eq!(coincide(LOW, &other), expected, "{z}");
+    fn surfaces_farther_apart_than_roundings_do_not_coincide() {
+        const LOW: &str = "Triangle { vertex0 0 0 0.1 vertex1 1 0 0.1 vertex2 0 1 0.1 }";
+        let above = format!("Triangle {{ vertex0 7 0 {0} vertex1 9 0 {0} vertex2 7 1 {0} }}", 0.1 + 1e-12);
+        let under = |list: &str, object: &str| format!("Transform {{ {list} {object} }}");
+        let sphere = |list: &str| under(list, "Sphere { center 0 0 0 radius 1 }");
+        let plane = |turn: &str, offset: f64| {
+            under(&format!("XRotate 33 {turn}"), &format!("Plane {{ normal 0 0 1 offset {offset} }}"))
+        };
+        for (one, other) in [
+            (LOW.into(), above),
+            (LOW.into(), LOW.replace("0 1 0.1", "0 1 0.10000001")),
+            (LOW.into(), "Plane { normal 0 0 1 offset 0.1000001 }".into()),
+            (LOW.into(), "Plane { normal 0 1e-6 1 offset 0.1 }".into()),
+            // A large error along the plane does not move the plane.
+            (LOW.into(), under("Scale 4e20 0.2 0.2", "Plane { normal 0 0 1 offset 1 }")),
+            (LOW.into(), sphere("")),
+            (plane("", 0.1), plane("ZRotate 71", 0.1 + 1e-13)),
+            (sphere("UniformScale 1.0000000000001"), sphere("YRotate 10")),
+            (sphere("Translate 1e-6 0 0"), sphere("YRotate 10")),
+            (sphere("Scale 1 2 0.5"), sphere("Scale 2 1 0.5 ZRotate 90")),
+            (sphere("Scale 1 2 0.5"), sphere("Scale 1 2 0.5000000001")),
+        ] {
+            assert!(!coincide(&one, &other), "{one} and {other}");
         }
-        let tilted = "Triangle { vertex0 0 0 0.1 vertex1 1 0 0.1 vertex2 0 1 0.10000001 }";
-        assert!(!coincide(LOW, tilted));
     }
 
     #[test]
@@ -290,7 +295,7 @@ mod tests {
             let spheres: Vec<String> = (0..count)
                 .map(|i| format!("Sphere {{ center 0 0 0 radius {} }}", 1.0 - 4e-16 * i as f64))
                 .collect();
-            let world = world(&spheres.iter().map(String::as_str).collect::<Vec<_>>());
+            let world = world_of(&spheres);
             let ray = Ray::new(DVec3::new(0.1, 0.2, 5.0), -DVec3::Z);
             let hits = world.ids().map(|id| (world.crossing(&ray, id).unwrap(), id)).collect();
             let patience = Counted::up_to(usize::MAX);
@@ -300,15 +305,6 @@ mod tests {
         };
         let [few, many] = [1000, 4000].map(questions);
         assert!(many <= 5 * few, "{few} {many}");
-    }
-
-    #[test]
-    fn a_thin_triangle_after_a_rotation_lies_in_the_plane_of_another() {
-        let thin = "Triangle { vertex0 0 0 0.1 vertex1 9 0 0.1 vertex2 4 1e-3 0.1 }";
-        let turned = |object: &str| format!("Transform {{ Rotate {{ 0.6 0 0.8 50 }} {object} }}");
-        let wide = "Triangle { vertex0 1 0 0.1 vertex1 1.02 0 0.1 vertex2 1 0.4 0.1 }";
-        assert!(coincide(&turned(thin), &turned(wide)));
-        assert!(!coincide(&turned(thin), &turned(&wide.replace("0.4 0.1", "0.4 0.1000001"))));
     }
 
     /// The roundings of a far corner matter little near the others, with a transform and without one.
@@ -331,68 +327,5 @@ mod tests {
                 assert!(coincide(&under(&triangle), &under(&triangle)));
             }
         }
-    }
-
-    #[test]
-    fn triangles_lie_in_planes() {
-        for (plane, expected) in [
-            ("Plane { normal 0 0 1 offset 0.1 }", true),
-            ("Plane { normal 0 0 -3 offset -0.1 }", true),
-            ("Plane { normal 0 0 1 offset 0.1000001 }", false),
-            ("Plane { normal 0 1e-6 1 offset 0.1 }", false),
-            ("Transform { Scale 1 1 0.5 Plane { normal 0 0 1 offset 0.2 } }", true),
-            // A large error along the plane does not move the plane.
-            ("Transform { Scale 4e20 0.2 0.2 Plane { normal 0 0 1 offset 1 } }", false),
-        ] {
-            assert_eq!(coincide(LOW, plane), expected, "{plane}");
-        }
-    }
-
-    #[test]
-    fn planes_in_one_place_have_the_same_numbers() {
-        let turned = |turn: f64, offset: f64| {
-            format!("Transform {{ XRotate 33 ZRotate {turn} Plane {{ normal 0 0 1 offset {offset} }} }}")
-        };
-        let (one, other, apart) = (turned(0.0, 0.1), turned(71.0, 0.1), turned(0.0, 0.1 + 1e-13));
-        let planes = world(&[&one, &other, &apart]).planes;
-        assert_eq!(planes[0], planes[1]);
-        assert_ne!(planes[0], planes[2]);
-        let [up, down] =
-            world(&["Plane { normal 0 1 2 offset 3 }", "Plane { normal 0 -1 -2 offset -3 }"]).planes[..]
-        else {
-            panic!("two planes")
-        };
-        assert_eq!(up.reversed(), down);
-    }
-
-    /// The normals are parallel as written, but not as floats.
-    #[test]
-    fn parallel_planes_under_the_same_transforms_have_the_same_normal() {
-        let plane = |normal: &str, offset: f64| {
-            format!("Transform {{ XRotate 33 Scale 2 1e-9 3 Plane {{ normal {normal} offset {offset} }} }}")
-        };
-        let objects = [plane("0 1 0.3", 0.4), plane("0 3 0.9", 0.4 + 1e-12), plane("0 -7 -2.1", -0.4)];
-        let planes = world(&objects.each_ref().map(String::as_str)).planes;
-        assert_eq!(planes[0].normal, planes[1].normal);
-        assert!(planes[0].offset < planes[1].offset);
-        assert_eq!(planes[2], planes[0].reversed());
-    }
-
-    #[test]
-    fn spheres_and_ellipsoids_coincide_however_they_are_turned() {
-        let sphere = "Sphere { center 0 0 0 radius 1 }";
-        let under = |transformations: &str| format!("Transform {{ {transformations} {sphere} }}");
-        for (one, other, expected) in [
-            ("YRotate 20", "ZRotate 70", true),
-            ("Scale 1 2 0.5", "Scale 1 2 0.5 YRotate 40 XRotate 9", true),
-            ("Scale 1 2 0.5", "Scale 2 1 0.5 ZRotate 90", false),
-            ("Scale 2 1 0.5 ZRotate 90", "ZRotate 90 Scale 1 2 0.5", true),
-            ("UniformScale 1.000001", "YRotate 10", false),
-            ("UniformScale 1.0000000000001", "YRotate 10", false),
-            ("Translate 1e-6 0 0", "YRotate 10", false),
-        ] {
-            assert_eq!(coincide(&under(one), &under(other)), expected, "{one} and {other}");
-        }
-        assert!(!coincide(sphere, LOW));
     }
 }

@@ -218,9 +218,6 @@ mod tests {
     use super::*;
     use crate::base::patience::Endless;
     use crate::math::worst_case::Rng;
-    use crate::scene::parser::parse;
-    use crate::world::World;
-    use std::fmt::Write;
 
     /// Moves a number by up to a few roundings.
     fn moved(rng: &mut Rng, x: f64) -> f64 {
@@ -263,35 +260,5 @@ mod tests {
                 known.push((matrix, found));
             }
         }
-    }
-
-    /// Planes under transforms of their own, of which each may lie in the place of an earlier one.
-    #[test]
-    fn planes_in_one_place_under_different_transforms_get_the_same_numbers() {
-        let rng = &mut Rng(6);
-        let mut united = 0;
-        for _ in 0..40 {
-            let (mut objects, mut places) = (String::new(), vec![]);
-            for _ in 0..30 {
-                let (place, turn) = (rng.below(7), 30 * rng.below(12));
-                let offset = [0.0, 0.5, 0.5000001, -0.5, 3.0, 3.0 + 1e-9, 700.0][place];
-                write!(
-                    objects,
-                    "Transform {{ XRotate 33 ZRotate {turn} Translate {turn} 7 0 Plane {{ normal 0 0 1 offset {offset} }} }} "
-                )
-                .unwrap();
-                places.push(place);
-            }
-            let text = format!(
-                "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }}
-                 Group {{ numObjects 30 Material {{ }} {objects} }}"
-            );
-            let World { planes, .. } = World::new(&parse(&text).unwrap(), &[]).unwrap();
-            for (i, j) in (0..30).flat_map(|i| (0..i).map(move |j| (i, j))) {
-                assert_eq!(planes[i] == planes[j], places[i] == places[j], "{:?} {:?}", planes[i], planes[j]);
-                united += usize::from(planes[i] == planes[j]);
-            }
-        }
-        assert!(united > 1000);
     }
 }

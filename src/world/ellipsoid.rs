@@ -164,20 +164,6 @@ mod tests {
     }
 
     #[test]
-    fn bounds_touch_the_extremes() {
-        let b = squashed().bounds();
-        assert_eq!((b.min, b.max), (DVec3::new(-1.0, 1.5, 2.0), DVec3::new(3.0, 2.5, 4.0)));
-    }
-
-    #[test]
-    fn t_and_normal_are_those_of_world_space() {
-        let e = squashed();
-        let ray = Ray::new(DVec3::new(1.0, 12.0, 3.0), DVec3::NEG_Y);
-        assert_eq!(e.intersect(&ray), Some(9.5));
-        assert_eq!(e.surface(&ray, 9.5), (DVec3::Y, DVec3::new(1.0, 2.5, 3.0)));
-    }
-
-    #[test]
     fn a_disc_is_hit_on_the_side_it_is_seen_from() {
         for thickness in [1e-3, 1e-9, 1e-16, 1e-30, 1e-100] {
             let turn = DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0);
@@ -194,14 +180,6 @@ mod tests {
                 assert!((point - 0.4 * turn.x_axis).length() <= 2.0 * thickness + 1e-15);
             }
         }
-    }
-
-    #[test]
-    fn a_ray_from_within_meets_the_far_side() {
-        let e = squashed();
-        let ray = Ray::new(DVec3::new(1.0, 2.0, 3.0), DVec3::X);
-        assert_eq!(e.intersect(&ray), Some(2.0));
-        assert_eq!(e.surface(&ray, 2.0), (DVec3::X, DVec3::new(3.0, 2.0, 3.0)));
     }
 
     #[test]

@@ -193,7 +193,6 @@ fn the_smallest_filter_that_is_named_loses_no_pixel_and_a_smaller_one_warns() {
     let folder = Folder::with_scene(&scene(1, "Plane { normal 0 0 1 offset 0 }"));
     let run =
         |flags: &str| folder.run(&format!("-input s.txt -output o.tga -size 40 30 {flags}")).ok().stderr;
-    // The tests of the warning try more of them.
     for samples in
         ["-uniform_samples 4", "-jittered_samples 6", "-random_samples 2", "-adaptive_samples 16 2"]
     {

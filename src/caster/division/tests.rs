@@ -1,29 +1,20 @@
 use super::*;
 use crate::base::patience::Endless;
-use crate::scene::mesh::Mesh;
-use crate::scene::parser::parse;
+use crate::world::test_worlds::world_of_triangles;
 use glam::DVec3;
 
 /// Returns a world of triangles, each given by its lower corner and its side.
 fn world(triangles: impl Iterator<Item = (DVec3, f64)>) -> World {
-    let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-         Group { numObjects 1 Material { } TriangleMesh { obj_file a.obj } }";
     let corners = |(corner, side): (DVec3, f64)| {
         [DVec3::new(1.0, 1.0, 0.0), DVec3::Z, DVec3::ZERO].map(|offset| corner + side * offset)
     };
-    let vertices: Vec<DVec3> = triangles.flat_map(corners).collect();
-    let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    World::new(&parse(text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
+    world_of_triangles(triangles.map(corners), &[])
 }
 
 /// Divides all triangles of a world in the frame of a cube around the origin.
 fn divided(world: &World, level: usize) -> Division {
     let frame = Frame::new(&Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) });
     Division::new((world, &Endless), (0..world.triangles.len() as u32).collect(), &frame, level).unwrap()
-}
-
-fn scattered(k: u32) -> DVec3 {
-    (DVec3::new(0.618_034, 0.754_878, 0.569_840_3) * f64::from(k)).fract()
 }
 
 /// The numbers of nodes, of small branches, of levels, and the ids in the leaves.
@@ -45,17 +36,6 @@ fn shape(division: &Division) -> (usize, usize, usize, Vec<u32>) {
             (nodes, small, levels + 1, ids)
         }
     }
-}
-
-#[test]
-fn nodes_are_half_full_and_every_primitive_is_in_one_leaf() {
-    let world = world((0..5000).map(|k| (scattered(k), 0.01)));
-    let division = divided(&world, 0);
-    let (nodes, small, _, mut ids) = shape(&division);
-    let children = (nodes - 1 + division.leaves()) as f64 / nodes as f64;
-    assert!(small == 0 && children > 4.0, "{children}");
-    ids.sort_unstable();
-    assert!(ids.into_iter().eq(0..5000));
 }
 
 #[test]

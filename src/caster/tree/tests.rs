@@ -4,21 +4,14 @@ use crate::caster::block::NONE;
 use crate::caster::box8::PADDING;
 use crate::caster::division::Bounds;
 use crate::math::aabb::Aabb;
-use crate::scene::mesh::Mesh;
-use crate::scene::parser::parse;
+use crate::world::test_worlds::world_of_triangles;
 use glam::DVec3;
 
 /// Returns a world of triangles. `triangle` gives the corner and the size of each by its number.
 fn world(count: u32, triangle: impl Fn(u32) -> (DVec3, f64)) -> World {
-    let text = "OrthographicCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 size 1 }
-         Group { numObjects 1 Material { } TriangleMesh { obj_file a.obj } }";
-    let corners = |i: u32| {
-        let (corner, size) = triangle(i);
-        [DVec3::ZERO, DVec3::X, DVec3::Y].map(|side| corner + size * side)
-    };
-    let vertices = (0..count).flat_map(corners).collect();
-    let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    World::new(&parse(text).unwrap(), &[Mesh { vertices, triangles }]).unwrap()
+    let corners =
+        |(corner, size): (DVec3, f64)| [DVec3::ZERO, DVec3::X, DVec3::Y].map(|side| corner + size * side);
+    world_of_triangles((0..count).map(triangle).map(corners), &[])
 }
 
 /// A tree with the contents of its leaves.

@@ -144,11 +144,6 @@ mod tests {
     use glam::DVec2;
 
     #[test]
-    fn an_error_bound_is_a_polynomial() {
-        assert_eq!(ErrorBound([5.0, 3.0, 0.5]).at(4.0), 5.0 + 3.0 * 4.0 + 0.5 * 16.0);
-    }
-
-    #[test]
     fn the_error_of_a_plane_grows_with_the_longest_direction_and_falls_with_its_distance() {
         let eye = Eye {
             center: DVec3::ZERO,

@@ -5,25 +5,6 @@ use crate::math::instructions;
 use crate::sampling::drand48::Drand48;
 use crate::sampling::sampler::{Pattern, Sampler};
 
-#[test]
-fn a_sample_counts_by_its_distance_from_each_pixel_s_centre() {
-    let (filter, size) = (Filter::Tent { radius: 2.5 }, [5, 5]);
-    let (x, y, offset) = (1, 3, DVec2::new(0.25, -0.375));
-    let mut spread = Spread::new(filter, Level::baseline(), y, size);
-    spread.add(x, offset, Color::splat(2.0), 1.0);
-    assert_eq!(spread.target_rows, 1..=4);
-    for (row, sums) in spread.sums() {
-        for (column, sum) in sums.iter().enumerate() {
-            let position = DVec2::new(1.0 - column as f64, 3.0 - row as f64) + offset;
-            // The support is two pixels along each axis.
-            let weight = if column <= 3 { filter.weight(position) } else { 0.0 };
-            let mut expected = Sum::default();
-            expected.add(weight, Color::splat(2.0), 1.0);
-            assert_eq!(*sum, expected, "{column} {row}");
-        }
-    }
-}
-
 /// Returns colours of every magnitude, and some infinite or NaN if `exceptions`.
 fn color(k: usize, exceptions: bool) -> Color {
     let x = (k as f64 * 0.618_033_988_749_894_9).fract();

@@ -15,21 +15,6 @@ fn refuse(text: &str) -> Diagnostic {
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
-fn triangles_keep_the_order_of_the_file() {
-    let mesh = read(&format!("{SQUARE}f 3 4 1\nf 1 2 3\n"));
-    let corners = mesh.triangles.iter().map(|corners| corners.map(|i| mesh.vertices[i as usize]));
-    let [a, b, c, d] = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
-    assert!(corners.eq([[c, d, a], [a, b, c]]));
-    assert_eq!(mesh.vertices.len(), 4);
-}
-
-#[test]
-fn coordinates_are_read_in_full() {
-    let mesh = read("v 0.1 1e300 -5e-324\nv 1 2 3\nv 4 5 6\nf 1 2 3");
-    assert_eq!(mesh.vertices[0], DVec3::new(0.1, 1e300, -5e-324));
-}
-
-#[test]
 fn faces_may_name_more_than_positions() {
     let plain = read(&format!("{SQUARE}f 1 2 3"));
     for face in ["1/1 2/2 3/3", "1//9 2//9 3//9", "1/7/7 2/8/8 3/9/9", "1/-99999999/6148914691236517206 2 3"]
@@ -45,20 +30,6 @@ fn negative_indices_count_backwards_from_the_face() {
     let corners = mesh.triangles[1].map(|corner| mesh.vertices[corner as usize]);
     assert_eq!(corners, [DVec3::splat(9.0), DVec3::Y, DVec3::new(1.0, 1.0, 0.0)]);
     assert_eq!((mesh.triangles[0], mesh.vertices.len()), ([0, 1, 2], 5));
-}
-
-#[test]
-fn groups_and_materials_share_their_vertices() {
-    let text =
-        format!("mtllib no/such.mtl\n{SQUARE}o one\ng\nusemtl\nf 1 2 3\no two\nusemtl red\ns off\nf 1 3 4\n");
-    let mesh = read(&text);
-    assert_eq!((mesh.vertices.len(), mesh.triangles), (4, vec![[0, 1, 2], [0, 2, 3]]));
-}
-
-#[test]
-fn what_is_not_a_surface_is_ignored() {
-    let mesh = read(&format!("{SQUARE}p 1\nl 1 2\nl 1 2 3\nf 1 2 3\ncurv 0 1 1 2 3\nl x\nvn nan\n"));
-    assert_eq!(mesh.triangles, [[0, 1, 2]]);
 }
 
 #[test]
@@ -92,66 +63,52 @@ fn meshes_without_faces() {
     );
 }
 
-/// Returns faulty statements (`@` marks the caret), the error message, and the start of its hint.
-fn faults() -> Vec<(&'static str, String, &'static str)> {
-    const NUMBERS: &str = "a vertex needs three numbers";
-    let word = |word: &str| format!("{NUMBERS}, found `{word}`");
-    let few = || NUMBERS.to_owned();
-    let surplus = |count: usize| {
-        format!(
-            "a vertex has {count} numbers: it needs three, and may have a weight or a colour of three or four"
-        )
-    };
-    let corner = |word: &str| format!("a face needs vertex indices such as `1 2 3`, found `{word}`");
-    let few_corners = || "a face needs at least three vertices".to_owned();
-    let missing = || "a face names a vertex that does not exist; the mesh has 4".to_owned();
-    let negative = "a negative index counts back";
-    vec![
-        ("@v", few(), ""),
-        ("v 1 @2", few(), ""),
-        ("v 1 @2 # 3", few(), ""),
-        ("v 1 2 @x", word("x"), ""),
-        ("v 1 @x", word("x"), ""),
-        ("v @1,5 2,5 3,5", word("1,5"), "a decimal point"),
-        ("v @1,2,3", word("1,2,3"), "numbers are separated by blanks"),
-        ("v @1, 2, 3", word("1,"), "numbers are separated by blanks"),
-        ("v @1d-5 2 3", word("1d-5"), "an exponent is written with `e`"),
-        ("v 1 \\ @2 \\ 3", word("\\"), "a backslash continues"),
-        ("v 1 2 @3\0", word("3\\0"), "the word has a zero byte"),
-        ("v 1 2 3 4 @5", surplus(5), ""),
-        ("v 1 2 3 4 5 6 7 @8", surplus(8), ""),
-        ("f 1 2 @x", corner("x"), ""),
-        ("f 1 2 @3.0", corner("3.0"), "indices are whole numbers"),
-        ("f @1,2,3", corner("1,2,3"), "indices are separated by blanks"),
-        ("f 1 2 @1/2/3/4", corner("1/2/3/4"), "a corner has at most three indices"),
-        ("f @/ / /", corner("/"), "the index of the position comes first"),
-        ("f 1 2/@x 3", corner("2/x"), ""),
-        ("@f", few_corners(), "a line between two vertices is written"),
-        ("f 1 @2", few_corners(), "a line between"),
-        ("f 1 @2 # two", few_corners(), "a line between"),
-        ("  f 1 @0 2", missing(), "indices start with 1"),
-        ("fo 1 @9 2", missing(), ""),
-        ("f 1 2 @-5", missing(), negative),
-        ("f 1 2 @9223372036854775807", missing(), ""),
-        ("f 1 2 @99999999999999999999", missing(), ""),
-        ("f 1 2 @4294967297", missing(), ""),
-        ("f 1 2 @-9223372036854775808", missing(), negative),
-    ]
-}
+/// Faulty statements: `@` marks the caret, `2/@x` a part of a word. With the start of the hint.
+const FAULTS: &[(&str, &str)] = &[
+    ("@v", ""),
+    ("v 1 @2", ""),
+    ("v 1 @2 # 3", ""),
+    ("v 1 2 @x", ""),
+    ("v 1 @x", ""),
+    ("v @1,5 2,5 3,5", "a decimal point"),
+    ("v @1,2,3", "numbers are separated by blanks"),
+    ("v @1, 2, 3", "numbers are separated by blanks"),
+    ("v @1d-5 2 3", "an exponent is written with `e`"),
+    ("v 1 \\ @2 \\ 3", "a backslash continues"),
+    ("v 1 2 @3\0", "the word has a zero byte"),
+    ("v 1 2 3 4 @5", ""),
+    ("v 1 2 3 4 5 6 7 @8", ""),
+    ("f 1 2 @x", ""),
+    ("f 1 2 @3.0", "indices are whole numbers"),
+    ("f @1,2,3", "indices are separated by blanks"),
+    ("f 1 2 @1/2/3/4", "a corner has at most three indices"),
+    ("f @/ / /", "the index of the position comes first"),
+    ("f 1 2/@x 3", ""),
+    ("@f", "a line between two vertices is written"),
+    ("f 1 @2", "a line between"),
+    ("f 1 @2 # two", "a line between"),
+    ("  f 1 @0 2", "indices start with 1"),
+    ("fo 1 @9 2", ""),
+    ("f 1 2 @-5", "a negative index counts back"),
+    ("f 1 2 @9223372036854775807", ""),
+    ("f 1 2 @99999999999999999999", ""),
+    ("f 1 2 @4294967297", ""),
+    ("f 1 2 @-9223372036854775808", "a negative index counts back"),
+];
 
 #[test]
-fn an_error_has_its_reason_its_place_and_a_hint() {
+fn an_error_has_its_place_and_a_hint() {
     for end in ["\n", "\r", "\r\n"] {
-        for (marked, message, hint) in faults() {
+        for (marked, hint) in FAULTS {
             // The position of a part of a word is the position of the word.
             let marked = marked.replace("2/@x", "@2/x").replace("\\ @2", "@\\ 2");
             let (before, after) = marked.split_once('@').unwrap();
             let text = format!("{SQUARE}{before}{after}\n\nf 1 2 3\n").replace('\n', end);
-            let at = Position { line: 5, column: before.len() as u32 + 1 };
             let error = refuse(&text);
-            assert_eq!((error.position(), &error.message), (Some(at), &message), "{marked}");
-            assert_eq!(error.hint.is_some(), !hint.is_empty(), "{marked}");
-            assert!(error.hint.clone().unwrap_or_default().starts_with(hint), "{marked}");
+            let at = Position { line: 5, column: before.len() as u32 + 1 };
+            assert_eq!(error.position(), Some(at), "{marked}");
+            let found = error.hint.clone().unwrap_or_default();
+            assert!(found.starts_with(hint) && found.is_empty() == hint.is_empty(), "{marked}: {found}");
             let line = format!("{before}{after}").replace('\0', "\u{fffd}");
             let shown = error.in_text(Path::new("m"), &super::text(text.as_bytes())).to_string();
             assert!(shown.contains(&format!("\n    5 | {line}\n")), "{marked}");
@@ -202,7 +159,7 @@ fn what_other_programs_write_is_read() {
         format!("{SQUARE}f -4 +2 -2\nf 1\t3\x0b-1\n"),
         format!("{SQUARE}usemtl C:\\wood\\\nf 1 2 3\ng a \\\nb\nmtllib x \\ \nf 1 3 4\n"),
         format!("{SQUARE}vt 0 \\\n0\nf 1 2 \\ \n 3\nf \\\n1 3\\\n4 # \\\n"),
-        format!("g\no a b\ns off\ns 1\nvp 0 1\ncurv 0 1 1 2\np 1\nl 1 2\n{SQUARE}{faces}end\n"),
+        format!("g\no a b\ns off\ns 1\nvp 0 1\ncurv 0 1 1 2\np 1\nl 1 2\nl x\nvn nan\n{SQUARE}{faces}end\n"),
         format!("{SQUARE}{faces}\0\0\x1a"),
         format!("{SQUARE}# {}\n{faces}", "x".repeat(1 << 16)),
         format!("{faces}{SQUARE}"),
@@ -370,19 +327,11 @@ fn white_space_beyond_ascii_is_an_error_in_its_line() {
             "@v 0 0 0",
             "v 0@0 0",
             "v 0 0@0",
-            "v 0@0@0",
-            "v 0@0 0 0",
-            "v 0 0 0@0",
             "v 0 0 0@1 1 1 1",
             "f@1 2 3",
             "@f 1 2 3",
-            "f 1@2 3",
-            "f 1 2 3@4",
             "f 1 2@3 4",
             "fo@1 2 3",
-            "vt@0 0",
-            "@vt 0 0",
-            "vt 0@0",
             "vt 0@0 0",
         ] {
             let line: Vec<u8> = marked

@@ -4,45 +4,14 @@ use super::*;
 use crate::base::patience::Endless;
 use crate::base::patience::tests::Counted;
 use crate::scene::material::{Material, Phong};
-use crate::scene::transform::Factor;
 use crate::scene::{MeshFile, Object, Position};
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }";
 
 fn objects(group: &str) -> Scene {
     let materials = "Materials { numMaterials 2 Material { } Material { } }";
     parse(&format!("{CAMERA} {materials} {group}")).unwrap()
-}
-
-#[test]
-fn the_smallest_scene() {
-    let scene = parse(&format!("{CAMERA} Group {{ numObjects 0 }}")).unwrap();
-    assert_eq!(scene.objects, [Object::Group(vec![])]);
-    assert_eq!((scene.root, scene.background), (0, Background::default()));
-    assert!(scene.lights.is_empty() && scene.materials.is_empty() && scene.meshes.is_empty());
-}
-
-#[test]
-fn cameras_lights_and_background() {
-    let text = "Group { numObjects 0 }
-        Lights { numLights 2 PointLight { position 1 2 3 color 1 1 1 attenuation 0 1 2 }
-                             DirectionalLight { direction 0 -1 0 color .5 0 -1 } }
-        Background { ambient_light .1 .2 .3 color 1 0 0 }
-        OrthographicCamera { center 1 2 3 direction 0 0 -2 up 0 1 1 size 4 }";
-    let scene = parse(text).unwrap();
-    let camera = Camera::Orthographic {
-        center: DVec3::new(1.0, 2.0, 3.0),
-        direction: DVec3::new(0.0, 0.0, -2.0),
-        up: DVec3::new(0.0, 1.0, 1.0),
-        size: 4.0,
-    };
-    assert_eq!(scene.camera, camera);
-    assert_eq!(scene.background, Background { color: DVec3::X, ambient: DVec3::new(0.1, 0.2, 0.3) });
-    let position = DVec3::new(1.0, 2.0, 3.0);
-    assert_eq!(scene.lights[0], Light::Point { position, color: DVec3::ONE, attenuation: [0.0, 1.0, 2.0] });
-    let color = DVec3::new(0.5, 0.0, -1.0);
-    assert_eq!(scene.lights[1], Light::Directional { direction: DVec3::NEG_Y, color });
 }
 
 #[test]
@@ -54,44 +23,6 @@ fn every_object_has_the_position_of_its_keyword() {
     let at = |line, column| Position { line, column };
     // Sphere, box, inner group, transform, outer group: each comes after its children.
     assert_eq!(scene.positions.objects, [at(4, 38), at(5, 58), at(5, 37), at(5, 13), at(4, 1)]);
-}
-
-#[test]
-fn every_primitive() {
-    let scene = objects(
-        "Group { numObjects 5 MaterialIndex 1 Sphere { center 0 0 0 radius 1 } Plane { normal 0 2 0 offset -1 }
-         Triangle { vertex0 1 0 0 vertex1 0 1 0 vertex2 0 0 1 } MaterialIndex 1 MaterialIndex 0
-         TriangleMesh { obj_file a/b.obj } Box { min 0 0 0 max 1 1 0 } }",
-    );
-    let expected = [
-        Object::Sphere { center: DVec3::ZERO, radius: 1.0, material: 1 },
-        Object::Plane { normal: DVec3::Y * 2.0, offset: -1.0, material: 1 },
-        Object::Triangle { vertices: [DVec3::X, DVec3::Y, DVec3::Z], material: 1 },
-        Object::Mesh { mesh: 0, material: 0 },
-        Object::Box { min: DVec3::ZERO, max: DVec3::new(1.0, 1.0, 0.0), material: 0 },
-        Object::Group(vec![0, 1, 2, 3, 4]),
-    ];
-    assert_eq!(scene.objects, expected);
-}
-
-#[test]
-fn objects_come_after_their_children() {
-    let sphere = "Sphere { center 0 0 0 radius 1 }";
-    let scene = objects(&format!(
-        "Group {{ numObjects 2 MaterialIndex 0\nGroup {{ numObjects 1 {sphere} }}\n  Transform {{ Scale 1 2 1 {sphere} }} }}"
-    ));
-    let matrix = DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0));
-    assert_eq!(scene.objects[1], Object::Group(vec![0]));
-    assert_eq!(
-        scene.objects[3],
-        Object::Transform {
-            matrix: matrix.into(),
-            factors: [Factor::Plain(matrix)].into(),
-            child: 2,
-            at: Position { line: 3, column: 3 }
-        }
-    );
-    assert_eq!((scene.root, &scene.objects[4]), (4, &Object::Group(vec![1, 3])));
 }
 
 #[test]

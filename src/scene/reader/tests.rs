@@ -77,13 +77,3 @@ fn a_number_after_the_last_one_of_its_field_is_explained() {
         Some("`radius` takes one number, and this is one more".into())
     );
 }
-
-#[test]
-fn a_vector_keeps_the_hint_of_its_number_if_there_is_one() {
-    let hint = |text| {
-        let text = format!("center {text}");
-        reader(&text).keyword("center").unwrap().vector().unwrap_err().hint.unwrap()
-    };
-    assert_eq!(hint("1 2 }"), "`center` takes three numbers");
-    assert!(hint("1 2#3").contains("comment"));
-}

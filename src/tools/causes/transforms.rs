@@ -103,20 +103,6 @@ mod tests {
     const SPHERE: &str = "Sphere { center 0 0 0 radius 1 }";
 
     #[test]
-    fn the_transformations_of_a_list_change_their_order() {
-        let pairs = [
-            ("Translate 1 2 3 XRotate { 90 } Scale 1 2 -.5", "Scale 1 2 -.5 XRotate { 90 } Translate 1 2 3"),
-            ("Rotate { 0 1 0 30 } # a\n Scale 2 1 1", "Scale 2 1 1 Rotate { 0 1 0 30 }"),
-        ];
-        for (list, reversed) in pairs {
-            let [list, reversed] =
-                [list, reversed].map(|list| scene(&format!("Transform {{ {list} {SPHERE} }}")));
-            assert_ne!(matrix(&list), matrix(&reversed));
-            assert_eq!(changed(list, reverse_lists), matrix(&reversed));
-        }
-    }
-
-    #[test]
     fn nested_transforms_are_combined_otherwise() {
         let nested = |outer: &str, inner: &str| {
             let inner = format!("Group {{ numObjects 1 Transform {{ {inner} {SPHERE} }} }}");

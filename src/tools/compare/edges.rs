@@ -116,9 +116,4 @@ mod tests {
             (0..49).map(|i| (i % 7, i / 7)).filter(|&(x, y)| x < 4 && y < 4 && (x, y) != (3, 3)).collect();
         assert_eq!(near, expected);
     }
-
-    #[test]
-    fn a_flat_picture_has_no_edges() {
-        assert_eq!(edges(&grey(2, &[&[7, 7], &[7, 7]])), [false; 4]);
-    }
 }

@@ -122,36 +122,3 @@ impl<'p, 'r> Explainer<'p, 'r> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::render::Request;
-    use crate::render::test_renderer::renderer_of;
-
-    #[test]
-    fn a_primitive_belongs_to_the_object_whose_material_it_has() {
-        // Each object has a line and a material of its own.
-        let text = "OrthographicCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 size 2 }
-            Materials { numMaterials 7 Material {} Material {} Material {} Material {} Material {} Material {} Material {} }
-            Group { numObjects 6
-            MaterialIndex 0 Plane { normal 0 0 1 offset -5 }
-            MaterialIndex 1 Transform { Translate 1 0 0 Box { min 0 0 0 max 1 1 1 } }
-            MaterialIndex 2 Sphere { center 0 0 0 radius 1 }
-            MaterialIndex 3 Triangle { vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 }
-            Group { numObjects 2
-            MaterialIndex 4 Transform { Scale 1 2 3 Sphere { center 0 0 0 radius 1 } }
-            MaterialIndex 5 Box { min 3 3 3 max 4 4 4 } }
-            MaterialIndex 6 Plane { normal 0 1 0 offset -5 } }";
-        let renderer = renderer_of(text);
-        let prepared = renderer.prepare(&Request::new([2, 2])).unwrap();
-        let (explainer, world) = (Explainer::new(&prepared).unwrap(), renderer.world());
-        const LINES: [u32; 7] = [4, 5, 6, 7, 9, 10, 11];
-        assert_eq!(world.ids().len(), 12 + 1 + 12 + 2 + 2);
-        for id in world.ids() {
-            let found = explainer.object(id);
-            assert_eq!(found.at.line, LINES[world.material_of(id)], "{id}: {found}");
-            assert!(found.triangle.is_none_or(|triangle| triangle < 12));
-        }
-    }
-}

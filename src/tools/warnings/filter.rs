@@ -131,24 +131,6 @@ mod tests {
     }
 
     #[test]
-    fn the_named_size_is_the_smallest_without_a_warning() {
-        for (filter, count) in
-            FILTERS.into_iter().flat_map(|filter| [2, 4, 7, 8, 16, 64].map(|n| (filter, n)))
-        {
-            for pattern in [Pattern::Uniform, Pattern::Jittered, Pattern::Random] {
-                // An odd number of uniform samples has one at the centre. Cancelling weights are tested elsewhere.
-                let is_uniform = pattern == Pattern::Uniform;
-                if is_uniform && count == 7 || !is_uniform && matches!(filter(1.0), Filter::Mitchell { .. }) {
-                    continue;
-                }
-                let size = named(pattern, count, filter);
-                let warns = |size: f64| is_too_narrow(&request(pattern, count, filter(size)));
-                assert!(!warns(size) && warns(size - 0.001), "{pattern:?} {count} {size}");
-            }
-        }
-    }
-
-    #[test]
     fn sizes_for_uniform_samples_by_geometry() {
         // Four uniform samples are a quarter of a pixel from the centre along both axes.
         assert_eq!(FILTERS.map(|filter| named(Pattern::Uniform, 4, filter)), [0.25, 0.354, 0.01, 0.251]);

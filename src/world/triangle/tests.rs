@@ -7,57 +7,6 @@ fn test(origin: DVec3, direction: DVec3, triangle: [DVec3; 3]) -> Option<f64> {
     Shear::new(&Ray::new(origin, direction)).intersect(triangle.each_ref())
 }
 
-/// Returns a fan of triangles around the origin in the plane z = 0.
-fn fan(spokes: usize) -> Vec<[DVec3; 3]> {
-    let rim = |i: usize| {
-        let angle = (i % spokes) as f64 / spokes as f64 * std::f64::consts::TAU;
-        DVec3::new(libm::cos(angle), libm::sin(angle), 0.0)
-    };
-    (0..spokes).map(|i| [DVec3::ZERO, rim(i), rim(i + 1)]).collect()
-}
-
-#[test]
-fn a_ray_through_a_shared_vertex_hits_exactly_one_triangle() {
-    for spokes in 3..40 {
-        for direction in [DVec3::Z, DVec3::new(0.3, -0.2, 1.0), DVec3::new(1.0, 1.0, 1.0)] {
-            for back in [0.0, 1.0, 3.7] {
-                let origin = -back * direction;
-                let hits = fan(spokes).into_iter().filter(|&t| test(origin, direction, t).is_some()).count();
-                assert_eq!(hits, 1, "{spokes} spokes, direction {direction}, {back} back");
-            }
-        }
-    }
-}
-
-#[test]
-fn a_ray_through_a_shared_edge_hits_exactly_one_triangle() {
-    let square = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
-    let halves = [[square[0], square[1], square[2]], [square[0], square[2], square[3]]];
-    for i in 1..100 {
-        let p = DVec3::new(i as f64, i as f64, 0.0) / 100.0;
-        let hits = halves.iter().filter(|&&t| test(p - DVec3::Z, DVec3::Z, t).is_some()).count();
-        assert_eq!(hits, 1);
-    }
-}
-
-#[test]
-fn winding_does_not_matter_to_the_hit() {
-    let t = [DVec3::ZERO, DVec3::X, DVec3::Y];
-    let p = DVec3::new(0.25, 0.25, -2.0);
-    assert_eq!(test(p, DVec3::Z, t), Some(2.0));
-    assert_eq!(test(p, DVec3::Z, [t[0], t[2], t[1]]), Some(2.0));
-}
-
-#[test]
-fn the_t_of_a_tilted_triangle_is_right_within_and_on_an_edge() {
-    let [a, b, c, d] = [[0.0, 0.0, 1.0], [1.0, 0.0, 2.0], [0.0, 1.0, 4.0], [1.0, 1.0, 5.0]].map(DVec3::from);
-    for (x, y) in [(0.25, 0.25), (0.125, 0.5), (0.75, 0.25), (0.5, 0.5), (0.5, 0.75)] {
-        let hits = [[a, b, c], [b, d, c]].map(|t| test(DVec3::new(x, y, -2.0), DVec3::Z * 0.5, t));
-        let depth = 1.0 + x + 3.0 * y + 2.0;
-        assert_eq!(hits.into_iter().flatten().collect::<Vec<_>>(), [2.0 * depth], "{x} {y}");
-    }
-}
-
 #[test]
 fn normals_are_right_at_every_size() {
     for size in [1e-300, 1e-150, 1e-72, 1e-68, 1.0, 1e68, 1e72, 1e150, 1e300] {
@@ -66,16 +15,6 @@ fn normals_are_right_at_every_size() {
             assert!((normal(t) - expected).length() < f64::EPSILON, "{size:e}");
         }
     }
-}
-
-#[test]
-fn degenerate_and_edge_on_triangles_are_missed() {
-    let p = DVec3::new(1.0, 2.0, 3.0);
-    let q = DVec3::new(-2.0, 0.5, 1.0);
-    for t in [[p, p, p], [p, p, q], [p, q, p], [p, q, 0.5 * (p + q)]] {
-        assert_eq!(test(DVec3::ZERO, p, t), None);
-    }
-    assert_eq!(test(DVec3::NEG_X, DVec3::X, [DVec3::ZERO, DVec3::X, DVec3::Y]), None);
 }
 
 #[test]
@@ -93,14 +32,6 @@ fn a_triangle_on_one_line_is_missed_and_leaves_no_gap() {
         let around = [[p, q, left], [q, m, right], [m, p, right]];
         assert_eq!(around.into_iter().filter(|&t| test(origin, direction, t).is_some()).count(), 1);
     }
-}
-
-#[test]
-fn the_crossed_point_lies_in_the_triangle() {
-    let t = [DVec3::ZERO, DVec3::X, DVec3::Y];
-    let ray = Ray::new(DVec3::new(0.25, 0.5, -1e9), DVec3::Z);
-    let weights = Shear::new(&ray).weights(t.each_ref());
-    assert_eq!(weights.map(|w| point(t, w)), Some(DVec3::new(0.25, 0.5, 0.0)));
 }
 
 /// Rays and two points as bit patterns: direction, origin, p and q. The computed edge function of p and q has the wrong

@@ -91,38 +91,3 @@ fn compressed(value: f64) -> f64 {
         false => value / (3.0 * DELTA * DELTA) + 4.0 / 29.0,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn greys_have_no_chroma() {
-        let space = ColorSpace::default();
-        for byte in [0, 1, 10, 11, 128, 255] {
-            let perceived = space.to_perceived(space.to_ycxcz([byte; 3]));
-            assert!(perceived.y.abs() < 1e-9 && perceived.z.abs() < 1e-9, "{byte}: {perceived}");
-        }
-        let white = space.to_perceived(space.to_ycxcz([255; 3]));
-        assert!((white.x - 100.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn no_two_corners_of_the_cube_are_farther_apart_than_green_and_blue() {
-        let space = ColorSpace::default();
-        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: u8| {
-            let rgb = [0, 1, 2].map(|channel| if corner >> channel & 1 == 1 { 255 } else { 0 });
-            space.to_perceived(space.to_ycxcz(rgb))
-        });
-        for a in corners {
-            assert!(corners.iter().all(|&b| distance(a, b) <= space.largest_difference() + 1e-9));
-        }
-    }
-
-    #[test]
-    fn the_compression_is_continuous_with_a_continuous_slope() {
-        let joint = (6.0_f64 / 29.0).powi(3);
-        let [below, at, above] = [-1e-6, 0.0, 1e-6].map(|step| compressed(joint + step));
-        assert!((above - 2.0 * at + below).abs() < 1e-9);
-    }
-}

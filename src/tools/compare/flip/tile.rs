@@ -118,31 +118,3 @@ fn separable(
     }
     filtered
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tiles_cover_each_pixel_once() {
-        for (width, height) in [(1, 1), (64, 65), (200, 3), (129, 130)] {
-            let mut covered = vec![0; width * height];
-            for tile in tiles(width, height) {
-                assert!(tile.width <= LARGEST && tile.height <= LARGEST);
-                let rows = tile.y..tile.y + tile.height;
-                rows.for_each(|y| {
-                    covered[y * width + tile.x..][..tile.width].iter_mut().for_each(|n| *n += 1)
-                });
-            }
-            assert!(covered.iter().all(|&times| times == 1), "{width} x {height}");
-        }
-    }
-
-    #[test]
-    fn a_window_repeats_the_outermost_pixels() {
-        let pixels: Vec<[u8; 3]> = (0..6).map(|i| [i; 3]).collect();
-        let window = PictureTile { x: 1, y: 0, width: 2, height: 1 }.window(3, &pixels, 1);
-        let levels: Vec<u8> = window.pixels.iter().map(|pixel| pixel[0]).collect();
-        assert_eq!(levels, [0, 1, 2, 2, 0, 1, 2, 2, 3, 4, 5, 5]);
-    }
-}
