@@ -301,7 +301,9 @@ fn causes_are_found_by_the_scene_and_by_the_picture_alone() {
         make(&folder, place);
         folder.write("t.txt", scene);
         folder.run(&format!("-input t.txt {line}")).ok();
-        ["o.tga", "d.tga", "n.tga"].map(|name| folder.write(&format!("{place}/{name}"), folder.read(name)));
+        for name in ["o.tga", "d.tga", "n.tga"] {
+            folder.write(&format!("{place}/{name}"), folder.read(name));
+        }
     }
     grade(&folder);
     for (who, name, cause) in [
