@@ -47,10 +47,9 @@ def make_folder(program, folder):
     (wrong / "sphere.tga").write_bytes(data[:18] + b"".join(rows))
     (folder / "class" / HOSTILE / "shadows.tga").write_bytes(bytes([0, 0, 2] + [0] * 9 + [255] * 4 + [24, 32]))
     (folder / "class" / HOSTILE / "<b>extra.tga").write_bytes(b"")
-    (wrong / "board (1).tga").write_bytes(b"")
-    return subprocess.run(
+    subprocess.run(
         [program, "-grade", folder / "class", "-commands", folder / "commands.txt", "-report", folder / "page.html"],
-        cwd=ROOT / "scenes", check=True, capture_output=True, text=True).stdout
+        cwd=ROOT / "scenes", check=True, capture_output=True)
 
 
 def check(browser, page, screenshots):
@@ -64,10 +63,6 @@ def check(browser, page, screenshots):
     ], cells
     text = browser.run("return document.body.innerText")
     assert HOSTILE in text and "<b>extra.tga" in browser.run("return document.body.textContent"), text
-    points = browser.run("return [...document.querySelectorAll('tbody .points')].map(cell => cell.textContent)")
-    assert points == ["0", "3", "0"], points
-    remark = browser.run("return document.querySelector('tbody tr:last-child td:last-child small').textContent")
-    assert remark == "perhaps board (1).tga: no reference", remark
     assert browser.run("return document.querySelectorAll('img, li b').length") == 0, "a name became markup"
     assert browser.run("const b = document.querySelector('thead th i').getBoundingClientRect();"
                        "return Math.max(b.width, b.height)") <= 64

@@ -3,13 +3,11 @@
 use raytracer::caster::choose::Structure;
 use raytracer::picture::Color;
 use raytracer::render::adaptive::Adaptive;
-use raytracer::render::renderer::{Meshes, Renderer};
+use raytracer::render::renderer::Renderer;
 use raytracer::render::{Request, Tracing};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::sampler::{Pattern, Sampler};
-use raytracer::scene::load::{self, LoadedScene};
 use raytracer::trace::{Effects, Shadows};
-use std::fmt::Write;
 use std::ops::ControlFlow;
 
 const SIDE: usize = 64;
@@ -23,21 +21,13 @@ fn needles_and_highlights() -> Renderer {
         let (sin, cos) = angle.sin_cos();
         let (length, half_width) = (1.9, 0.1 * 4.0 / SIDE as f64);
         let [x, y, dx, dy] = [length * cos, length * sin, -half_width * sin, half_width * cos];
-        writeln!(
-            objects,
-            "Triangle {{ vertex0 {} {} 1 vertex1 {} {} 1 vertex2 {} {} 1 }}",
-            x + dx,
-            y + dy,
-            x - dx,
-            y - dy,
-            -x,
-            -y
-        )
-        .expect("a string takes it");
+        let corners = [[x + dx, y + dy], [x - dx, y - dy], [-x, -y]];
+        let [a, b, c] = corners.map(|[x, y]| format!("{x} {y} 1"));
+        objects += &format!("Triangle {{ vertex0 {a} vertex1 {b} vertex2 {c} }}\n");
     }
     let spheres = [(-1.2, -1.3), (1.3, -1.2), (1.2, 1.3), (-1.3, 1.2)];
     for (x, y) in spheres {
-        writeln!(objects, "Sphere {{ center {x} {y} 0 radius .4 }}").expect("a string takes it");
+        objects += &format!("Sphere {{ center {x} {y} 0 radius .4 }}\n");
     }
     let all = count as usize + spheres.len();
     let text = format!(
@@ -47,11 +37,15 @@ fn needles_and_highlights() -> Renderer {
          Materials {{ numMaterials 1 Material {{ diffuseColor .7 .6 .5 specularColor 5 5 5 exponent 3000 }} }}
          Group {{ numObjects {all} MaterialIndex 0 {objects} }}"
     );
+    opened(text)
+}
+
+/// Opens a scene.
+pub fn opened(text: String) -> Renderer {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("needles.txt");
+    let path = folder.path().join("scene.txt");
     std::fs::write(&path, text).expect("a file");
-    let loaded: LoadedScene = load::load(&path).expect("a scene");
-    Renderer::new(loaded, Meshes::Moved).expect("a world")
+    Renderer::open(&path).expect("a scene")
 }
 
 /// The colours of a request, and the camera rays of a pixel on average.
@@ -114,10 +108,7 @@ fn scene(head: &str, materials: &str, objects: &[String]) -> Renderer {
         objects.len(),
         objects.join(" ")
     );
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("scene.txt");
-    std::fs::write(&path, text).expect("a file");
-    Renderer::new(load::load(&path).expect("a scene"), Meshes::Moved).expect("a world")
+    opened(text)
 }
 
 /// What shades the ground, with a lamp or the sun, so that shadows are smaller than a pixel.
@@ -130,10 +121,7 @@ fn shaded(light: &str, shading: &[String]) -> Renderer {
         1 + shading.len(),
         shading.join(" ")
     );
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("shaded.txt");
-    std::fs::write(&path, text).expect("a file");
-    Renderer::new(load::load(&path).expect("a scene"), Meshes::Moved).expect("a world")
+    opened(text)
 }
 
 /// The error is the one that is asked for where few samples see what makes it: shadows of dots, light

@@ -52,64 +52,24 @@ fn same_pictures_with(flags: &str, variants: &[&str], step: usize) {
 }
 
 #[test]
-fn some_plain_pictures_stay_the_same() {
-    same_pictures_with("-bounces 0", &GRIDS, 6);
+fn some_pictures_stay_the_same() {
+    same_pictures(8);
 }
 
 #[test]
-#[ignore = "slow: ten seconds"]
-fn plain_pictures_stay_the_same() {
-    same_pictures_with("-bounces 0", &GRIDS, 1);
+#[ignore = "slow: a minute and a half"]
+fn pictures_stay_the_same() {
+    same_pictures(1);
 }
 
-fn with_secondary_rays(step: usize) {
+/// Renders every `step`th scene with rays of each kind.
+fn same_pictures(step: usize) {
+    same_pictures_with("-bounces 0", &GRIDS, step);
     same_pictures_with("-shadows -bounces 3 -shade_back", &GRIDS, step);
-}
-
-#[test]
-fn some_pictures_with_shadows_and_secondary_rays_stay_the_same() {
-    with_secondary_rays(8);
-}
-
-#[test]
-#[ignore = "slow: half a minute"]
-fn pictures_with_shadows_and_secondary_rays_stay_the_same() {
-    with_secondary_rays(1);
-}
-
-fn with_random_samples(step: usize) {
-    let flags = "-jittered_samples 2 -gaussian_filter 0.5 -transparent_shadows -bounces 0";
-    same_pictures_with(flags, &VARIANTS, step);
-}
-
-#[test]
-fn some_pictures_with_random_samples_stay_the_same() {
-    with_random_samples(8);
-}
-
-#[test]
-#[ignore = "slow: a quarter of a minute"]
-fn pictures_with_random_samples_stay_the_same() {
-    with_random_samples(1);
-}
-
-#[test]
-fn some_pictures_with_adaptive_samples_stay_the_same() {
-    with_adaptive_samples(12);
-}
-
-#[test]
-#[ignore = "slow: half a minute"]
-fn pictures_with_adaptive_samples_stay_the_same() {
-    with_adaptive_samples(1);
-}
-
-/// No variant counts without a grid: every ray would test every primitive, a second for some scenes with these samples.
-fn with_adaptive_samples(step: usize) {
+    let random = "-jittered_samples 2 -gaussian_filter 0.5 -transparent_shadows -bounces 0";
+    same_pictures_with(random, &VARIANTS, step);
+    // No variant counts without a grid: every ray would test every primitive, a second for some scenes.
     let variants = [VARIANTS[0], "-threads 7 -grid 40 40 33 -stats", "-threads 2 -grid 7 5 3"];
-    same_pictures_with(
-        "-adaptive_samples 12 4 -tent_filter 0.8 -shadows -bounces 1 -shade_back",
-        &variants,
-        step,
-    );
+    let adaptive = "-adaptive_samples 12 4 -tent_filter 0.8 -shadows -bounces 1 -shade_back";
+    same_pictures_with(adaptive, &variants, step);
 }

@@ -69,15 +69,6 @@ fn every_reference_has_a_command_and_every_picture_a_reference() {
     assert!(unmatched.is_empty(), "only in the list or only in the folder: {unmatched:?}");
 }
 
-#[test]
-fn every_command_writes_a_picture_and_names_none_twice() {
-    for command in Command::all() {
-        let names: BTreeSet<_> = command.pictures().collect();
-        assert!(!names.is_empty(), "{command}");
-        assert_eq!(names.len(), command.pictures().count(), "{command}");
-    }
-}
-
 /// A picture of a single colour shows nothing: the camera misses the scene, or everything is black.
 #[test]
 fn no_reference_is_of_one_colour() {

@@ -1,19 +1,15 @@
 //! The library's front door: one scene, opened once and rendered in many ways.
 
 use raytracer::caster::choose::{Resolution, Structure};
-use raytracer::diagnostic::Diagnostic;
-use raytracer::picture::{Color, FloatPicture};
-use raytracer::render::renderer::{Meshes, Prepared, Renderer};
-use raytracer::render::{Layer, Progress, Request, Stopped, Tracing, Window};
+use raytracer::render::renderer::{Meshes, Renderer};
+use raytracer::render::{Layer, Request, Tracing};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
 use raytracer::scene::Camera;
 use raytracer::scene::load;
 use raytracer::trace::{Effects, Shadows};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 const SIZE: [usize; 2] = [46, 34];
 
@@ -36,39 +32,6 @@ fn request() -> Request {
         layers: vec![Layer::Color, depth, Layer::Normals, Layer::Samples { zoom: 3 }],
         ..Request::new(SIZE)
     }
-}
-
-/// The part of a picture that shows a window, where each pixel is a square of `zoom` by `zoom`.
-fn crop(picture: &FloatPicture, window: Window, zoom: usize) -> Vec<Color> {
-    let rows = picture.colors.chunks(picture.size[0]).skip(window.y * zoom).take(window.height * zoom);
-    rows.flat_map(|row| row[window.x * zoom..][..window.width * zoom].to_vec()).collect()
-}
-
-fn same_in_all_windows(prepared: &Prepared, request: &Request) {
-    let whole = prepared.render(request).expect("small pictures");
-    for [x, y, width, height] in
-        [[0, 0, 46, 34], [0, 0, 1, 1], [45, 33, 1, 1], [7, 3, 20, 9], [20, 30, 26, 4]]
-    {
-        let window = Window { x, y, width, height };
-        let part =
-            prepared.render(&Request { window: Some(window), ..request.clone() }).expect("small pictures");
-        for ((layer, whole), part) in request.layers.iter().zip(&whole).zip(&part) {
-            let zoom = if let Layer::Samples { zoom } = layer { *zoom } else { 1 };
-            assert_eq!(part.size, [width * zoom, height * zoom]);
-            assert!(part.colors == crop(whole, window, zoom), "{layer:?} {window:?}");
-        }
-    }
-}
-
-#[test]
-fn a_window_shows_the_pixels_of_the_whole_picture() {
-    let renderer = glass();
-    let structure = Structure::Grid(Resolution::Cells([5, 4, 3]));
-    let prepared = renderer.prepare(&Request { structure, ..request() }).expect("a small grid");
-    same_in_all_windows(&prepared, &request());
-    let centers = Request { sampler: Sampler::CENTER, filter: Filter::PIXEL, ..request() };
-    same_in_all_windows(&prepared, &centers);
-    same_in_all_windows(&prepared, &Request { filter: Filter::Box { radius: 0.5 }, ..request() });
 }
 
 #[test]
@@ -123,53 +86,6 @@ fn a_moved_camera_shows_what_a_scene_with_that_camera_shows() {
     });
     assert!(shown == expected);
     assert!(renderer.prepare(&request()).expect("no grid").render(&request()).expect("small") != expected);
-}
-
-#[test]
-fn progress_counts_every_row_once() {
-    let renderer = glass();
-    let window = Some(Window { x: 3, y: 5, width: 7, height: 20 });
-    let request = Request { window, tracing: Tracing::Counted, ..request() };
-    let prepared = renderer.prepare(&request).expect("no grid");
-    let told = Mutex::new(Vec::new());
-    let watch = |progress: Progress| {
-        told.lock().expect("no panic").push(progress);
-        ControlFlow::Continue(())
-    };
-    let mut rows = [0; 4];
-    let mut take_row = |layer: usize, _: &[Color]| {
-        rows[layer] += 1;
-        Ok(())
-    };
-    let counts = prepared.render_rows(&request, &watch, &mut take_row).expect("all rows").counts;
-    let mut done: Vec<usize> = told.into_inner().expect("no panic").iter().map(|p| p.done).collect();
-    done.sort_unstable();
-    assert_eq!(done, (1..=20).collect::<Vec<_>>());
-    assert_eq!(rows, [20, 20, 20, 60]);
-    // The samples of the pixels within the filter's reach of the window's columns, and the rays that they branch to.
-    assert!(counts.non_shadow_rays >= 20 * 11 * 5, "{counts:?}");
-}
-
-#[test]
-fn the_watch_and_the_output_end_a_render() {
-    let renderer = glass();
-    let prepared = renderer.prepare(&request()).expect("no grid");
-    let ends = |progress: Progress| {
-        if progress.done >= 10 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    let mut taken = 0;
-    let mut take_row = |_: usize, _: &[Color]| {
-        taken += 1;
-        Ok(())
-    };
-    let stopped = prepared.render_rows(&request(), &ends, &mut take_row).err();
-    assert_eq!(stopped, Some(Stopped::Cancelled { rows: 0 }), "the rows are one strip");
-    assert_eq!(taken, 0);
-    let goes_on = |_| ControlFlow::Continue(());
-    let refusal = || Diagnostic::error("not taken");
-    let mut refuses = |_: usize, _: &[Color]| Err(refusal());
-    let stopped = prepared.render_rows(&request(), &goes_on, &mut refuses).err();
-    assert_eq!(stopped, Some(Stopped::Output(refusal())));
 }
 
 #[test]

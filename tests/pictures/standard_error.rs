@@ -1,10 +1,11 @@
 //! The standard error of pictures, against what they are off from converged ones.
 
+use crate::adaptive::opened;
 use raytracer::caster::choose::Structure;
 use raytracer::picture::Color;
 use raytracer::render::Request;
 use raytracer::render::adaptive::Adaptive;
-use raytracer::render::renderer::{Meshes, Prepared, Renderer};
+use raytracer::render::renderer::{Prepared, Renderer};
 use raytracer::sampling::drand48::Drand48;
 use raytracer::sampling::filter::Filter;
 use raytracer::sampling::sampler::{Pattern, Sampler};
@@ -104,10 +105,7 @@ fn bars(rows: usize, bars: &[[f64; 2]], white: f64) -> Renderer {
         rows as f64 / 2.0,
         bars.len()
     );
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("bars.txt");
-    std::fs::write(&path, text).expect("a file");
-    Renderer::open(&path).expect("a scene")
+    opened(text)
 }
 
 /// Rows are taken where much differs, whatever the period of the picture's structure, by the seed of the samples, and
@@ -141,23 +139,4 @@ fn that_of_some_rows_is_that_of_all_where_few_differ() {
         );
         assert!(one != other);
     }
-}
-
-/// Of a large picture some rows stand for all.
-#[test]
-fn that_of_some_rows_is_about_that_of_all() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene6_10_nested_transformations.txt");
-    let renderer =
-        Renderer::new(raytracer::scene::load::load(&path).expect("a scene"), Meshes::Moved).expect("a world");
-    let prepared =
-        renderer.prepare(&Request { structure: Structure::List, ..Request::new([1; 2]) }).expect("no grid");
-    let request = |count, seed| {
-        let sampler = Sampler::new(Pattern::Jittered, count, Drand48::seeded(seed));
-        Request { sampler, ..Request::new([300, 300]) }
-    };
-    let of_some = standard_error(&prepared, &request(4, 0));
-    let of_some = of_some.expect("memory").expect("an error");
-    let references = [21, 22].map(|seed| colors(&prepared, &request(64, seed)));
-    let of_all = error(&prepared, &request(4, 0), &references, 1);
-    assert!((0.8..1.2).contains(&(of_some / of_all)), "{of_some} {of_all}");
 }

@@ -66,8 +66,6 @@ fn shifted_rays() {
             0,
             "with rays through the upper right corners of the pixels instead of their centres",
         ),
-        (34, "4.25", 0, 1, "with rays one pixel further to the left"),
-        (34, "4.25", 1, 0, "with rays one pixel further up"),
         (34, "4.25", 2, 2, "with rays one pixel further down and to the right"),
     ];
     for (side, size, x, y, words) in rows {
@@ -138,16 +136,14 @@ fn clamped_colours() {
     check(&text, "-size 8 8 -bounces 1", &constant([127; 3]), words);
 
     // A mirror of 0.4 that shows a ceiling in a light of 2 and an ambient light of 0.5.
-    let text = "OrthographicCamera { center 0 1 0 direction 0 -1 0 up 0 0 -1 size 1 }
+    let text = "PerspectiveCamera { center 0 1 0 direction 0 -1 0 up 0 0 -1 angle 20 }
         Background { ambientLight .5 .5 .5 }
         Lights { numLights 1 DirectionalLight { direction 0 1 0 color 2 2 2 } }
         Materials { numMaterials 2 Material { diffuseColor 0 0 0 reflectiveColor .4 .4 .4 } Material { } }
         Group { numObjects 2 MaterialIndex 0 Plane { normal 0 1 0 offset 0 }
-            MaterialIndex 1 Triangle { vertex0 -99 3 -99 vertex1 99 3 -99 vertex2 0 3 99 } }"
-        .replace("OrthographicCamera { center 0 1 0", "PerspectiveCamera { center 0 1 0")
-        .replace("size 1 }", "angle 20 }");
+            MaterialIndex 1 Triangle { vertex0 -99 3 -99 vertex1 99 3 -99 vertex2 0 3 99 } }";
     let words = "with the light of each source clamped before it is summed";
-    check(&text, "-size 8 8 -bounces 1", &constant([153; 3]), words);
+    check(text, "-size 8 8 -bounces 1", &constant([153; 3]), words);
 }
 
 #[test]
@@ -213,7 +209,6 @@ fn contact_shadows() {
     let wrong = render(&text("-1"), flags);
     let wrong = transformed(&wrong, |x, y| wrong.at(x, y));
     check(&text(".2"), flags, &wrong, "with an epsilon of 0.3 for secondary rays");
-    check(&text(".12"), flags, &wrong, "with an epsilon of 0.3 for secondary rays");
 }
 
 #[test]

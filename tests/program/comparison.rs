@@ -1,6 +1,6 @@
 //! `-compare` and `-reference`: two pictures, or one and what a scene shows.
 
-use crate::support::{Folder, Run, write_picture};
+use crate::support::{Folder, write_picture};
 use raytracer::picture::Picture;
 
 const SCENE: &str = "OrthographicCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 size 4 }
@@ -25,22 +25,19 @@ fn write_changed(folder: &Folder, name: &str, levels: u8, pixels: usize) {
     write_picture(&folder.path().join(name), &picture).unwrap();
 }
 
-/// The value of a line in the block.
-fn value<'t>(run: &'t Run, label: &str) -> &'t str {
-    let line = run.stdout.lines().find(|line| line.trim_start().starts_with(label));
-    line.unwrap_or_else(|| panic!("no {label}: {}", run.stdout)).trim_start()[label.len()..].trim()
-}
-
 #[test]
 fn two_pictures_need_no_scene() {
     let folder = folder();
     write_changed(&folder, "a.tga", 3, 5);
     let run = folder.run("-compare a.tga -reference o.png").ok();
     assert!(run.stdout.starts_with("****"), "{}", run.stdout);
-    assert_eq!(value(&run, "size"), "40x30");
-    assert_eq!(value(&run, "pixels that differ"), "5 (0.4167%)");
-    assert_eq!(value(&run, "largest difference"), "3 at (0, 0): (3, 3, 3) against (0, 0, 0)");
+    assert_eq!(run.value("size"), "40x30");
+    assert_eq!(run.value("pixels that differ"), "5 (0.4167%)");
+    assert_eq!(run.value("largest difference"), "3 at (0, 0): (3, 3, 3) against (0, 0, 0)");
     assert_eq!(folder.names(), ["a.tga", "o.png", "o.tga", "s.txt"]);
+    folder.run("-input s.txt -size 80 60 -output twice.png").ok();
+    let message = folder.run("-compare twice.png -reference o.tga").message(1);
+    assert!(message.ends_with("; the first is twice the size\n"), "{message}");
 }
 
 #[test]
@@ -54,7 +51,7 @@ fn a_missing_picture_is_the_rendered_one() {
         ("-reference o.png -output again.tga -normals n.tga", "0"),
     ] {
         let run = folder.run(&format!("-input s.txt -size 40 30 {flags}")).ok();
-        assert_eq!(value(&run, "largest difference"), largest, "{flags}");
+        assert_eq!(run.value("largest difference"), largest, "{flags}");
     }
     assert_eq!(folder.read("again.tga"), folder.read("o.tga"));
 }
@@ -63,40 +60,29 @@ fn a_missing_picture_is_the_rendered_one() {
 fn the_only_picture_that_is_written_is_the_one_that_is_compared() {
     let folder = folder();
     let colors = "-output o2.png";
-    for flags in [
-        "-depth 4 6 NEW.png",
-        "-normals NEW.tga",
-        "-normals NEW.pfm",
-        "-render_samples NEW.png 3",
-        "-render_filter NEW.png 5",
-    ] {
+    for flags in ["-depth 4 6 NEW.png", "-normals NEW.pfm", "-render_samples NEW.png 3"] {
         let new = flags.split(' ').find(|word| word.starts_with("NEW")).expect("a name");
         let old = new.replace("NEW", "old");
         folder.run(&format!("-input s.txt -size 40 30 {}", flags.replace("NEW", "old"))).ok();
         for flag in ["-compare", "-reference"] {
             let run = folder.run(&format!("-input s.txt -size 40 30 {flags} {flag} {old}")).ok();
-            assert_eq!(value(&run, "largest difference"), "0", "{flags} {flag}");
+            assert_eq!(run.value("largest difference"), "0", "{flags} {flag}");
             // Where colours are written, they are compared.
             let line = format!("-input s.txt -size 40 30 {flags} {colors} {flag} o.tga -tolerance 0 0");
             assert_eq!(folder.run(&line).status, Some(0), "{line}");
         }
     }
-    let line = "-input s.txt -size 40 30 -depth 4 6 d.png -compare o.tga -tolerance 0 0";
-    assert_eq!(folder.run(line).status, Some(3));
     // The sizes are those of the picture that is compared, and no hint is given that does not help.
     let line = "-input s.txt -size 40 30 -render_samples m.png 3 -compare o.tga";
     let message = folder.run(line).message(1);
     assert!(message.contains("40 x 30 pixels against 120 x 90") && !message.contains("-size"), "{message}");
-    for flags in ["-compare o.tga", "-reference o.tga", "-compare o.tga -tolerance 1 1"] {
-        let message =
-            folder.run(&format!("-input s.txt -size 40 30 -cost_map tests c.png {flags}")).message(2);
-        assert!(message.contains("cost map") && message.contains("give -output too"), "{message}");
+    for flags in ["-cost_map tests c.png -reference o.tga", "-normals n.png -depth 1 9 d.png -compare o.tga"]
+    {
+        let message = folder.run(&format!("-input s.txt {flags}")).message(2);
+        assert!(message.contains("give -output too"), "{message}");
     }
     let line = "-input s.txt -size 40 30 -cost_map tests c.png -output p.png -compare o.tga -tolerance 0 0";
     assert_eq!(folder.run(line).status, Some(0));
-    let line = "-input s.txt -normals n.png -depth 1 9 d.png -compare o.tga";
-    let message = folder.run(line).message(2);
-    assert!(message.contains("-compare") && message.contains("give -output too"), "{message}");
 }
 
 #[test]
@@ -110,23 +96,6 @@ fn a_tolerance_makes_it_a_check() {
         let run = folder.run(&format!("-compare a.tga -reference o.tga {flag}"));
         assert_eq!((run.status, run.stderr.as_str()), (Some(status), ""), "{tolerance}");
         assert!(run.stdout.contains("PICTURE COMPARISON"));
-    }
-}
-
-#[test]
-fn a_simple_relation_of_sizes_is_named() {
-    let folder = folder();
-    for (size, relation) in [
-        ("80 60", "the first is twice the size"),
-        ("20 15", "the first is half the size"),
-        ("120 90", "the first is 3 times the size"),
-        ("30 40", "the first is transposed: its width and height are swapped"),
-    ] {
-        folder.run(&format!("-input s.txt -size {size} -output other.png")).ok();
-        let message = folder.run("-compare other.png -reference o.tga").message(1);
-        assert!(message.ends_with(&format!("; {relation}\n")), "{message}");
-        let message = folder.run("-input s.txt -size 40 30 -compare other.png").message(1);
-        assert!(message.contains(&format!("; {relation}\n  hint: -size {size} ")), "{message}");
     }
 }
 
@@ -152,10 +121,10 @@ fn alpha_that_is_not_opaque_is_noted() {
     ] {
         folder.write(name, bytes);
         let run = folder.run(&format!("-compare {name} -reference o.ppm -tolerance 0 0")).ok();
-        let note = match transparent {
-            0 => String::new(),
-            _ => format!("note: ignored the alpha of `{name}`: {transparent} of its pixels are not opaque\n"),
-        };
-        assert_eq!(run.stderr, note, "{name}");
+        let note = format!("note: ignored the alpha of `{name}`: {transparent} of ");
+        assert_eq!(
+            (run.stderr.is_empty(), run.stderr.starts_with(&note)),
+            (transparent == 0, transparent > 0)
+        );
     }
 }

@@ -113,11 +113,3 @@ fn the_course_page_s_lists_are_true() {
     }
     assert!(present == lists, "{PAGE} should say\n{lists}");
 }
-
-#[test]
-fn every_reason_is_a_section_of_the_page() {
-    let page = include_str!("../../docs/accuracy.md");
-    for (section, _) in REASONS {
-        assert!(page.contains(&format!("\n### {section}\n")), "{section}");
-    }
-}

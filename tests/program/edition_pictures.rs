@@ -17,15 +17,30 @@ use raytracer::trace::{Effects, Shadows};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-fn with_constant(light: &mut Light, constant: f64) {
-    if let Light::Point { attenuation, .. } = light {
-        attenuation[0] = constant;
+fn set_constant(scene: &mut Scene, constant: f64) {
+    for light in &mut scene.lights {
+        if let Light::Point { attenuation, .. } = light {
+            attenuation[0] = constant;
+        }
     }
 }
 
-fn with_highlights(material: &mut Material) {
-    if let Material::Phong(phong) | Material::Painted(phong, _) = material {
-        phong.specular = phong.reflective;
+fn add_highlights(scene: &mut Scene) {
+    for material in &mut scene.materials {
+        if let Material::Phong(phong) | Material::Painted(phong, _) = material {
+            phong.specular = phong.reflective;
+        }
+    }
+}
+
+fn weigh_by_area(scene: &mut Scene) {
+    scene.mesh_normals = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 0 };
+}
+
+/// Swaps each of these faces of the cube map with the next one.
+fn swap_faces(scene: &mut Scene, faces: &[usize]) {
+    if let Some(cube) = &mut scene.cube_map {
+        faces.iter().for_each(|&face| cube.swap(face, face + 1));
     }
 }
 
@@ -44,43 +59,15 @@ fn mistakes_of_the_editions_are_found() {
 fn find_mistakes(step: usize) {
     type Change = fn(&mut Scene);
     let cases: [(&str, Change, &str); 10] = [
-        (
-            "screen_2012a4",
-            |scene| scene.lighting.highlight = Highlight::Blinn,
-            "highlights by the half-way vector",
-        ),
+        ("screen_2012a4", |scene| scene.lighting.highlight = Highlight::Blinn, "the half-way vector"),
         ("screen_2012a4", |scene| scene.screen = Screen::LongerSide, "which is not stretched"),
         ("mirrors_2019", |scene| scene.mesh_normals = MeshNormals::Flat, "the normals of the faces"),
-        (
-            "mirrors_2019",
-            |scene| scene.mesh_normals = MeshNormals::Smooth { weights: FaceWeights::Area, flat_up_to: 0 },
-            "other weights of the faces around a vertex",
-        ),
-        (
-            "glass_2012a5",
-            |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [b, a, d, c, f, e]),
-            "all opposite faces of the cube map swapped",
-        ),
-        (
-            "glass_2012a5",
-            |scene| scene.cube_map = scene.cube_map.map(|[a, b, c, d, e, f]| [a, b, c, d, f, e]),
-            "the faces front and back of the cube map swapped",
-        ),
-        (
-            "mirrors_2019",
-            |scene| scene.lights.iter_mut().for_each(|light| with_constant(light, 1.0)),
-            "1 + falloff d^2 instead of falloff d^2",
-        ),
-        (
-            "glass_2012a5",
-            |scene| scene.lights.iter_mut().for_each(|light| with_constant(light, 0.0)),
-            "falloff d^2 instead of 1 + falloff d^2",
-        ),
-        (
-            "glass_2012a5",
-            |scene| scene.materials.iter_mut().for_each(with_highlights),
-            "picture with highlights",
-        ),
+        ("mirrors_2019", weigh_by_area, "other weights of the faces around a vertex"),
+        ("glass_2012a5", |scene| swap_faces(scene, &[0, 2, 4]), "all opposite faces of the cube map swapped"),
+        ("glass_2012a5", |scene| swap_faces(scene, &[4]), "the faces front and back of the cube map swapped"),
+        ("mirrors_2019", |scene| set_constant(scene, 1.0), "1 + falloff d^2 instead of falloff d^2"),
+        ("glass_2012a5", |scene| set_constant(scene, 0.0), "falloff d^2 instead of 1 + falloff d^2"),
+        ("glass_2012a5", add_highlights, "picture with highlights"),
         ("mirrors_2019", |scene| scene.lighting.epsilon = Some(1e-4), "the course's own epsilon of 0.0001"),
     ];
     for (name, change, cause) in cases.into_iter().step_by(step) {
@@ -151,12 +138,8 @@ fn of_2019() -> Vec<Official> {
         let line = if number == "07" { format!("{line} -shadows") } else { line };
         all.push(official(line, &format!("staff200/{scene}"), 0.994, 1));
     }
-    all.push(official(
-        "-edition 2019 -input scene01_plane.txt -size 300 200 -output @".into(),
-        "staff200/scene01_300x200",
-        0.9994,
-        1,
-    ));
+    let line = "-edition 2019 -input scene01_plane.txt -size 300 200 -output @".into();
+    all.push(official(line, "staff200/scene01_300x200", 0.9994, 1));
     all
 }
 
@@ -190,29 +173,15 @@ fn of_2012a5() -> Vec<Official> {
         |name: &str, flags: &str| format!("-edition 2012a5 -input a5_small_{name}.txt -output @ {flags}");
     let four = "-size 100 100 -shadows -bounces 4";
     vec![
-        official(format!("{diamond} -size 200 200 -bounces 0"), "staff/a5_13_b0", 0.999, 1),
         official(format!("{diamond} -size 200 200 -bounces 0 -shadows"), "staff/a5_13_b0s", 0.999, 1),
         official(format!("{diamond} -size 200 200 -bounces 1 -shadows"), "staff/a5_13_b1", 0.999, 1),
         official(format!("{diamond} -size 200 200 -shadows"), "staff/a5_13_plain", 0.999, 1),
-        official(format!("{diamond} -size 60 60 -shadows -jitter -filter"), "staff/a5_13_60_jf", 0.999, 1),
         official(format!("{diamond} -size 300 300 -shadows -jitter -filter"), "staff/a5_13", 0.999, 1),
         official(small("06_bunny_1k", four), "staff/a5_small_06_bunny_1k", 0.993, 1),
         // Edges are seen through a ball, which magnifies the roundings of the other program's single precision.
         official(small("10_sphere", four), "staff/a5_small_10_sphere", 0.993, u8::MAX),
         official(small("11_cube", four), "staff/a5_small_11_cube", 0.999, 1),
         official(small("12_vase", "-size 60 60 -shadows -bounces 2"), "staff/a5_small_12_vase", 0.999, 1),
-        official(
-            small("06_bunny_1k", "-size 40 40 -shadows -jitter -filter"),
-            "staff/a5_small_06_bunny_1k_jf",
-            0.999,
-            1,
-        ),
-        official(
-            small("11_cube", "-size 40 40 -shadows -jitter -filter"),
-            "staff/a5_small_11_cube_jf",
-            0.999,
-            1,
-        ),
     ]
 }
 

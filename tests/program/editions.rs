@@ -15,68 +15,37 @@ Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}\n"
 
 #[test]
 fn a_note_says_which_edition_is_taken_and_why() {
-    for (text, edition) in [
-        (later("shininess 5", "", ""), "2012a4, because of `shininess`"),
-        (later("shininess 5", "falloff 1", ""), "2019, because of `shininess` with `falloff`"),
-        (
-            later("shininess 5 refractionIndex 1.5", "", ""),
-            "2012a5, because of `shininess`, and `refractionIndex`",
-        ),
-        (later("refractionIndex 1.5", "", ""), "2012a5, because of `refractionIndex`"),
-        // Without `falloff` a point light of 2019 would be infinitely bright.
-        (later("bump none.bmp", "", ""), "2012a5, because of `bump`"),
-    ] {
-        let note = format!("note: the scene is read as edition {edition}; `-edition` chooses another\n");
-        // The pictures tell nothing.
-        for picture in ["o.tga", "o.png", "o.bmp"] {
-            let run = Folder::with_scene(&text).run(&format!("-input s.txt -output {picture}")).ok();
-            assert_eq!(run.stderr, note, "{text}");
-        }
+    let folder = Folder::with_scene(&later("shininess 5", "falloff 1", ""));
+    let said = |flags: &str| folder.run(&format!("-input s.txt {flags}")).ok().stderr;
+    for picture in ["-output o.tga", "-output o.png"] {
+        assert!(
+            said(picture)
+                .starts_with("note: the scene is read as edition 2019, because of `shininess` with ")
+        );
     }
-    // Nothing is to be said of what somebody has named, or of a scene of 2004.
-    let folder = Folder::with_scene(&later("shininess 5", "", ""));
-    assert_eq!(folder.run("-input s.txt -output o.tga -edition 2012a4").ok().stderr, "");
+    assert_eq!(said("-output o.tga -edition 2019"), "");
     assert_eq!(Folder::with_scene(&sphere()).run("-input s.txt -output o.tga").ok().stderr, "");
 }
 
 #[test]
 fn words_of_another_edition_name_it_and_the_flag() {
-    let later_word = later("shininess 5 exponent 3", "", "");
-    for (text, flags, message) in [
+    for (text, flags, expected) in [
         (
-            &later_word,
+            &later("shininess 5 exponent 3", "", ""),
             "",
-            "`shininess` is a word of other editions: `-edition 2012a4`, `-edition 2012a5`, `-edition 2019`",
+            "`shininess` ... `-edition 2012a4`, `-edition 2012a5`",
         ),
-        (
-            &later("shininess 5 exponent 3", "falloff 1", ""),
-            "-edition 2019",
-            "`exponent` is a word of other editions: `-edition 2004`, `-edition aalto`",
-        ),
-        (
-            &format!("{CAMERA}{}", sphere()),
-            "-edition 2012a5",
-            "`OrthographicCamera` is a word of other editions: ",
-        ),
+        (&format!("{CAMERA}{}", sphere()), "-edition 2012a5", "`OrthographicCamera` ... `-edition 2004`"),
         (
             &later("refractionIndex 2", "falloff 1", ""),
             "-edition 2019",
-            "`refractionIndex` is a word of other editions: `-edition 2012a5`",
+            "`refractionIndex` ... `-edition 2012a5`",
         ),
-        (
-            &later("shininess 5 Noize", "", ""),
-            "",
-            "the scene is read as `-edition 2012a4`, because of `shininess`",
-        ),
-        (
-            &later("shininess 5", "", ""),
-            "-edition 2019",
-            "without `falloff` the light is infinitely bright in the edition 2019",
-        ),
+        (&later("shininess 5 Noize", "", ""), "", "`-edition 2012a4`, because of `shininess`"),
+        (&later("shininess 5", "", ""), "-edition 2019", "without `falloff` the light is infinitely bright"),
     ] {
-        let message_found =
-            Folder::with_scene(text).run(&format!("-input s.txt -output o.tga {flags}")).message(1);
-        assert!(message_found.contains(message), "{message_found}");
+        let message = Folder::with_scene(text).run(&format!("-input s.txt -output o.tga {flags}")).message(1);
+        assert!(expected.split(" ... ").all(|part| message.contains(part)), "{expected}: {message}");
     }
 }
 
@@ -85,24 +54,24 @@ fn flags_of_editions() {
     let folder = Folder::with_scene(&later("", "falloff 1", ""));
     let message = |flags: &str| folder.run(&format!("-input s.txt -output o.tga {flags}")).message(2);
     assert!(says(&message("-edition 2005"), "'2005' ... -edition ... 2004, 2012a4, 2012a5, 2019, aalto"));
-    assert!(
-        message("-jitter -edition aalto").contains("-jitter is a flag of the edition 2012a5, not of aalto")
-    );
-    assert!(message("-regular_samples 4 -edition 2004").contains("flag of the edition aalto, not of 2004"));
-    assert!(message("-filter -size 2 9").contains("-filter needs at least 3 x 3 pixels: use a larger -size"));
+    assert!(says(&message("-jitter -edition aalto"), "-jitter ... 2012a5, not of aalto"));
+    assert!(says(&message("-regular_samples 4 -edition 2004"), "-regular_samples ... aalto, not of 2004"));
+    assert!(says(&message("-filter -size 2 9"), "-filter needs at least 3 x 3 pixels ... -size"));
     let size = |flags: &str| {
         let picture = folder.render(&format!("-size 12 9 {flags}"));
         [picture.width, picture.height]
     };
-    assert_eq!(size("-jitter"), [36, 27]);
-    assert_eq!(size("-filter"), [4, 3]);
-    assert_eq!(size("-jitter -filter"), [12, 9]);
+    assert_eq!([size("-jitter"), size("-filter"), size("-jitter -filter")], [[36, 27], [4, 3], [12, 9]]);
     // The program of 2019 accepts both and does nothing.
     assert_eq!(size("-jitter -filter -edition 2019"), [12, 9]);
     let json = |flags: &str| folder.run(&format!("-input s.txt -size 9 9 -json - {flags}")).ok().stdout;
     assert!(json("").contains("\"edition\":\"2012a5\"") && json("").contains("\"bounces\":4"));
     assert!(json("-bounces 1").contains("\"bounces\":1"));
     assert!(json("-edition 2019").contains("\"bounces\":0"));
+    let statistics = |flags: &str| folder.run(&format!("-input s.txt -size 9 9 -stats {flags}")).ok().stdout;
+    assert!(statistics("-edition 2019").contains("\n  edition                    2019\n"));
+    folder.write("s.txt", sphere());
+    assert!(!statistics("").contains("edition"));
 }
 
 #[test]
@@ -125,9 +94,8 @@ fn aalto_s_places_of_pixels() {
     let expected: Vec<_> = (0..8).map(|index| [levels(index % 4, 4), levels(index / 4, 2), 255]).collect();
     assert_eq!(places.pixels, expected);
     // Samples and structures change nothing.
-    for flags in ["-edition aalto", "-regular_samples 4", "-shadows -grid 3 3 3", "-stats"] {
-        assert_eq!(folder.render(&format!("-uv -size 4 2 {flags}")).pixels, expected, "{flags}");
-    }
+    let flags = "-edition aalto -regular_samples 4 -shadows -grid 3 3 3 -stats";
+    assert_eq!(folder.render(&format!("-uv -size 4 2 {flags}")).pixels, expected);
     // Depths and normals are those of the scene.
     let normals = |flags: &str| {
         folder.run(&format!("-input s.txt -size 9 9 -normals n.tga {flags}")).ok();
@@ -135,161 +103,100 @@ fn aalto_s_places_of_pixels() {
     };
     assert!(normals("-uv") == normals(""));
     let message = |flags: &str| folder.run(&format!("-input s.txt -output o.tga {flags}")).message(2);
-    assert!(message("-uv -edition 2004").contains("-uv is a flag of the edition aalto, not of 2004"));
-    assert!(message("-uv -pixel 1 1").contains("cannot be used with '-pixel"));
+    assert!(says(&message("-uv -edition 2004"), "-uv ... aalto, not of 2004"));
+    assert!(says(&message("-uv -pixel 1 1"), "-uv ... -pixel"));
     folder.write("s.txt", CAMERA);
-    let run = folder.run("-edition aalto -input s.txt -size 4 2 -output o.tga").ok();
-    assert_eq!(run.stderr, "WARNING:  No lights specified\n");
-    assert_eq!(folder.tga("o.tga").pixels, expected);
+    assert_eq!(folder.render("-edition aalto -size 4 2").pixels, expected);
 }
 
 /// Aalto's program reads textures, and shows the diffuse colour.
 #[test]
 fn aalto_s_textures_are_read() {
-    let scene = |material: &str, coordinates: [&str; 3]| {
-        let [a, b, c] = coordinates;
+    let scene = |material: &str, [a, b]: [&str; 2]| {
         format!(
             "{CAMERA}Materials {{ numMaterials 1 Material {{ diffuseColor .5 .6 .7 {material} }} }}
             Group {{ numObjects 1 MaterialIndex 0
-            Triangle {{ {a} vertex0 -1 -1 0 {b} vertex1 1 -1 0 {c} vertex2 0 1 0 }} }}"
+            Triangle {{ {a} vertex0 -1 -1 0 vertex1 1 -1 0 {b} vertex2 0 1 0 }} }}"
         )
     };
-    let plain = scene("", [""; 3]);
     let textured =
-        scene("texture none.tga mipmap linearInterpolation", ["textCoord0 0 0", "", "textCoord2 .5 1"]);
+        scene("texture none.tga mipmap linearInterpolation", ["textCoord0 0 0", "textCoord2 .5 1"]);
     let bytes = |text: &str| Folder::with_scene(text).render("-size 9 9 -edition aalto").pixels;
-    assert_eq!(bytes(&textured), bytes(&plain));
-    for (text, word) in [(&scene("mipmap", [""; 3]), "mipmap"), (&textured, "texture")] {
+    assert_eq!(bytes(&textured), bytes(&scene("", [""; 2])));
+    for (text, word) in [(&scene("mipmap", [""; 2]), "mipmap"), (&textured, "texture")] {
         let message = Folder::with_scene(text).run("-input s.txt -output o.tga").message(1);
-        assert!(message.contains(&format!("`{word}` is a word of other editions: ")), "{message}");
-        assert!(message.contains("`-edition aalto`"), "{message}");
+        assert!(message.contains(&format!("`{word}` is a word")) && message.contains("`-edition aalto`"));
     }
 }
 
 /// The cells of 2003 are those whose centre lies in the sphere.
 #[test]
 fn cells_of_2003_are_boxes_without_walls_between_them() {
-    let looking = "PerspectiveCamera { center 3 4 6 direction -3 -4 -6 up 0 1 0 angle 40 }
-        Lights { numLights 1 PointLight { position 4 5 3 color 1 1 1 } }
-        Materials { numMaterials 1 Material { diffuseColor .8 .6 .4 specularColor .3 .3 .3 exponent 8 } }\n";
-    let scene = |count: usize, objects: &str| {
-        format!("{looking}Group {{ numObjects {count} MaterialIndex 0 {objects} }}")
+    let pictures = |count: usize, objects: &str| {
+        let folder = Folder::with_scene(&format!(
+            "PerspectiveCamera {{ center 3 4 6 direction -3 -4 -6 up 0 1 0 angle 40 }}
+            Lights {{ numLights 1 PointLight {{ position 4 5 3 color 1 1 1 }} }}
+            Group {{ numObjects 1 Material {{ diffuseColor .8 .6 .4 specularColor .3 .3 .3 exponent 8 }}
+            Transform {{ YRotate 20 Group {{ numObjects {count} {objects} }} }} }}"
+        ));
+        folder.run("-input s.txt -output c.tga -size 40 30 -shadows -depth 5 10 d.tga").ok();
+        let counted = folder.render("-size 40 30 -grid 4 4 4 -visualize_grid_count").pixels;
+        assert_eq!(counted, folder.render("-size 40 30 -grid 4 4 4 -visualize_grid").pixels);
+        ["c.tga", "d.tga"].map(|name| folder.read(name))
     };
     let cells = "Grid { min -1.5 -1.5 -1.5 max 1.5 1.5 1.5 numCells 3 3 3
         rasterizeSphere { center 0 0 0 radius 1 } }";
     let boxes = "Box { min -1.5 -.5 -.5 max 1.5 .5 .5 } Box { min -.5 -1.5 -.5 max .5 1.5 .5 }
         Box { min -.5 -.5 -1.5 max .5 .5 1.5 }";
-    let turned = |count: usize, objects: &str| {
-        format!("Transform {{ YRotate 20 Group {{ numObjects {count} {objects} }} }}")
-    };
-    let pictures = |text: &str| {
-        let folder = Folder::with_scene(text);
-        let flags = "-size 40 30 -shadows -normals n.tga -depth 5 10 d.tga";
-        folder.run(&format!("-input s.txt -output o.tga {flags}")).ok();
-        ["o.tga", "d.tga", "n.tga"].map(|name| folder.read(name))
-    };
-    assert!(pictures(&scene(1, cells)) == pictures(&scene(3, boxes)));
-    // The normals of turned faces are rounded by their corners.
-    let [cells_turned, boxes_turned] =
-        [turned(1, cells), turned(3, boxes)].map(|objects| pictures(&scene(1, &objects)));
-    assert!(cells_turned[..2] == boxes_turned[..2]);
-    let folder = Folder::with_scene(&scene(1, cells));
-    let seen = |flags: &str| folder.render(&format!("-size 40 30 {flags}")).pixels;
-    let counted = seen("-grid 4 4 4 -visualize_grid_count");
-    assert_eq!(counted, seen("-grid 4 4 4 -visualize_grid"));
-    assert_ne!(counted, seen(""));
-    // An object of no cell is nothing.
-    let empty = scene(1, &cells.replace("radius 1", "radius 1e-3").replace("3 3 3", "2 2 2"));
-    let run = Folder::with_scene(&empty).run("-input s.txt -output o.tga").ok();
-    assert!(run.stderr.contains("no ray hits anything"), "{}", run.stderr);
+    assert!(pictures(1, cells) == pictures(3, boxes));
 }
 
-#[test]
-fn statistics_name_another_edition_than_that_of_2004() {
-    let named = |text: &str, flags: &str| {
-        let stdout = Folder::with_scene(text).run(&format!("-input s.txt -stats {flags}")).ok().stdout;
-        stdout.lines().find(|line| line.contains("edition")).map(str::to_owned)
-    };
-    let later = later("", "falloff 1", "");
-    assert_eq!(named(&later, ""), Some("  edition                    2012a5".into()));
-    assert_eq!(named(&later, "-edition 2019"), Some("  edition                    2019".into()));
-    assert_eq!(named(&sphere(), "-edition aalto"), Some("  edition                    aalto".into()));
-    assert_eq!([named(&sphere(), ""), named(&sphere(), "-edition 2004")], [None, None]);
-}
-
-/// Warnings know what the edition's pictures mean.
+/// Warnings know the pictures of an edition.
 #[test]
 fn warnings_of_editions() {
     let warned =
         |text: &str, flags: &str| Folder::with_scene(text).run(&format!("-input s.txt {flags}")).ok().stderr;
     // The colour of a pixel without a normal is grey in 2019.
     let away = later("shininess 5", "falloff 1", "").replace("direction 0 0 -1", "direction 0 0 1");
-    let behind = "no ray hits anything: the scene is behind the camera";
-    for flags in
-        ["-edition 2019 -output o.tga", "-edition 2019 -normals n.tga", "-edition 2012a5 -output o.tga"]
-    {
-        let stderr = warned(&away, flags);
-        assert!(stderr.contains(behind), "{flags}: {stderr}");
+    for flags in ["-edition 2019 -output o.tga", "-edition 2019 -normals n.tga"] {
+        assert!(warned(&away, flags).contains("the scene is behind the camera"), "{flags}");
     }
     // Between the columns, and not higher than a pixel of a picture that is stretched.
     let narrow = format!(
         "{EYE}Materials {{ numMaterials 1 Material {{ }} }} Group {{ numObjects 1 MaterialIndex 0
         Triangle {{ vertex0 -.02 -.1 0 vertex1 .02 -.1 0 vertex2 0 .1 0 }} }}"
     );
-    let small = "no ray hits anything: the scene is smaller than a pixel";
+    let small = "the scene is smaller than a pixel";
     assert!(warned(&narrow, "-edition 2012a4 -size 30 10 -output o.tga").contains(small));
     assert!(!warned(&narrow, "-edition 2004 -size 30 10 -output o.tga").contains(small));
-    let both = "`-shade_back` has no effect in this edition: surfaces look the same from both sides";
     let shiny = later("shininess 5", "", "");
+    let both = "`-shade_back` has no effect in this edition";
     assert!(warned(&shiny, "-edition 2012a4 -shade_back -output o.tga").contains(both));
     assert!(!warned(&sphere(), "-edition aalto -shade_back -output o.tga").contains("-shade_back"));
     // A default is no flag, and flags have the names that they have in the edition.
     let unseen = |flags: &str| warned(&sphere(), &format!("-normals n.tga -edition aalto {flags}"));
     assert_eq!(unseen(""), "");
-    assert_eq!(
-        unseen("-uniform_samples 4"),
-        "warning: `-uniform_samples 4` has no effect: no colour picture is rendered\n"
+    assert!(unseen("-uniform_samples 4").starts_with("warning: `-uniform_samples 4` has no effect"));
+    assert!(
+        unseen("-regular_samples 4 -weight 0").starts_with("warning: `-weight 0`, `-regular_samples 4` have")
     );
-    assert_eq!(
-        unseen("-regular_samples 4 -weight 0"),
-        "warning: `-weight 0`, `-regular_samples 4` have no effect: no colour picture is rendered\n"
-    );
-}
-
-/// The commands of a report are read in the edition that was measured.
-#[test]
-fn a_report_has_the_flags_of_its_edition() {
-    let text = sphere();
-    let folder = Folder::with_scene(&text);
-    folder.run("-edition aalto -input s.txt -size 4 3 -uniform_samples 4 -error_report r").ok();
-    let page = String::from_utf8(folder.read("r/report.html")).expect("text");
-    assert!(page.contains("-edition aalto -uniform_samples 4 -box_filter 0.5"), "{page}");
-    let table = String::from_utf8(folder.read("r/report.csv")).expect("text");
-    assert!(table.contains("-regular_samples 16") && !table.contains("-random_samples"), "{table}");
 }
 
 /// Where the words of a scene leave open which later edition is meant, a warning names the flags.
 #[test]
 fn words_that_leave_the_edition_open_are_a_warning_with_the_flags() {
-    let sun = |text: &str| text.replace("PointLight { position 0 0 5", "DirectionalLight { direction 0 0 -1");
-    for (text, edition, flags) in [
-        (sun(&later("shininess 5", "", "")), "2012a4, but `shininess`", "2012a4`, or `-edition 2019`"),
-        (sun(&later("bump none.bmp", "", "")), "2012a5, but `bump`", "2012a5`, or `-edition 2019`"),
-        (later("", "falloff 1", ""), "2012a5, but `falloff`", "2012a5`, or `-edition 2019`"),
-    ] {
-        let folder = Folder::with_scene(&text);
-        for picture in ["-output o.tga", "-output o.png", "-normals o.bmp", "-stats"] {
-            let stderr = folder.run(&format!("-input s.txt -size 9 9 {picture}")).ok().stderr;
-            let warning = format!(
-                "warning: the scene is read as edition {edition} may belong to another
-  hint: add `-edition {flags} for another picture\n"
-            );
-            assert_eq!(stderr, warning);
-            let message = folder.run(&format!("-input s.txt -size 9 9 {picture} -strict")).message(1);
-            assert!(message.starts_with(warning.replace("warning", "error").trim_end()), "{message}");
-            let named = folder.run(&format!("-input s.txt -size 9 9 {picture} -edition 2012a5")).ok();
-            assert_eq!(named.stderr, "");
-        }
+    let folder = Folder::with_scene(&later("", "falloff 1", ""));
+    for picture in ["-output o.tga", "-normals o.bmp", "-stats"] {
+        let line = format!("-input s.txt -size 9 9 {picture}");
+        let warning = folder.run(&line).ok().stderr;
+        assert!(
+            warning.starts_with("warning: the scene is read as edition 2012a5, but `falloff` may "),
+            "{warning}"
+        );
+        assert!(warning.contains("\n  hint: add `-edition 2012a5`, or `-edition 2019` for "), "{warning}");
+        let message = folder.run(&format!("{line} -strict")).message(1);
+        assert!(message.starts_with(warning.replace("warning", "error").trim_end()), "{message}");
+        assert_eq!(folder.run(&format!("{line} -edition 2012a5")).ok().stderr, "");
     }
 }
 
@@ -298,12 +205,9 @@ fn words_that_leave_the_edition_open_are_a_warning_with_the_flags() {
 fn messages_suggest_words_of_the_edition_only() {
     for (text, edition, lacks) in [
         (later("", "falloff 1", ""), "2012a4", "attenuation"),
-        (later("", "colour 1 1 1", ""), "2012a4", "attenuation"),
         (later("", "attenuatoin 1 0 0", "").replacen("falloff", "", 1), "2012a4", "`attenuation`"),
         ("Camera { }".into(), "2019", "Orthographic"),
-        ("OrthographicCamra { }".into(), "2012a5", "`OrthographicCamera`"),
         (later("", "", "cubemap tex"), "2012a4", "`cubeMap`"),
-        (later("exponant 3", "falloff 1", ""), "2019", "`exponent`"),
         (later("shinines 3", "", ""), "2004", "`shininess`"),
     ] {
         let line = format!("-input s.txt -output o.tga -edition {edition}");
@@ -359,18 +263,14 @@ fn ambient_light_on_a_texture() {
 /// Two programs of 2012 make another picture of a scene than that of 2004, which reads it too.
 #[test]
 fn a_scene_of_all_editions_looks_different_in_each() {
-    let text = format!(
+    let folder = Folder::with_scene(&format!(
         "{EYE}Lights {{ numLights 1 DirectionalLight {{ direction 0 -1 -1 color 1 1 1 }} }}
-        Materials {{ numMaterials 1 Material {{ diffuseColor .9 .8 .7 }} }}
-        Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
-    );
-    let folder = Folder::with_scene(&text);
-    let bytes = |flags: &str| folder.render(&format!("-size 40 20 {flags}")).pixels;
-    let stderr = |flags: &str| folder.run(&format!("-input s.txt -size 9 9 {flags}")).ok().stderr;
-    assert_eq!([stderr("-output o.tga"), stderr("-output o.png -edition 2004")], ["", ""]);
-    assert_eq!(bytes(""), bytes("-edition 2004"));
-    assert_ne!(bytes(""), bytes("-edition 2012a4"));
-    assert_eq!(bytes("-edition 2012a4"), bytes("-edition 2012a5"));
+        Group {{ numObjects 1 Material {{ diffuseColor .9 .8 .7 }} Sphere {{ center 0 0 0 radius 1 }} }}"
+    ));
+    let [own, first, second, third] = ["", "-edition 2004", "-edition 2012a4", "-edition 2012a5"]
+        .map(|flags| folder.render(&format!("-size 40 20 {flags}")).pixels);
+    assert!(own == first && own != second && second == third);
+    assert_eq!(folder.run("-input s.txt -output o.tga").ok().stderr, "");
 }
 
 /// By the law of the later editions a surface that faces away from the light has a highlight, too.
@@ -380,18 +280,4 @@ fn a_pixel_is_explained_by_the_law_of_its_edition() {
     let folder = Folder::with_scene(&behind.replace("position 0 0 5", "position 0 0 -5"));
     let text = folder.run("-input s.txt -size 9 9 -pixel 4 4").ok().stdout;
     assert!(text.contains("light 0: diffuse (0, 0, 0), specular (0.6, 0.6, 0.6), cosine -1\n"), "{text}");
-}
-
-/// Assignment 5 of 2012 has no highlights, which a program that has grown out of assignment 4 has.
-#[test]
-fn highlights_of_the_assignment_before_are_found() {
-    let folder =
-        Folder::with_scene(&later("diffuseColor .4 .3 .2 specularColor .5 .5 .5 shininess 9", "", ""));
-    folder.run("-input s.txt -size 40 30 -edition 2012a4 -output a.png").ok();
-    let run = folder.run("-input s.txt -size 40 30 -edition 2012a5 -bounces 0 -compare a.png").ok();
-    assert!(
-        run.stdout.contains("equals this program's picture with highlights (0 pixels differ)"),
-        "{}",
-        run.stdout
-    );
 }

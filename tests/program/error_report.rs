@@ -1,6 +1,6 @@
 //! `-error_report`: the numbers are those of the pictures, and the page shows them.
 
-use crate::support::{Folder, only_line, scene};
+use crate::support::{Folder, only_line, scene, sphere};
 use raytracer::base::shell::Shell;
 use raytracer::render::Request;
 use raytracer::render::renderer::Renderer;
@@ -98,46 +98,18 @@ fn errors_fall_as_theory_says() {
 }
 
 #[test]
-fn only_what_costs_more_may_be_better_on_the_front() {
-    let table = table(&REPORT.0, "r/report.csv");
-    let of =
-        |line: &[String], name: &str| line[table[0].iter().position(|other| other == name).unwrap()].clone();
-    let mut stars = 0;
-    for filter in ["box_filter 0.5", "tent_filter 1", "gaussian_filter 0.5", "mitchell_filter 2"] {
-        let lines: Vec<_> = table
-            .iter()
-            .filter(|line| line[0] == filter && line[1] != "grid" && !line[3].is_empty())
-            .collect();
-        let numbers = |line: &[String]| {
-            ["CPU seconds least", "RMSE in levels"].map(|name| of(line, name).parse::<f64>().unwrap())
-        };
-        let best = lines.iter().map(|line| numbers(line)[1]).fold(f64::MAX, f64::min);
-        for line in &lines {
-            let [time, error] = numbers(line);
-            let is_beaten = lines.iter().any(|other| numbers(other)[0] < time && numbers(other)[1] < error);
-            let is_on_front = of(line, "on the front") == "yes";
-            assert!(!(is_beaten && is_on_front), "{line:?}");
-            stars += usize::from(is_on_front && error == best);
-        }
-    }
-    assert!(stars >= 4, "the best of each filter is on its front");
-}
-
-#[test]
 fn what_the_scene_shows_is_measured_and_no_grid_changes_it() {
     let table = table(&REPORT.0, "r/report.csv");
     let kinds = |kind: &str| table.iter().filter(|line| line[1] == kind).count();
     assert_eq!(["samples", "secondary rays", "octaves", "grid"].map(kinds), [100, 6, 2, 4]);
-    let changed: Vec<&str> =
-        table.iter().filter(|line| line[1] == "grid").map(|line| line[line.len() - 3].as_str()).collect();
-    assert_eq!(changed, ["0"; 4]);
-    let [own, single] =
-        [2, 1].map(|back| table[1..].iter().map(|line| line[line.len() - back].as_str()).collect::<Vec<_>>());
-    assert!(own.iter().all(|flagged| *flagged == "no") && single.contains(&"no"));
-    assert!(REPORT.1.contains(
-        "  this program               0 hits and 0 bytes differ, by at most 0 levels, RMSE 0.0000"
-    ));
-    assert!(number("box_filter 0.5", "jittered_samples 64", "RMSE in levels") > 0.0);
+    let mut single_precision_agrees = false;
+    for line in &table[1..] {
+        let [.., changed_bytes, own, single] = &line[..] else { panic!("{line:?}") };
+        assert!(own == "no" && (line[1] != "grid" || changed_bytes == "0"), "{line:?}");
+        single_precision_agrees |= single == "no";
+    }
+    assert!(single_precision_agrees);
+    assert!(REPORT.1.contains("0 hits and 0 bytes differ, by at most 0 levels, RMSE 0.0000"), "{}", REPORT.1);
 }
 
 /// The number behind a word in a line.
@@ -150,46 +122,42 @@ fn number_after(line: &str, word: &str) -> f64 {
 fn the_target_is_answered_first_by_a_command_line_to_copy() {
     let (folder, said) = &*REPORT;
     let lines: Vec<&str> = said.lines().collect();
-    assert_eq!(lines[1], "SPEED AGAINST ERROR");
     assert!(lines[2].starts_with("  the fastest setting with an RMSE of at most 12 has "), "{}", lines[2]);
     let (seconds, error) = (number_after(lines[2], " in "), number_after(lines[2], " has "));
-    let command = lines[3];
     let table = table(folder, "r/report.csv");
-    let column = |name: &str| table[0].iter().position(|other| other == name).unwrap();
-    let [flags, time, rmse] = ["flags", "CPU seconds least", "RMSE in levels"].map(column);
-    let candidates: Vec<(f64, f64, String)> = table[1..]
-        .iter()
-        .filter(|line| !line[flags].is_empty() && line[1] != "grid")
-        .map(|line| {
-            // A quote keeps a spreadsheet from taking the flags for a formula.
-            let flags = line[flags].trim_start_matches('\'').to_owned();
-            (line[time].parse().unwrap(), line[rmse].parse().unwrap(), flags)
-        })
-        .collect();
-    let good = || candidates.iter().filter(|(_, error, _)| *error <= 12.0);
-    let least = good().map(|(time, ..)| *time).fold(f64::INFINITY, f64::min);
+    let [flags, time, rmse] = ["flags", "CPU seconds least", "RMSE in levels"]
+        .map(|name| table[0].iter().position(|other| other == name).unwrap());
     let start = format!("raytracer -input {} -size 16 12 ", Shell::OF_SYSTEM.word(NAME));
-    // Several may be as fast as the digits of the table tell.
-    let chosen = good().find(|(.., flags)| command == format!("{start}{flags} -output picture.png")).unwrap();
-    assert!(chosen.0 - least < 1e-5, "{chosen:?} {least}");
-    assert!((seconds - chosen.0).abs() < 1e-4 && (error - chosen.1).abs() < 1e-3, "{}", lines[2]);
-    folder.run(&command.replace(['\'', '"'], "").replace("raytracer ", "")).ok();
+    let (mut least, mut chosen) = (f64::INFINITY, None);
+    for line in table[1..].iter().filter(|line| !line[flags].is_empty() && line[1] != "grid") {
+        let [time, rmse]: [f64; 2] = [time, rmse].map(|column| line[column].parse().unwrap());
+        least = if rmse <= 12.0 { least.min(time) } else { least };
+        // A quote keeps a spreadsheet from taking the flags for a formula.
+        if lines[3] == format!("{start}{} -output picture.png", line[flags].trim_start_matches('\'')) {
+            chosen = Some([time, rmse]);
+        }
+    }
+    let [time, rmse] = chosen.expect("the command line is one of the table");
+    // The table has fewer digits than were compared.
+    assert!(rmse <= 12.0 && time - least < 1e-5, "{time} {least}");
+    assert!((seconds - time).abs() < 1e-4 && (error - rmse).abs() < 1e-3, "{}", lines[2]);
+    folder.run(&lines[3].replace(['\'', '"'], "").replace("raytracer ", "")).ok();
     assert!(folder.names().contains(&"picture.png".to_owned()));
 }
 
 #[test]
 fn a_target_that_nothing_reaches_is_answered_with_the_nearest_and_status_3() {
-    let folder = Folder::with_scene(&mirror());
-    let run = folder.run("-input s.txt -size 6 5 -error_report r -target 0");
+    let folder = Folder::with_scene(&sphere());
+    let run = folder.run("-edition aalto -input s.txt -size 4 3 -error_report r -target 0");
     assert_eq!(run.status, Some(3), "{}", run.stderr);
     let line = run.stdout.lines().nth(2).unwrap();
-    assert!(line.starts_with("  nothing measured reaches an RMSE of 0; the nearest is "), "{line}");
     let table = table(&folder, "r/report.csv");
-    let rmse = table[0].iter().position(|name| name == "RMSE in levels").unwrap();
-    let least =
-        table[1..].iter().filter(|line| line[1] == "samples").map(|line| line[rmse].parse::<f64>().unwrap());
-    let least = least.fold(f64::MAX, f64::min);
+    let [flags, rmse] =
+        ["flags", "RMSE in levels"].map(|name| table[0].iter().position(|other| other == name).unwrap());
+    let errors = table[1..].iter().filter(|line| line[1] == "samples");
+    let least = errors.map(|line| line[rmse].parse::<f64>().unwrap()).fold(f64::MAX, f64::min);
     assert!((number_after(line, "nearest is") - least).abs() < 1e-3, "{line} {least}");
+    assert!(table.iter().any(|line| line[flags].starts_with("'-regular_samples")), "flags of the edition");
     let page = String::from_utf8(folder.read("r/report.html")).unwrap();
     assert!(page.contains("<em>not reached by anything measured; the nearest</em>"));
 }
@@ -197,9 +165,6 @@ fn a_target_that_nothing_reaches_is_answered_with_the_nearest_and_status_3() {
 #[test]
 fn the_page_is_one_file() {
     let page = String::from_utf8(REPORT.0.read("r/report.html")).unwrap();
-    assert!(page.contains(
-        "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'\""
-    ));
     for outside in ["http:", "https:", "<link", "src=\"h", "@import", "url(", "<b>"] {
         assert!(!page.contains(outside), "{outside}");
     }
@@ -210,10 +175,9 @@ fn the_page_is_one_file() {
         assert!(pictures >= 5, "the reference and at least two pairs");
     }
     for text in [
+        "content=\"default-src 'none'; img-src data:; ",
         if cfg!(windows) { "-input &quot;&amp;b;.txt&quot;" } else { "-input &#39;&lt;b&gt;.txt&#39;" },
         "All 112 settings were measured.",
-        "slope -0.",
-        "this program</td><td>0</td><td>0</td><td>0</td>",
     ] {
         assert!(page.contains(text), "{text}");
     }
@@ -246,16 +210,13 @@ fn an_interrupt_keeps_what_is_done() {
 #[test]
 fn a_folder_that_cannot_be_written_ends_the_run_before_it_starts() {
     let folder = Folder::with_scene(&mirror());
-    for (name, start) in [
-        ("s.txt", "error: cannot make the folder `s.txt`: "),
-        ("s.txt/r", "error: cannot make the folder `s.txt/r`: "),
-    ] {
+    fs::create_dir_all(folder.path().join("r/report.csv")).unwrap();
+    for (name, start) in
+        [("s.txt", "error: cannot make the folder `s.txt`: "), ("r", "error: cannot write `r/report.csv`: ")]
+    {
         let message = folder.run(&format!("-input s.txt -size 4000 4000 -error_report {name}")).message(1);
         assert!(only_line(&message).starts_with(start), "{message}");
     }
-    fs::create_dir_all(folder.path().join("r/report.csv")).unwrap();
-    folder.run("-input s.txt -size 4000 4000 -error_report r").message(1);
     assert!(!folder.path().join("r/report.html").exists());
-    let message = folder.run("-input none.txt -error_report q").message(1);
-    assert!(message.contains("none.txt"), "{message}");
+    assert!(folder.run("-input none.txt -error_report q").message(1).contains("none.txt"));
 }

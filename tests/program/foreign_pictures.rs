@@ -20,16 +20,12 @@ fn written(folder: &Folder) -> ([usize; 2], Vec<u8>) {
     ([width, height].map(|side| side.parse().unwrap()), lines.next().unwrap().to_vec())
 }
 
-/// Why a picture is not read.
+/// Why a picture is not read, with the hint after a semicolon.
 fn refusal(folder: &Folder, name: &str) -> String {
-    let message = in_one_line(folder.run(&format!("-convert {name} -output out.ppm")).message(1));
+    let message = folder.run(&format!("-convert {name} -output out.ppm")).message(1);
+    let message = message.replace("\n  hint: ", "; ");
     let reason = only_line(&message).strip_prefix(&format!("error: cannot read `{name}`: "));
     reason.unwrap_or_else(|| panic!("{name}: {message}")).to_owned()
-}
-
-/// The message with its hint after a semicolon.
-fn in_one_line(message: String) -> String {
-    message.replace("\n  hint: ", "; ")
 }
 
 fn assert_refused(folder: &Folder, name: &str, words: &[&str]) {
@@ -45,26 +41,20 @@ fn crlf(bytes: &[u8]) -> Vec<u8> {
 fn the_first_bytes_decide_the_format_and_the_name_is_checked() {
     let folder = Folder::with_scene(&sphere());
     let endings = ["tga", "png", "bmp", "ppm", "pfm", "exr"];
-    let outputs: Vec<_> =
-        endings.iter().map(|ending| format!("-input s.txt -size 9 7 -output a.{ending}")).collect();
-    outputs.iter().for_each(|line| drop(folder.run(line).ok()));
     for from in endings {
-        let bytes = folder.read(&format!("a.{from}"));
-        for to in endings.into_iter().filter(|&to| to != from) {
-            folder.write(&format!("b.{to}"), &bytes);
-            let expected = format!("{} file; name it `b.{from}`", from.to_uppercase());
-            assert_refused(&folder, &format!("b.{to}"), &["it is a", &*expected]);
+        folder.run(&format!("-input s.txt -size 9 7 -output a.{from}")).ok();
+        for to in ["tga", "png"].into_iter().filter(|&to| to != from) {
+            folder.write(&format!("b.{to}"), folder.read(&format!("a.{from}")));
+            let found = format!(" {} file; name it `b.{from}`", from.to_uppercase());
+            assert_refused(&folder, &format!("b.{to}"), &[&found]);
         }
     }
-    folder.write("part.png", folder.read("a.tga"));
-    let message = in_one_line(folder.run("-merge part.png -output m.png").message(1));
-    assert!(message.contains("it is a TGA file; name it `part.tga`"), "{message}");
-    folder.write("t.txt", textured("part.png"));
-    let message = folder.run("-input t.txt -edition 2012a4 -size 4 4 -output t.tga").message(1);
-    assert!(
-        message.contains("it is a TGA file\n") && message.contains("hint: name it `part.tga`"),
-        "{message}"
-    );
+    for line in ["-merge b.png -output m.png", "-input t.txt -edition 2012a4 -size 4 4 -output t.tga"] {
+        folder.write("b.png", folder.read("a.tga"));
+        folder.write("t.txt", textured("b.png"));
+        let message = folder.run(line).message(1);
+        assert!(message.contains("it is a TGA file\n") && message.contains("name it `b.tga`"), "{message}");
+    }
     let (_, expected) = pixels(&folder, "a.tga");
     for name in ["a.pgm", "a.pbm", "a.PNM", "a.pam"] {
         folder.write(name, folder.read("a.ppm"));
@@ -96,7 +86,7 @@ fn samples_are_rounded_to_the_nearest_level() {
     encoder.write_header().unwrap().write_image_data(&rows).unwrap();
     folder.write("a.png", png);
     assert!(pixels(&folder, "a.png").1 == expected(65535));
-    for white in [1, 2, 7, 100, 254, 255, 256, 300, 1000, 1023, 4095, 65534, 65535] {
+    for white in [1, 7, 254, 255, 256, 1023, 65534, 65535] {
         let raw = (0..=white).flat_map(|sample| match white {
             ..256 => vec![sample as u8],
             _ => (sample as u16).to_be_bytes().to_vec(),
@@ -154,24 +144,15 @@ fn a_picture_without_pixels_is_an_error_everywhere() {
     for (name, bytes) in empty_files() {
         folder.write(&name, &bytes);
         assert_eq!(refusal(&folder, &name), "the picture has no pixels");
-        for line in [
-            format!("-compare {name} -reference o.tga"),
-            format!("-compare o.tga -reference {name}"),
-            format!("-input s.txt -size 4 4 -reference {name}"),
-        ] {
-            let message = folder.run(&line).message(1);
-            assert!(message.contains("the picture has no pixels"), "{line}: {message}");
-        }
-        folder.write("t.txt", textured(&name));
-        let message = folder.run("-input t.txt -edition 2012a4 -size 4 4 -output t.tga").message(1);
-        assert!(message.contains("the picture has no pixels"), "{name}: {message}");
     }
-    std::fs::create_dir_all(folder.path().join("class/anna")).unwrap();
-    std::fs::create_dir(folder.path().join("ref")).unwrap();
-    folder.write("ref/o.ppm", b"P6\n1 1\n255\nabc");
-    folder.write("class/anna/o.ppm", b"P6\n1 0\n255\n");
-    folder.run("-grade class -reference ref -report page.html").ok();
-    assert!(String::from_utf8(folder.read("page.csv")).unwrap().contains("the picture has no pixels"));
+    folder.write("t.txt", textured("0x20.png"));
+    for line in [
+        "-compare 0x20.tga -reference o.tga",
+        "-input s.txt -size 4 4 -reference 0x20.tga",
+        "-input t.txt -edition 2012a4 -size 4 4 -output t.tga",
+    ] {
+        assert!(folder.run(line).message(1).contains("the picture has no pixels"), "{line}");
+    }
 }
 
 #[test]
@@ -215,28 +196,26 @@ fn raw_files_that_are_too_long_or_a_byte_too_short_are_refused() {
     let folder = Folder::new();
     let samples = [90, 13, 11, 200, 13, 13, 10, 10, 13, 0, 255, 77];
     let file = |header: &str, samples: &[u8], rest: &[u8]| [header.as_bytes(), samples, rest].concat();
-    for (file, words) in [
-        (file("P6\n2 2\n255\n", &samples, b"abc"), "3 bytes too long for 2 x 2 pixels"),
+    for (name, file, words) in [
+        ("a.ppm", file("P6\n2 2\n255\n", &samples, b"abc"), "3 bytes too long for 2 x 2 pixels"),
         // Two line ends before the samples.
-        (file("P6\n2 2\n255\n\n", &samples, b""), "1 byte too long for 2 x 2 pixels"),
-        (file("P6\n2 2\n255\n", &samples, b"P6\n1 1\n255\nabc"), "14 bytes too long"),
-        (file("P6\r\n2 2\r\n255\r\n", &samples, b"abc"), "4 bytes too long"),
-        (file("P6\r\n2 2\r\n255\r\n", &samples[..11], b""), "too short for 2 x 2 pixels"),
-        (file("P6\n2 2\n255\n", &samples, &samples), "12 bytes too long"),
+        ("a.ppm", file("P6\n2 2\n255\n\n", &samples, b""), "1 byte too long for 2 x 2 pixels"),
+        ("a.ppm", file("P6\r\n2 2\r\n255\r\n", &samples, b"abc"), "4 bytes too long"),
+        ("a.ppm", file("P6\r\n2 2\r\n255\r\n", &samples[..11], b""), "too short for 2 x 2 pixels"),
+        ("a.ppm", file("P6\n2 2\n255\n", &samples, &samples), "12 bytes too long"),
         // One of the line feeds is alone.
-        (file("P6\r\n2 2\r\n255\r\n", &crlf(&samples), b"\n"), "4 bytes too long"),
+        ("a.ppm", file("P6\r\n2 2\r\n255\r\n", &crlf(&samples), b"\n"), "4 bytes too long"),
+        ("a.pfm", file("Pf\n1 1\n-1\n\n", &1f32.to_le_bytes(), b""), "1 byte too long for 1 x 1 pixels"),
+        ("a.pfm", file("PF\n-1 1\n-1.0\n", b"", b""), "line 2: `-1` "),
+        ("a.pfm", file("PF\n1 1\n0\n", b"", b""), "line 3: `0` "),
     ] {
-        folder.write("a.ppm", &file);
-        assert_refused(&folder, "a.ppm", &[words]);
+        folder.write(name, &file);
+        assert_refused(&folder, name, &[words]);
     }
-    folder.write("a.pfm", [b"Pf\n1 1\n-1\n\n", &1f32.to_le_bytes()[..]].concat());
-    assert_refused(&folder, "a.pfm", &["1 byte too long for 1 x 1 pixels"]);
-    for end in ["\n", "\r\n"] {
-        folder.write("a.ppm", file("P6\n2 2\n255\n", &samples, end.as_bytes()));
-        let run = folder.run("-convert a.ppm -output out.ppm").ok();
-        assert_eq!(run.stderr, "note: ignored a line end after the last pixel of `a.ppm`\n");
-        assert_eq!(written(&folder), ([2, 2], samples.to_vec()));
-    }
+    folder.write("a.ppm", file("P6\n2 2\n255\n", &samples, b"\r\n"));
+    let run = folder.run("-convert a.ppm -output out.ppm").ok();
+    assert_eq!(run.stderr, "note: ignored a line end after the last pixel of `a.ppm`\n");
+    assert_eq!(written(&folder), ([2, 2], samples.to_vec()));
 }
 
 #[test]
@@ -261,9 +240,7 @@ fn plain_pictures_are_refused_with_line_value_and_limit() {
     let folder = Folder::new();
     for (body, words) in [
         ("1 2 3\n4 256 6", &["line 5: `256`", "from 0 to 255", "clamp"][..]),
-        ("1 2 3\n4 -1 6", &["line 5: `-1`", "from 0 to 255", "clamp"]),
         ("-2147483648 2 3\n4 5 6", &["line 4: `-2147483648`", "NaN", "clamp"]),
-        ("1 2 3\n4 nan 6", &["line 5: `nan`", "from 0 to 255"]),
         ("1 2 0.5\n4 5 6", &["line 4: `0.5`", "whole number"]),
         ("1 2 3 # one\n4 5 6\n7", &["line 6: `7` follows the last of 2 x 1 pixels"]),
         ("1 2 3\n4 5 6\nDone.", &["line 6: `Done.` follows the last", "std::cerr"]),
@@ -273,14 +250,15 @@ fn plain_pictures_are_refused_with_line_value_and_limit() {
         folder.write("a.ppm", format!("P3\n2 1\n255\n{body}\n"));
         assert_refused(&folder, "a.ppm", words);
     }
-    folder.write("a.ppm", "Rendering: 10%\nP3\n1 1\n255\n1 2 3\n");
-    assert_refused(&folder, "a.ppm", &["line 2", "`Rendering: 10%`", "std::cerr"]);
-    folder.write("a.ppm", "P3\n1 1\n70000\n1 2 3\n");
-    assert_refused(&folder, "a.ppm", &["line 3: `70000` is not a whole number from 1 to 65535"]);
-    let wide: Vec<u8> = "\u{feff}P3\n1 1\n255\n1 2 3\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
-    for file in [&wide[..], &wide[2..]] {
+    let wide = "\u{feff}P3\n1 1\n255\n1 2 3\n".encode_utf16().flat_map(u16::to_le_bytes);
+    for (file, words) in [
+        (b"Rendering: 10%\nP3\n1 1\n255\n1 2 3\n".to_vec(), &["line 2", "`Rendering: 10%`", "std::cerr"][..]),
+        (b"P3\n1 1\n70000\n1 2 3\n".to_vec(), &["line 3: `70000`", "from 1 to 65535"]),
+        (wide.clone().collect(), &["UTF-16", "PowerShell"]),
+        (wide.skip(2).collect(), &["UTF-16", "PowerShell"]),
+    ] {
         folder.write("a.ppm", file);
-        assert_refused(&folder, "a.ppm", &["UTF-16", "PowerShell"]);
+        assert_refused(&folder, "a.ppm", words);
     }
 }
 
@@ -386,10 +364,7 @@ fn an_openexr_picture_is_its_display_window() {
         ([10, 20, 17, 25], [10, 20, 17, 25]),
         ([-9, -9, -2, -3], [-7, -10, -4, -1]),
         ([5, 4, 9, 9], [0, 0, 7, 5]),
-        ([20, 0, 23, 3], [0, 0, 7, 5]),
         ([-20, 0, -17, 3], [0, 0, 7, 5]),
-        ([0, -9, 3, -5], [0, 0, 7, 5]),
-        ([3, 3, 3, 3], [3, 3, 3, 3]),
     ] {
         for is_reversed in [false, true] {
             let exr = Exr { display, is_reversed, ..Exr::new(data) };
@@ -397,11 +372,6 @@ fn an_openexr_picture_is_its_display_window() {
             assert_eq!(pixels(&folder, "a.exr"), exr.pixels(), "{data:?} {display:?}");
         }
     }
-    let folder = Folder::with_scene(&sphere());
-    folder.run("-input s.txt -size 20 20 -region 5 5 8 6 -output part.exr").ok();
-    folder.run("-input s.txt -size 20 20 -output whole.exr").ok();
-    let run = folder.run("-compare part.exr -reference whole.exr").ok();
-    assert!(run.stdout.contains("20x20"), "{}", run.stdout);
 }
 
 #[test]
@@ -424,11 +394,7 @@ fn openexr_files_with_runs_are_read_and_others_are_named() {
     }
     let names = ["ViewLayer.Combined.B", "ViewLayer.Combined.G", "ViewLayer.Combined.R"];
     folder.write("a.exr", Exr { names, ..exr.clone() }.file(0));
-    assert_refused(
-        &folder,
-        "a.exr",
-        &[&names.join(", "), "--ch R=ViewLayer.Combined.R,G=ViewLayer.Combined.G"],
-    );
+    assert_refused(&folder, "a.exr", &[&names.join(", "), "--ch R=ViewLayer.Combined.R,G="]);
     // A row that is there twice leaves another out.
     let mut twice = exr.file(0);
     let row = twice.len() - 8 - 4 * 3 * 4;

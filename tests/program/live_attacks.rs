@@ -28,18 +28,6 @@ fn work_of(server: &Server) -> f64 {
     fields[11..13].iter().map(|time| time.parse::<f64>().expect("ticks")).sum::<f64>() / 100.0
 }
 
-/// The most memory that a server has used, in kB.
-fn memory_of(server: &Server) -> u64 {
-    let status = fs::read_to_string(format!("/proc/{}/status", server.child.id())).expect("a process");
-    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("the peak");
-    peak.split_whitespace().next().and_then(|number| number.parse().ok()).expect("a number")
-}
-
-/// A server of one thread for each question.
-fn on_one_thread(folder: &Folder) -> Server {
-    Server::of(folder.command("-input s.txt -gui -port 0 -no_browser -threads 1 -size 4 4"))
-}
-
 /// Asks, and leaves after a while, while there is work to do. There must be nothing to do a second later.
 fn leave(server: &Server, path: &str, body: &[u8], after: Duration) {
     let mut stream = server.connect();
@@ -55,6 +43,18 @@ fn leave(server: &Server, path: &str, body: &[u8], after: Duration) {
         more = work_of(server) - before;
     }
     assert!(more <= 0.05, "{path}: {more} s of work in a quarter of a second, after its client has left");
+}
+
+/// Asks a question `count` times. Returns the connections, which do not wait for their answers.
+fn asked(server: &Server, path: &str, body: &[u8], count: usize) -> Vec<TcpStream> {
+    let request = server.request(&format!("POST {path}"), &[], body);
+    let ask = |_| {
+        let mut stream = server.connect();
+        stream.write_all(&request).expect("a request");
+        stream.set_nonblocking(true).expect("a stream that does not wait");
+        stream
+    };
+    (0..count).map(ask).collect()
 }
 
 fn wanted(view: &Value) -> Value {
@@ -129,23 +129,6 @@ fn work_ends_with_its_client_in_every_phase() {
 }
 
 #[test]
-fn the_largest_pictures_at_once_take_less_than_a_gigabyte() {
-    let folder = Folder::with_scene(&sphere());
-    let server = Server::start(folder.path(), "-size 4 4");
-    thread::scope(|scope| {
-        for _ in 0..6 {
-            let server = &server;
-            scope.spawn(move || {
-                let question = wanted(&view(0, "-size 2048 2048"));
-                assert_eq!(server.ask("/picture", &question).expect("a picture").1.len(), 4 << 22);
-            });
-        }
-    });
-    let most = memory_of(&server);
-    assert!(most < 1_000_000, "{most} kB");
-}
-
-#[test]
 fn rays_that_meet_much_end_with_their_client() {
     // Every ray meets half of the triangles, and casts a ray to each light.
     let corner = |k: usize| format!("{} {} {}", (k * 7919) % 997, (k * 104_729) % 991, k % 13);
@@ -178,14 +161,7 @@ fn scenes_that_take_long_end_with_their_client_and_block_no_other() {
     let typed = bytes(&json!({ "text": scene(1, grid) }));
     leave(&server, "/scene", &typed, SECOND / 20);
     // Several that read and build do not keep others from it.
-    let streams: Vec<TcpStream> = (0..8)
-        .map(|_| {
-            let mut stream = server.connect();
-            stream.write_all(&server.request("POST /scene", &[], &typed)).expect("a request");
-            stream.set_nonblocking(true).expect("a stream that does not wait");
-            stream
-        })
-        .collect();
+    let streams = asked(&server, "/scene", &typed, 8);
     sleep(SECOND / 20);
     let ellipsoid = |k: usize| {
         let radius = 1.0 - k as f64 * 4e-16;
@@ -197,49 +173,27 @@ fn scenes_that_take_long_end_with_their_client_and_block_no_other() {
     assert!(streams.iter().filter(|stream| waits(stream)).count() > 4);
     drop(streams);
     let revision = said["scene"]["revision"].as_u64().expect("a revision");
-    for flags in ["-shadows", "-grid none -bounces 4"] {
-        leave(
-            &server,
-            "/picture",
-            &bytes(&wanted(&view(revision, &format!("-size 500 500 {flags}")))),
-            SECOND,
-        );
+    for (path, flags) in
+        [("/picture", "-shadows"), ("/picture", "-grid none -bounces 4"), ("/objects", "-shadows")]
+    {
+        let question = wanted(&view(revision, &format!("-size 500 500 {flags}")));
+        leave(&server, path, &bytes(&question), SECOND);
     }
-    let all = view(revision, "-size 500 500");
-    leave(&server, "/objects", &bytes(&json!({ "view": all })), SECOND);
 }
 
 #[test]
 #[ignore = "slow: the deadline is twenty seconds"]
-fn an_answer_comes_within_a_second_of_its_deadline_and_blocks_no_other() {
+fn an_answer_comes_within_a_second_of_its_deadline() {
     let folder = Folder::with_scene(GLASS);
-    let server = on_one_thread(&folder);
-    let deep = view(0, &format!("-size 2048 2048 {DEEP}"));
+    let server = Server::start(folder.path(), "-size 4 4");
     // With this filter the samples of 25 pixels count.
     let wide = view(0, &format!("-size 2048 2048 {DEEP} -mitchell_filter 2"));
-    let question = json!({ "view": wide, "pixel": [1000, 1000] });
-    thread::scope(|scope| {
-        let start = Instant::now();
-        let traced = scope.spawn(|| server.ask("/trace", &question));
-        let streams: Vec<TcpStream> = (0..2)
-            .map(|_| {
-                let mut stream = server.connect();
-                let question = bytes(&wanted(&deep));
-                stream.write_all(&server.request("POST /picture", &[], &question)).expect("a request");
-                stream
-            })
-            .collect();
-        sleep(SECOND);
-        let asked = Instant::now();
-        server.ask("/picture", &wanted(&view(0, "-size 20 20"))).expect("a picture");
-        assert!(asked.elapsed() < 2 * SECOND, "others wait for {:?}", asked.elapsed());
-        // What follows leaves the processors to other tests.
-        drop(streams);
-        let (status, said) = traced.join().expect("no panic").map(drop).expect_err("no answer");
-        let took = start.elapsed();
-        assert!(status == 422 && said.contains("longer than a page may"), "{status} {said}");
-        assert!(took > 19 * SECOND && took < 21 * SECOND, "{took:?}");
-    });
+    let start = Instant::now();
+    let traced = server.ask("/trace", &json!({ "view": wide, "pixel": [1000, 1000] }));
+    let (status, said) = traced.map(drop).expect_err("no answer");
+    let took = start.elapsed();
+    assert!(status == 422 && said.contains("longer than a page may"), "{status} {said}");
+    assert!(took > 19 * SECOND && took < 21 * SECOND, "{took:?}");
 }
 
 #[test]
@@ -247,15 +201,7 @@ fn a_short_question_waits_for_no_long_one() {
     let folder = Folder::with_scene(GLASS);
     let server = Server::start(folder.path(), "-size 4 4");
     let deep = view(0, &format!("-size 2048 2048 {DEEP}"));
-    let streams: Vec<TcpStream> = (0..8)
-        .map(|_| {
-            let mut stream = server.connect();
-            let question = bytes(&wanted(&deep));
-            stream.write_all(&server.request("POST /picture", &[], &question)).expect("a request");
-            stream.set_nonblocking(true).expect("a stream that does not wait");
-            stream
-        })
-        .collect();
+    let streams = asked(&server, "/picture", &bytes(&wanted(&deep)), 8);
     sleep(SECOND / 2);
     server.ask("/picture", &wanted(&view(0, "-size 20 20"))).expect("a picture");
     // None of the others has been answered before, not even that it takes too long.
@@ -263,25 +209,6 @@ fn a_short_question_waits_for_no_long_one() {
         let found = stream.read(&mut [0]).map_err(|error| error.kind());
         assert_eq!(found, Err(std::io::ErrorKind::WouldBlock));
     }
-}
-
-#[test]
-fn connections_that_send_no_body_make_room() {
-    let folder = Folder::with_scene(&sphere());
-    let server = Server::start(folder.path(), "-size 4 4");
-    let head = server.request("POST /scene", &[("Content-Length", "1000")], b"");
-    let silent: Vec<TcpStream> = (0..32)
-        .map(|_| {
-            let mut stream = server.connect();
-            stream.write_all(&head).expect("a head");
-            stream
-        })
-        .collect();
-    sleep(SECOND);
-    for _ in 0..3 {
-        assert_eq!(server.post("/start", &[], b"{}").map(|(status, _)| status), Some(200));
-    }
-    drop(silent);
 }
 
 #[test]
@@ -298,7 +225,7 @@ fn the_page_keeps_its_text_when_the_file_changes() {
 fn many_connections_and_slow_ones_make_room() {
     let folder = Folder::with_scene(&sphere());
     let server = Server::start(folder.path(), "-size 4 4");
-    // Some have the key and rest, some say a part of a head or of a body, and some wait to hear that the program lives.
+    // Some have the key and rest, some say a part of a head or no body, and some wait to hear that the program lives.
     let with_key = |start: &str, body: &[u8]| {
         let mut stream = server.connect();
         let request = server.request(start, &[("Connection", "keep-alive")], body);
@@ -307,11 +234,11 @@ fn many_connections_and_slow_ones_make_room() {
     };
     let resting: Vec<TcpStream> = (0..40).map(|_| with_key("POST /start", b"{}")).collect();
     let listening: Vec<TcpStream> = (0..40).map(|_| with_key("POST /alive", b"")).collect();
-    let part = server.request("POST /start", &[], b"{}");
-    let dripping: Vec<TcpStream> = (0..40)
-        .map(|_| {
+    let bodiless = server.request("POST /scene", &[("Content-Length", "1000")], b"");
+    let dripping: Vec<TcpStream> = (0..80)
+        .map(|k| {
             let mut stream = server.connect();
-            let _ = stream.write_all(&part[..20]);
+            let _ = stream.write_all(if k % 2 == 0 { &bodiless[..20] } else { &bodiless });
             stream
         })
         .collect();

@@ -31,11 +31,9 @@ fn a_picture_of_each_edition_is_the_one_of_its_command_line() {
         "",
         "-edition 2012a5",
         "-edition 2012a5 -bounces 1",
-        "-edition 2019 -shadows -bounces 2",
-        "-jitter -filter",
         "-jitter",
         "-filter",
-        "-edition 2019 -jitter -filter",
+        "-edition 2019 -jitter -filter -shadows",
     ] {
         let words = format!("-size 30 18 {words}");
         let revision = opened(&server, &text, &words)["revision"].as_u64().expect("a scene");

@@ -1,38 +1,26 @@
 //! Meshes from outside: pictures of polygons, what other programs write, and the names of files.
 
 use crate::support::{CAMERA, Folder, scene};
-use std::fmt::Write as _;
 use std::path::MAIN_SEPARATOR;
 
+/// Casts rays along an edge that two polygons share, on which both have a corner that lies between two others.
 #[test]
 fn nothing_shows_through_along_an_edge_of_two_polygons() {
-    look_along_edges(6);
-}
-
-#[test]
-#[ignore = "slow: ten seconds"]
-fn nothing_shows_through_along_any_edge_of_two_polygons() {
-    look_along_edges(1);
-}
-
-/// Casts rays along an edge that two polygons share, on which both have a corner that lies between two others, for every
-/// `step`th pair of a direction and a first corner.
-fn look_along_edges(step: usize) {
     let folder = Folder::new();
     // An edge from -4 to 4 with a corner at 0.1, below a house and above a trough.
     let outlines = [
         [[-4.0, 0.0], [0.1, 0.0], [4.0, 0.0], [4.0, 4.0], [-4.0, 4.0]],
         [[4.0, 0.0], [0.1, 0.0], [-4.0, 0.0], [-4.0, -4.0], [4.0, -4.0]],
     ];
-    for (turn, start) in (1..=8).flat_map(|turn| (0..5).map(move |start| (turn, start))).step_by(step) {
+    for (turn, start) in (1..=8).map(|turn| (turn, turn as usize % 5)) {
         let (sin, cos) = (f64::from(turn) * 0.227).sin_cos();
         let mut mesh = String::new();
         for [x, y] in outlines.as_flattened() {
-            writeln!(mesh, "v {} {} 0", cos * x - sin * y, sin * x + cos * y).unwrap();
+            mesh += &format!("v {} {} 0\n", cos * x - sin * y, sin * x + cos * y);
         }
         for first in [1, 6] {
             let corners = (0..5).map(|k| format!(" {}", first + (start + k) % 5)).collect::<String>();
-            writeln!(mesh, "f{corners}").unwrap();
+            mesh += &format!("f{corners}\n");
         }
         folder.write("m.obj", mesh);
         // The picture's row of pixels runs along the edge.
@@ -70,10 +58,8 @@ fn a_file_beside_the_scene_is_named_whatever_path_is_written() {
     };
     for (name, found) in [
         (r"C:\course\a2\cube.obj", "cube.obj"),
-        ("/home/somebody/a2/cube.obj", "cube.obj"),
         ("data/cube.obj", "cube.obj"),
         (r"..\MODEL\cube.obj", "cube.obj"),
-        ("file:///C:/a/cube.obj", "cube.obj"),
         (r"D:\a2\parts\leg.obj", "parts/leg.obj"),
         ("a/../../parts/leg.obj", "parts/leg.obj"),
     ] {
@@ -102,11 +88,9 @@ fn names_of_other_systems_are_read_or_corrected() {
     // Some disks do not tell capitals from small letters.
     let tells_capitals = !folder.path().join("parts/cube.obj").exists();
     for (name, hint) in [
-        ("parts/Cube.obj", "did you mean `parts/Cube.OBJ`?"),
         ("parts/cube.obj", "did you mean `parts/Cube.OBJ`?"),
         (".\\parts\\cubes.obj", "did you mean `./parts/Cube.OBJ`?"),
         ("\"parts/Cube.OBJ\"", "a name has neither quotes nor blanks"),
-        ("'my parts/Cube.OBJ'", "a name has neither quotes nor blanks"),
     ] {
         if !tells_capitals && name.eq_ignore_ascii_case("parts/Cube.OBJ") {
             assert_eq!(run(name).ok().stderr, "", "{name}");
@@ -130,7 +114,7 @@ fn a_mesh_that_is_there_but_cannot_be_read_has_no_other_name() {
         assert!(message.contains(reason) && !message.contains("hint"), "{message}");
         std::fs::remove_file(&path).or_else(|_| std::fs::remove_dir(&path)).expect("removed");
     };
-    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    folder.make_pipe("m.obj");
     check("(it is a pipe or a device, not a regular file)");
     std::fs::create_dir(&path).expect("a folder");
     check("(it is a folder)");

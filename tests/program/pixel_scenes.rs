@@ -1,4 +1,4 @@
-//! Scenes whose pixels are explained, and how an explanation is read.
+//! Scenes whose pixels are explained.
 
 pub const GLASS: &str = "PerspectiveCamera { center 0 1 9 direction 0 -.1 -1 up 0 1 0 angle 30 }
 Background { color .2 .3 .6 ambientLight .1 .1 .1 }
@@ -60,11 +60,3 @@ Group { numObjects 3
   Box { min .2 -.8 -1 max 1.2 .8 0 }
   Triangle { vertex0 -1 1.1 0 vertex1 1 1.1 0 vertex2 0 .9 -3 }
 }";
-
-/// The numbers in parentheses in the line of a text with this label.
-pub fn numbers(text: &str, label: &str) -> Vec<f64> {
-    let line = text.lines().find(|line| line.trim_start().starts_with(label));
-    let line = line.unwrap_or_else(|| panic!("no {label}: {text}"));
-    let (_, list) = line.split_once('(').expect("a list");
-    list.trim_end_matches(')').split(", ").map(|word| word.parse().expect("a number")).collect()
-}

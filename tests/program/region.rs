@@ -34,36 +34,27 @@ fn pictures(name: &str, end: &str) -> String {
 
 const LAYERS: [(&str, usize); 4] = [("c", 1), ("d", 1), ("n", 1), ("s", 3)];
 
-/// The pixels of a window.
-fn cropped(whole: &Tga, [x, y, width, height]: [usize; 4]) -> Vec<[u8; 3]> {
-    (y..y + height).flat_map(|y| (x..x + width).map(move |x| (x, y))).map(|(x, y)| whole.at(x, y)).collect()
-}
-
 #[test]
 fn a_region_has_the_bytes_of_the_whole_in_every_layer() {
     let folder = folder();
     for flags in [
         "",
-        "-shadows -bounces 3",
-        "-random_samples 3 -gaussian_filter .7 -seed 5",
-        "-jittered_samples 4 -mitchell_filter 2 -shadows",
-        "-uniform_samples 4 -box_filter 1.6",
-        "-adaptive_samples 16 1 -bounces 2",
+        "-jittered_samples 4 -mitchell_filter 2 -shadows -bounces 3 -seed 5",
         "-adaptive_samples 16 1 -tent_filter 1.3 -shadows",
         "-visualize_grid -grid 4 4 4",
     ] {
         let of = |name: &str| format!("-input s.txt -size 23 17 {flags} {}", pictures(name, "tga"));
         folder.run(&of("w")).ok();
-        for window in [[0, 0, 23, 17], [5, 3, 9, 6], [22, 16, 1, 1], [0, 9, 23, 8]] {
+        for window in [[5, 3, 9, 6], [22, 16, 1, 1], [0, 9, 23, 8]] {
             let [x, y, width, height] = window;
             folder.run(&format!("{} -region {x} {y} {width} {height}", of("p"))).ok();
             for (layer, zoom) in LAYERS {
-                let part = folder.part(&format!("p{layer}.tga"));
+                let [left, top, width, height] = window.map(|n| n * zoom);
+                let (_, part, _) = folder.part(&format!("p{layer}.tga"));
                 let whole = folder.tga(&format!("w{layer}.tga"));
-                assert!(
-                    part.1.pixels == cropped(&whole, window.map(|n| n * zoom)),
-                    "{flags} {layer} {window:?}"
-                );
+                let rows = whole.pixels.chunks(whole.width).skip(top).take(height);
+                let expected = rows.flat_map(|row| row[left..left + width].to_vec());
+                assert!(part.pixels == expected.collect::<Vec<_>>(), "{flags} {layer} {window:?}");
             }
         }
     }
@@ -95,8 +86,7 @@ fn a_file_says_where_its_part_lies() {
         let place = format!("part of {} x {} at {x}, {y}; fingerprint ", 23 * zoom, 17 * zoom);
         assert!(id.starts_with(&place), "{id}");
 
-        let name = format!("{layer}.png");
-        let png = folder.read(&name);
+        let png = folder.read(&format!("{layer}.png"));
         let chunk = |kind: &[u8; 4]| {
             let at = png.windows(4).position(|bytes| bytes == kind).expect("the chunk");
             let length = u32::from_be_bytes(png[at - 4..at].try_into().unwrap()) as usize;
@@ -105,24 +95,14 @@ fn a_file_says_where_its_part_lies() {
         assert_eq!(chunk(b"oFFs"), [0, 0, 0, x as u8, 0, 0, 0, y as u8, 0]);
         assert_eq!(chunk(b"tEXt"), [b"Comment\0", id.as_bytes()].concat());
 
-        // For everybody else it is a picture like any other.
+        // For every other program it is a picture.
         let [read, other] = ["tga", "png"].map(|end| {
             image_io::read_picture(&folder.path().join(layer).with_extension(end)).expect("a picture")
         });
-        assert_eq!(read, other);
-        assert_eq!([read.width(), read.height()], [9, 6].map(|n| n * zoom as u32));
-        assert_eq!(read.pixels(), tga.pixels.concat());
+        assert_eq!((&read, read.pixels()), (&other, tga.pixels.concat().as_slice()));
     }
-    assert_eq!(folder.run("-compare c.tga -reference c.png -tolerance 0 0").ok().status, Some(0));
-}
-
-#[test]
-fn whole_pictures_say_nothing() {
-    let folder = folder();
-    folder.run("-input s.txt -size 5 4 -output w.tga").ok();
-    assert_eq!(folder.read("w.tga")[..18], [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 5, 0, 4, 0, 24, 32]);
-    folder.run("-input s.txt -size 5 4 -output w.png").ok();
-    assert!(!folder.read("w.png").windows(4).any(|bytes| bytes == b"tEXt" || bytes == b"oFFs"));
+    folder.run("-input s.txt -size 5 4 -output whole.png").ok();
+    assert!(!folder.read("whole.png").windows(4).any(|bytes| bytes == b"tEXt" || bytes == b"oFFs"));
 }
 
 #[test]
@@ -144,27 +124,18 @@ fn parts_in_any_order_become_the_whole_picture() {
         folder.run(&format!("{flags} -region {region} {}", pictures(name, end))).ok();
     }
     for (layer, _) in LAYERS {
-        for order in [[0, 1, 2, 3, 4], [4, 3, 2, 1, 0], [2, 4, 0, 3, 1]] {
+        for (order, end) in [([4, 3, 2, 1, 0], "tga"), ([2, 4, 0, 3, 1], "png")] {
             let files = order.map(|index| format!("{}{layer}.{}", parts[index].0, parts[index].1)).join(" ");
-            for end in ["tga", "png"] {
-                let run = folder.run(&format!("-merge {files} -output merged.{end}")).ok();
-                assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
-                let whole = folder.read(&format!("whole_{layer}.{end}"));
-                assert!(folder.read(&format!("merged.{end}")) == whole, "{layer} {order:?} {end}");
-            }
+            let run = folder.run(&format!("-merge {files} -output merged.{end}")).ok();
+            assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+            let whole = folder.read(&format!("whole_{layer}.{end}"));
+            assert!(folder.read(&format!("merged.{end}")) == whole, "{layer} {order:?} {end}");
         }
     }
-}
-
-#[test]
-fn parts_become_a_larger_part() {
-    let folder = folder();
-    let flags = "-input s.txt -size 23 17";
-    for (name, region) in [("a", "2 1 9 5"), ("b", "2 6 9 9"), ("c", "0 0 1 1"), ("all", "3 2 6 11")] {
-        folder.run(&format!("{flags} -region {region} -output {name}.tga")).ok();
-    }
-    folder.run("-merge a.tga c.tga b.tga -region 3 2 6 11 -output merged.tga").ok();
-    assert!(folder.read("merged.tga") == folder.read("all.tga"));
+    // They also become a larger part.
+    folder.run(&format!("{flags} -region 3 2 6 11 -output part.tga")).ok();
+    folder.run("-merge ac.tga bc.png -region 3 2 6 11 -output merged.tga").ok();
+    assert!(folder.read("merged.tga") == folder.read("part.tga"));
 }
 
 /// What a refused merge says.
@@ -181,33 +152,24 @@ fn refused(folder: &Folder, words: &str) -> String {
 fn a_gap_is_named_as_the_region_to_render() {
     let folder = folder();
     let flags = "-input s.txt -size 23 17";
-    for (name, region) in [("a", "0 0 23 5"), ("b", "0 5 11 12"), ("c", "14 5 9 10")] {
+    for (name, region) in [("a", "0 0 23 5"), ("b", "0 5 11 12"), ("c", "14 5 9 10"), ("d", "11 5 3 12")] {
         folder.run(&format!("{flags} -region {region} -output {name}.tga")).ok();
     }
-    for (files, region) in [
-        ("a.tga b.tga c.tga", "11 5 3 12"),
-        ("c.tga b.tga", "0 0 23 5"),
-        ("a.tga", "0 5 23 12"),
-        ("a.tga c.tga", "0 5 14 12"),
+    for (files, error) in [
+        ("a.tga b.tga c.tga", "a part is missing: `-region 11 5 3 12`"),
+        // That is missing then.
+        ("a.tga b.tga c.tga d.tga", "a part is missing: `-region 14 15 9 2`"),
+        ("c.tga b.tga", "a part is missing: `-region 0 0 23 5`"),
+        ("a.tga -region 20 10 5 5", "`-region` reaches beyond the whole picture of 23 x 17 pixels"),
     ] {
-        let expected = format!("error: a part is missing: `-region {region}`");
-        assert_eq!(refused(&folder, files), expected, "{files}");
+        assert_eq!(refused(&folder, files), format!("error: {error}"), "{files}");
     }
-    // What it names is what lacks.
-    folder.run(&format!("{flags} -region 11 5 3 12 -output d.tga")).ok();
-    assert_eq!(refused(&folder, "a.tga b.tga c.tga d.tga"), "error: a part is missing: `-region 14 15 9 2`");
-    assert_eq!(
-        refused(&folder, "a.tga -region 20 10 5 5"),
-        "error: `-region` reaches beyond the whole picture of 23 x 17 pixels"
-    );
 }
 
 #[test]
 fn parts_of_different_pictures_do_not_mix() {
     let folder = folder();
-    let render = |name: &str, rest: &str| {
-        folder.run(&format!("-input s.txt {rest} -output {name}.tga")).ok();
-    };
+    let render = |name: &str, rest: &str| folder.run(&format!("-input s.txt {rest} -output {name}.tga")).ok();
     render("a", "-size 9 9 -shadows -region 0 0 9 4");
     render("b", "-size 9 9 -shadows -region 0 4 9 5");
     render("size", "-size 9 10 -shadows -region 0 4 9 5");
@@ -223,23 +185,17 @@ fn parts_of_different_pictures_do_not_mix() {
 
     folder.run("-merge b.tga a.tga -output ok.tga").ok();
     folder.run("-merge a.tga comment.tga -output ok.tga").ok();
-    let other = "of another layer, scene, mesh, flag or version of this program";
     for (file, difference) in [
         ("size", "of 9 x 10 pixels instead of 9 x 9"),
-        ("flags", other),
-        ("kind", other),
-        ("mesh", other),
-        ("scene", other),
+        ("flags", "of another layer, scene, mesh, flag or version of this program"),
+        ("kind", "of another layer"),
+        ("mesh", "of another layer"),
+        ("scene", "of another layer"),
+        ("whole", "9 x 9 pixels, not a part written by `-region`"),
     ] {
-        let expected = format!(
-            "error: `{file}.tga` and `a.tga` are not parts of one picture: the first is {difference}"
-        );
-        assert_eq!(refused(&folder, &format!("a.tga {file}.tga")), expected);
+        let message = refused(&folder, &format!("a.tga {file}.tga"));
+        assert!(message.contains(&format!("`{file}.tga`")) && message.contains(difference), "{message}");
     }
-    assert_eq!(
-        refused(&folder, "a.tga whole.tga"),
-        "error: cannot merge `whole.tga`: it is a picture of 9 x 9 pixels, not a part written by `-region`"
-    );
 }
 
 #[test]
@@ -253,16 +209,13 @@ fn only_flags_that_change_a_layer_tell_its_parts_apart() {
         })
     };
     let plain = fingerprint("");
-    for (flags, changed) in [
-        ("-grid 3 3 3 -threads 1 -stats -shadows", [true, false, false, true]),
-        ("-grid 3 3 3 -threads 1 -stats", [false; 4]),
-        ("-random_samples 4", [true, false, false, true]),
-        ("-gaussian_filter 1", [true, false, false, true]),
-        ("-visualize_grid -grid 3 3 3", [true, false, false, true]),
-        ("-bounces 1", [true, false, false, true]),
-    ] {
+    assert_eq!(fingerprint("-grid 3 3 3 -threads 1 -stats"), plain);
+    for flags in
+        ["-shadows", "-random_samples 4", "-gaussian_filter 1", "-visualize_grid -grid 3 3 3", "-bounces 1"]
+    {
         let found = fingerprint(flags);
-        assert_eq!([0, 1, 2, 3].map(|k| found[k] != plain[k]), changed, "{flags}");
+        let changed = [0, 1, 2, 3].map(|k| found[k] != plain[k]);
+        assert_eq!(changed, [true, false, false, true], "{flags}");
     }
     let seeded = fingerprint("-random_samples 4 -seed 1");
     assert_ne!(seeded[0], fingerprint("-random_samples 4 -seed 2")[0]);
@@ -281,10 +234,8 @@ fn overlaps_must_agree() {
     let pixels = 18 + usize::from(bytes[0]);
     bytes[pixels + 3 * (2 * 6 + 1) + 1] ^= 1;
     folder.write("changed.tga", &bytes);
-    assert_eq!(
-        refused(&folder, "changed.tga b.tga a.tga"),
-        "error: `a.tga` and `changed.tga` overlap and differ at (4, 5)"
-    );
+    let message = refused(&folder, "changed.tga b.tga a.tga");
+    assert_eq!(message, "error: `a.tga` and `changed.tga` overlap and differ at (4, 5)");
 }
 
 #[test]
@@ -299,13 +250,6 @@ fn damaged_parts_are_refused() {
             assert!(message.starts_with(&format!("error: cannot read `cut.{end}`: ")), "{message}");
         }
     }
-    let mut bytes = folder.read("a.tga");
-    bytes[17] = 0;
-    folder.write("flipped.tga", bytes);
-    assert_eq!(
-        refused(&folder, "flipped.tga"),
-        "error: cannot merge `flipped.tga`: it is not encoded like a part written by `-region`"
-    );
     fs::create_dir(folder.path().join("folder.tga")).unwrap();
     assert_eq!(refused(&folder, "folder.tga"), "error: cannot read `folder.tga`: it is not a regular file");
     assert!(refused(&folder, "no.tga").starts_with("error: cannot read `no.tga`: "));
@@ -359,8 +303,6 @@ fn try_bytes(step: usize) {
 
 #[test]
 fn the_statistics_of_a_region_are_its_own() {
-    let folder = folder();
-    let run = folder.run("-input s.txt -size 9 9 -region 1 2 4 5 -stats").ok();
-    assert!(run.stdout.contains("  num pixels                 20 (4x5)\n"), "{}", run.stdout);
-    assert!(run.stdout.contains("  num non-shadow rays        20\n"), "{}", run.stdout);
+    let said = folder().run("-input s.txt -size 9 9 -region 1 2 4 5 -stats").ok().stdout;
+    assert!(said.contains("  20 (4x5)\n") && said.contains("  num non-shadow rays        20\n"), "{said}");
 }

@@ -1,7 +1,7 @@
 //! Ctrl-C, SIGTERM and SIGHUP: what a run leaves, what it says, and how it ends.
 #![cfg(unix)]
 
-use crate::support::{Folder, Run, send, sphere, sphere_in_perspective};
+use crate::support::{Folder, Run, send, sphere};
 use nix::sys::signal::Signal;
 use raytracer::image_io::{PartFile, read_picture};
 use std::io::Read;
@@ -45,31 +45,18 @@ fn stopped(folder: &Folder, line: &str, signal: Signal) -> (Run, usize) {
 
 #[test]
 fn complete_rows_are_kept_as_parts() {
+    let pictures = "-output o.tga -depth 1 9 d.png -normals n.tga -render_samples s.png 1";
     for (signal, status) in [(Signal::SIGINT, 130), (Signal::SIGTERM, 143), (Signal::SIGHUP, 129)] {
         let folder = Folder::with_scene(&sphere());
         folder.write("o.tga", "an earlier picture");
-        let line = format!("{LONG} -output o.tga -depth 1 9 d.png -normals n.tga -render_samples s.png 1");
-        let (run, rows) = stopped(&folder, &line, signal);
+        let (run, rows) = stopped(&folder, &format!("{LONG} {pictures}"), signal);
         assert_eq!((run.status, run.stdout.as_str()), (Some(status), ""));
         let expected = ["d.partial.png", "n.partial.tga", "o.partial.tga", "o.tga", "s.partial.png", "s.txt"];
         assert_eq!(folder.names(), expected);
         assert_eq!(folder.read("o.tga"), b"an earlier picture");
 
-        let program = env!("CARGO_BIN_EXE_raytracer");
-        let lines: Vec<&str> = run.stderr.lines().collect();
-        let rest = format!(
-            "stopped at row {rows} of 60000; wrote o.partial.tga, d.partial.png, n.partial.tga, s.partial.png; \
-             the rest: {program} {LONG} -output o.rest.tga -depth 1 9 d.rest.png -normals n.rest.tga \
-             -render_samples s.rest.png 1 -region 0 {rows} 20 {}",
-            60000 - rows
-        );
-        let merge = format!("then: {program} -merge o.partial.tga o.rest.tga -output o.tga");
-        assert_eq!((lines[0], lines[1], lines.len()), (rest.as_str(), merge.as_str(), 5));
-
         // They are the files that these rows alone make.
-        let part = format!("-region 0 0 20 {rows}");
-        let names = "-output o.tga -depth 1 9 d.png -normals n.tga -render_samples s.png 1";
-        folder.run(&format!("{LONG} {names} {part}")).ok();
+        folder.run(&format!("{LONG} {pictures} -region 0 0 20 {rows}")).ok();
         for (kept, own) in [("o.partial.tga", "o.tga"), ("n.partial.tga", "n.tga")] {
             assert!(folder.read(kept) == folder.read(own), "{kept}");
         }
@@ -79,25 +66,7 @@ fn complete_rows_are_kept_as_parts() {
             let own = PartFile { path: kept.clone(), ..PartFile::open(&own).unwrap() };
             assert_eq!(PartFile::open(&kept).unwrap(), own);
         }
-        // They fit to what follows.
-        let next = rows + 2;
-        folder.run(&format!("{LONG} -output next.tga -region 0 {rows} 20 2")).ok();
-        folder.run(&format!("-merge o.partial.tga next.tga -region 0 0 20 {next} -output m.tga")).ok();
-        folder.run(&format!("{LONG} -output o.tga -region 0 0 20 {next}")).ok();
-        assert!(folder.read("m.tga") == folder.read("o.tga"));
     }
-}
-
-#[test]
-fn a_stopped_region_is_a_smaller_region() {
-    let folder = Folder::with_scene(&sphere());
-    let line = format!("{LONG} -region 5 30000 9 30000");
-    let (run, rows) = stopped(&folder, &format!("{line} -output o.tga"), Signal::SIGINT);
-    let rest = format!(" -region 5 {} 9 {}\n", 30000 + rows, 30000 - rows);
-    assert!(run.stderr.contains(&rest), "{}", run.stderr);
-    assert!(run.stderr.ends_with(" -output o.tga -region 5 30000 9 30000\n"), "{}", run.stderr);
-    folder.run(&format!("{LONG} -region 5 30000 9 {rows} -output o.tga")).ok();
-    assert!(folder.read("o.partial.tga") == folder.read("o.tga"));
 }
 
 #[test]
@@ -137,22 +106,6 @@ fn the_printed_lines_make_the_picture() {
 }
 
 #[test]
-fn a_picture_whose_parts_no_line_renders_has_none() {
-    let folder = Folder::with_scene(&sphere_in_perspective());
-    for flags in ["-size 3000 3000 -jitter", "-size 9000 9000 -filter", "-size 3000 3000 -jitter -filter"] {
-        let line = format!("-input s.txt {flags} -output o.png -depth 1 9 d.tga");
-        let run = try_longer(|patience| {
-            let child = start(&folder, &line);
-            sleep(patience);
-            send(Signal::SIGINT, &child);
-            Some(wait(child)).filter(|run| !run.stderr.is_empty())
-        });
-        assert!(run.status == Some(130) && run.stderr.ends_with("; wrote nothing\n"), "{run:?}");
-        assert_eq!(folder.names(), ["s.txt"], "{flags}");
-    }
-}
-
-#[test]
 fn the_second_signal_ends_at_once() {
     // Either of two signals that come together may be taken first.
     for (first, second, statuses) in
@@ -173,20 +126,6 @@ fn the_second_signal_ends_at_once() {
     }
 }
 
-#[test]
-fn a_run_that_keeps_nothing_says_so() {
-    let folder = Folder::with_scene(&sphere());
-    let run = try_longer(|patience| {
-        let child = start(&folder, &format!("{LONG} -stats"));
-        sleep(patience);
-        send(Signal::SIGTERM, &child);
-        Some(wait(child)).filter(|run| !run.stderr.is_empty())
-    });
-    assert_eq!((run.status, run.stdout.as_str()), (Some(143), ""));
-    assert!(run.stderr.ends_with(" of 60000; wrote nothing\n"), "{}", run.stderr);
-    assert_eq!(folder.names(), ["s.txt"]);
-}
-
 /// A ray that is mirrored two thousand million times within a box, and one that splits a thousand times.
 #[test]
 fn a_pixel_that_takes_too_long_is_left_in_the_middle() {
@@ -198,7 +137,7 @@ fn a_pixel_that_takes_too_long_is_left_in_the_middle() {
              Group {{ numObjects 2 MaterialIndex 0 Box {{ min -1 -1 -1 max 1 1 1 }}
              Box {{ min -2 -2 -2 max 2 2 2 }} }}"
         ));
-        for flags in ["-output o.tga", "-stats", "-output o.tga -gaussian_filter 0.4 -random_samples 4"] {
+        for flags in ["-stats", "-output o.tga -gaussian_filter 0.4 -random_samples 4"] {
             let line = format!("-input s.txt -size 1 1 -bounces {bounces} -shade_back {flags}");
             let run = try_longer(|patience| {
                 let child = start(&folder, &line);

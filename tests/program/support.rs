@@ -26,6 +26,12 @@ impl Run {
         self
     }
 
+    /// The value behind a label, in the first line of standard output that starts with the label.
+    pub fn value(&self, label: &str) -> &str {
+        let value = self.stdout.lines().find_map(|line| line.trim_start().strip_prefix(label));
+        value.unwrap_or_else(|| panic!("no {label}: {}", self.stdout)).trim()
+    }
+
     /// The message on standard error of a run that must have failed with `status` and printed nothing else.
     pub fn message(self, status: i32) -> String {
         assert_eq!(self.status, Some(status), "{self:?}");
@@ -110,6 +116,23 @@ impl Folder {
     /// The command of a line in the course's style, without the program's name.
     pub fn command(&self, line: &str) -> Command {
         program(self.path(), line.split_whitespace())
+    }
+
+    /// The command of a line within a limit, which are words of `ulimit`.
+    #[cfg(unix)]
+    pub fn command_within(&self, limit: &str, line: &str) -> Command {
+        let mut command = Command::new("sh");
+        let script = format!("ulimit -c 0 && ulimit {limit} && exec \"$@\"");
+        command.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_raytracer")]).args(line.split_whitespace());
+        command.current_dir(self.path());
+        command
+    }
+
+    /// Makes a named pipe.
+    #[cfg(unix)]
+    pub fn make_pipe(&self, name: &str) {
+        let made = Command::new("mkfifo").arg(self.path().join(name)).status();
+        assert!(made.is_ok_and(|status| status.success()));
     }
 
     pub fn run(&self, line: &str) -> Run {

@@ -17,88 +17,43 @@ fn materials(all: &str) -> String {
 /// Scenes with `@` at the position of their only warning, flags, and whether the warning has a hint.
 fn located() -> Vec<(String, &'static str, bool)> {
     let white = materials("Material { }");
-    let light = |light: &str| {
-        format!("Lights {{ numLights 2\nDirectionalLight {{ direction 0 0 -1 color 1 1 1 }}\n{light} }}\n")
+    let of_material = |material: &str| with(LIGHT, &materials(material), BALL);
+    let lit_by = |light: &str| with(&format!("Lights {{ numLights 1 {light} }}\n"), &white, BALL);
+    let lit_by_two = |light: &str| {
+        let other = "DirectionalLight { direction 0 0 -1 color 1 1 1 }";
+        with(&format!("Lights {{ numLights 2\n{other}\n{light} }}\n"), &white, BALL)
     };
+    let mesh = |name: &str| scene(1, &format!("TriangleMesh {{ obj_file @{name}.obj }}"));
+    let perspective =
+        |view: &str| format!("@{}", self::view(&format!("PerspectiveCamera {{ {view} up 0 1 0 angle 30 }}")));
+    let flat = "Triangle { vertex0 0 0 0 vertex1 1 1 1 vertex2 2 2 2 }";
+    let beside = "OrthographicCamera { center 9 0 0 direction 0 0 -1 up 0 1 0 size 3 }";
+    let plane = "Plane { normal 0 0 1 offset 20 }";
+    let facing = "Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }";
+    let below = "@PointLight { position 0 -1 0 color 1 1 1 }";
     vec![
         (format!("{CAMERA}@{}", sphere()), "", false),
-        (with(LIGHT, &white, BALL) + "Background { }\n@Background { color 0 0 0 }", "", false),
         (with(&format!("{LIGHT}@{LIGHT}"), &white, BALL), "", false),
         (with(LIGHT, &format!("{white}@{white}"), BALL), "", false),
-        (
-            with(LIGHT, &materials("@Material { transparentColor 1 1 1 indexOfRefraction 1.5 }"), BALL),
-            "-bounces 3",
-            true,
-        ),
-        (with(LIGHT, &materials("Material { diffuseColor @255 128 0 }"), BALL), "", true),
-        (with(LIGHT, &materials("Material { diffuseColor @1.5 0 0 specularColor 0 2 0 }"), BALL), "", false),
-        (
-            with("Lights { numLights 1 PointLight { position 0 0 9 color @255 255 255 } }\n", &white, BALL),
-            "",
-            true,
-        ),
-        (scene(2, &format!("{BALL}\n@Triangle {{ vertex0 0 0 0 vertex1 1 1 1 vertex2 2 2 2 }}")), "", true),
-        (
-            scene(3, &format!("{BALL}\n@{0}\n{0}", "Triangle { vertex0 0 0 0 vertex1 1 1 1 vertex2 2 2 2 }")),
-            "",
-            true,
-        ),
-        (scene(1, "TriangleMesh { obj_file @flat.obj }"), "", true),
-        (scene(1, "TriangleMesh { obj_file @bow.obj }"), "", true),
-        (scene(1, "TriangleMesh { obj_file @word.obj }"), "", false),
-        (scene(1, "TriangleMesh { obj_file @surface.obj }"), "", true),
-        (with(&light("@DirectionalLight { direction 0 0 -1 color 0 0 0 }"), &white, BALL), "", false),
-        (
-            with(&light("@PointLight { position 0 0 9 color 1 1 1 attenuation -1 0 0 }"), &white, BALL),
-            "",
-            false,
-        ),
-        (
-            with(LIGHT, &materials("@Material { diffuseColor .1 .1 .1 transparentColor .9 .9 .9 }"), BALL),
-            "-shadows",
-            true,
-        ),
-        (
-            with(LIGHT, &materials("@Material { diffuseColor 0 0 0 reflectiveColor 1 1 1 }"), BALL),
-            "-jittered_samples 4",
-            true,
-        ),
-        (
-            with(
-                "Lights { numLights 1 @PointLight { position 0 -1 0 color 1 1 1 } }\n",
-                &white,
-                "Triangle { \
-                  vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }",
-            ),
-            "-shadows",
-            false,
-        ),
-        (
-            format!("@{}", view("PerspectiveCamera { center 0 0 9 direction 0 0 1 up 0 1 0 angle 30 }")),
-            "",
-            true,
-        ),
-        (
-            format!("@{}", view("PerspectiveCamera { center 0 3 9 direction 1 0 -1 up 0 1 0 angle 30 }")),
-            "-normals n.png",
-            true,
-        ),
-        (
-            format!("@{}", view("OrthographicCamera { center 9 0 0 direction 0 0 -1 up 0 1 0 size 3 }")),
-            "-depth 0 20 d.tga",
-            true,
-        ),
-        (
-            format!("@{}", view("PerspectiveCamera { center 1e3 0 1e5 direction 0 0 -1 up 0 1 0 angle 30 }")),
-            "",
-            true,
-        ),
-        (
-            format!("@{}", view("PerspectiveCamera { center 0 0 9 direction 0 0 -1 up 0 1 0 angle 30 }"))
-                .replace(BALL, "Plane { normal 0 0 1 offset 20 }"),
-            "-jittered_samples 4",
-            false,
-        ),
+        (of_material("@Material { transparentColor 1 1 1 indexOfRefraction 1.5 }"), "-bounces 3", true),
+        (of_material("Material { diffuseColor @255 128 0 }"), "", true),
+        (of_material("Material { diffuseColor @1.5 0 0 specularColor 0 2 0 }"), "", false),
+        (of_material("@Material { diffuseColor .1 .1 .1 transparentColor .9 .9 .9 }"), "-shadows", true),
+        (of_material("@Material { diffuseColor 0 0 0 reflectiveColor 1 1 1 }"), "-jittered_samples 4", true),
+        (lit_by("PointLight { position 0 0 9 color @255 255 255 }"), "", true),
+        (lit_by_two("@DirectionalLight { direction 0 0 -1 color 0 0 0 }"), "", false),
+        (lit_by_two("@PointLight { position 0 0 9 color 1 1 1 attenuation -1 0 0 }"), "", false),
+        (lit_by(below).replace(BALL, facing), "-shadows", false),
+        (scene(2, &format!("{BALL}\n@{flat}")), "", true),
+        (mesh("flat"), "", true),
+        (mesh("bow"), "", true),
+        (mesh("word"), "", false),
+        (mesh("surface"), "", true),
+        (perspective("center 0 0 9 direction 0 0 1"), "", true),
+        (perspective("center 0 3 9 direction 1 0 -1"), "-normals n.png", true),
+        (perspective("center 1e3 0 1e5 direction 0 0 -1"), "", true),
+        (perspective("center 0 0 9 direction 0 0 -1").replace(BALL, plane), "-jittered_samples 4", false),
+        (format!("@{}", view(beside)), "-depth 0 20 d.tga", true),
         (format!("@{CAMERA}{LIGHT}Group {{ numObjects 0 }}"), "", false),
     ]
 }
@@ -144,25 +99,18 @@ fn warnings_about_flags_name_them() {
     for (flags, named) in [
         ("-size 3 3", "nothing is written: add `-output file.tga`\n"),
         ("-output o.tga -bounces 3", "`-bounces 3` has no effect"),
-        ("-output o.tga -weight 0.01", "`-weight 0.01` has no effect without `-bounces`\n"),
-        ("-output o.tga -seed 7", "`-seed 7` has no effect"),
+        ("-output o.tga -weight 0.01", "`-weight 0.01` has no effect"),
         ("-output o.tga -uniform_samples 9 -seed 0", "`-seed 0` has no effect"),
         ("-output o.tga -tent_filter 0.7", "`-tent_filter 0.7` has no effect"),
         ("-output o.tga -gaussian_filter 0.1 -uniform_samples 1", "`-gaussian_filter 0.1` has no effect"),
-        (
-            "-output o.tga -transparent_shadows",
-            "`-transparent_shadows` has no effect beyond that of `-shadows`",
-        ),
+        ("-output o.tga -transparent_shadows", "`-transparent_shadows` has no effect"),
         (
             "-normals n.tga -shadows -bounces 4 -jittered_samples 4",
             "`-shadows`, `-bounces 4`, `-jittered_samples 4` have no effect",
         ),
     ] {
         let said = folder.run(&format!("-input s.txt {flags}")).ok().stderr;
-        assert!(
-            said.starts_with(&format!("warning: {named}")) && said.lines().count() == 1,
-            "{flags}: {said}"
-        );
+        assert!(said.starts_with(&format!("warning: {named}")) && said.lines().count() == 1, "{said}");
     }
 }
 
@@ -171,9 +119,8 @@ fn rays_that_nothing_lets_through_are_a_warning() {
     let glass = materials("Material { diffuseColor 0 0 0 transparentColor 1 1 1 indexOfRefraction 1.5 }");
     let folder = Folder::with_scene(&with(LIGHT, &glass, BALL));
     let run = |flags: &str| folder.run(&format!("-input s.txt -output o.tga -size 9 9 {flags}")).ok().stderr;
-    assert_eq!(
-        run("-bounces 5 -weight 2"),
-        "warning: `-bounces 5` has no effect: `-weight 2` ends all rays that are reflected or transmitted\n"
+    assert!(
+        run("-bounces 5 -weight 2").starts_with("warning: `-bounces 5` has no effect: `-weight 2` ends all")
     );
     // Whoever says 0 means it.
     for flags in
@@ -193,9 +140,8 @@ fn the_smallest_filter_that_is_named_loses_no_pixel_and_a_smaller_one_warns() {
     let folder = Folder::with_scene(&scene(1, "Plane { normal 0 0 1 offset 0 }"));
     let run =
         |flags: &str| folder.run(&format!("-input s.txt -output o.tga -size 40 30 {flags}")).ok().stderr;
-    for samples in
-        ["-uniform_samples 4", "-jittered_samples 6", "-random_samples 2", "-adaptive_samples 16 2"]
-    {
+    // The tests of the warning try more of them.
+    for samples in ["-uniform_samples 4", "-jittered_samples 6", "-adaptive_samples 16 2"] {
         for filter in ["-box_filter", "-tent_filter", "-mitchell_filter", "-gaussian_filter"] {
             let narrow = if filter == "-gaussian_filter" { "0.001" } else { "0.02" };
             let warning = run(&format!("{samples} {filter} {narrow}"));
@@ -216,41 +162,23 @@ fn the_smallest_filter_that_is_named_loses_no_pixel_and_a_smaller_one_warns() {
 /// Of warnings of a kind the first 20 are shown, and then their number.
 #[test]
 fn at_most_twenty_warnings_of_a_kind_are_shown() {
-    let black = "DirectionalLight { direction 0 0 -1 color 0 0 0 }\n".repeat(20_000);
-    let lights = format!("Lights {{ numLights 20000\n{black} }}\n");
-    let blocks = "Background { }\n".repeat(90_000);
-    let white = materials("Material { }");
-    for (text, shown, more) in [
-        (with(&lights, &white, BALL), "the light has no effect", 19_980),
-        (blocks + &with(LIGHT, &white, BALL), "a second `Background`", 89_979),
-    ] {
-        let folder = Folder::with_scene(&text);
-        let stderr = folder.run("-input s.txt -output o.tga -size 4 4").ok().stderr;
-        assert_eq!(stderr.matches(shown).count(), 20);
-        assert!(stderr.ends_with(&format!("\nwarning: {more} more like these\n")), "{stderr}");
-        let message = folder.run("-input s.txt -output p.tga -size 4 4 -strict").message(1);
-        assert!(message.ends_with(&format!("\nerror: {more} more like these\n")), "{message}");
-    }
+    let folder = Folder::with_scene(&("Background { }\n".repeat(90_000) + &sphere()));
+    let stderr = folder.run("-input s.txt -output o.tga -size 4 4").ok().stderr;
+    assert_eq!(stderr.matches("a second `Background`").count(), 20);
+    assert!(stderr.ends_with("\nwarning: 89979 more like these\n"), "{stderr}");
+    let message = folder.run("-input s.txt -output p.tga -size 4 4 -strict").message(1);
+    assert!(message.ends_with("\nerror: 89979 more like these\n"), "{message}");
 }
 
 #[test]
 fn strict_takes_what_flags_and_lights_lack_for_an_error() {
     let folder = Folder::with_scene(&sphere());
-    let message = folder.run("-input s.txt -strict").message(1);
-    assert_eq!(message, "error: nothing is written: add `-output file.tga`\n");
+    assert!(folder.run("-input s.txt -strict").message(1).contains("error: nothing is written"));
     folder.write("s.txt", sphere().replace(LIGHT, ""));
-    let message = folder.run("-input s.txt -output o.tga -strict").message(1);
-    assert_eq!(message, "error: No lights specified\n");
+    assert!(
+        folder.run("-input s.txt -output o.tga -strict").message(1).contains("error: No lights specified")
+    );
     assert_eq!(folder.names(), ["s.txt"]);
-}
-
-#[test]
-fn strict_is_silent_where_nothing_is_wrong() {
-    let folder = Folder::with_scene(&sphere());
-    for flags in ["-output o.tga", "-stats", "-pixel 0 0", "-json -", "-normals n.tga -depth 0 9 d.tga"] {
-        let run = folder.run(&format!("-input s.txt -strict {flags}")).ok();
-        assert_eq!(run.stderr, "", "{flags}");
-    }
 }
 
 #[test]

@@ -2,8 +2,6 @@
 //!
 //! [`single`] is such a tracer, in single precision, with a switch for each [`Mistake`]. It shares the reader of scenes
 //! with this program, and nothing else.
-//!
-//! `VERDICTS_DIR=folder cargo test --test verdicts dump` writes its pictures of all cases and mistakes to a folder.
 
 mod cases;
 mod mistake;
@@ -15,14 +13,11 @@ mod textures;
 use cases::{CASES, Opened};
 use mistake::Mistake;
 use names::name_of;
-use raytracer::image_io::{Format, OutputFile};
 use raytracer::picture::Picture;
 use raytracer::render::Request;
 use raytracer::render::renderer::{Meshes, Renderer};
 use raytracer::tools::causes::{Finding, MAX_UNEXPLAINED, Mistake as Named, Original};
-use std::fmt::Write;
-use std::path::Path;
-use std::{env, fs};
+use std::env;
 
 /// Pairs of mistakes, at least one of them in the finished picture.
 const PAIRS: &[[Mistake; 2]] = &[
@@ -176,8 +171,7 @@ fn judge_all([case_step, step]: [usize; 2], is_whole: bool) {
                 continue;
             }
             let found = original.explain(&picture);
-            let names: Vec<String> = mistakes.iter().map(|mistake| mistake.name()).collect();
-            let line = format!("{} {}: {found}", case.name, names.join("+"));
+            let line = format!("{} {mistakes:?}: {found}", case.name);
             let verdict = judge(&original, &found, &mistakes);
             match verdict {
                 Verdict::Right => {}
@@ -192,44 +186,4 @@ fn judge_all([case_step, step]: [usize; 2], is_whole: bool) {
     println!("{} of {all} visible mistakes are named; not named:\n{}", counts[0], unnamed.join("\n"));
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(100 * counts[0] >= 90 * all && all > 400 / step / case_step, "{counts:?}\n{unnamed:#?}");
-}
-
-/// Writes pictures to the folder `VERDICTS_DIR`: the right one of each case, those of the mistakes that are visible in
-/// it, those of pairs, and a list of them.
-#[test]
-fn dump() {
-    let Some(folder) = env::var_os("VERDICTS_DIR") else { return };
-    let folder = Path::new(&folder);
-    fs::create_dir_all(folder).unwrap();
-    let write = |name: String, picture: &Picture| {
-        let file = OutputFile::prepare(&folder.join(name + ".tga")).unwrap();
-        file.picture(Format::Tga, picture).unwrap().put_in_place().unwrap();
-    };
-    let mut manifest = String::from("case\tflags\tmistake\tpixels\n");
-    for case in CASES {
-        let opened = case.open();
-        let right = render(&opened, &[]);
-        write(format!("{}.right", case.name), &right);
-        let mut shown = vec![];
-        let singles = Mistake::ALL.iter().map(|&mistake| vec![mistake]);
-        for mistakes in singles.chain(PAIRS.iter().map(|pair| pair.to_vec())) {
-            let is_pair = mistakes.len() > 1;
-            if is_pair && !mistakes.iter().all(|mistake| shown.contains(mistake)) {
-                continue;
-            }
-            let picture = render(&opened, &mistakes);
-            let pixels = count(&differing(&right, &picture, 1));
-            if pixels >= VISIBLE {
-                let names: Vec<String> = mistakes.iter().map(|mistake| mistake.name()).collect();
-                let name = names.join("+");
-                write(format!("{}.{name}", case.name), &picture);
-                writeln!(manifest, "{}\t{}\t{name}\t{pixels}", case.name, case.flags).unwrap();
-            }
-            // In a pair, a mistake may show by a single level, as rounding does.
-            if count(&differing(&right, &picture, 0)) >= VISIBLE {
-                shown.extend(mistakes);
-            }
-        }
-    }
-    fs::write(folder.join("manifest.tsv"), manifest).unwrap();
 }

@@ -1,12 +1,9 @@
 //! The mistakes that the tracer can make.
 
-use serde::Serialize;
-
 /// Defines `Mistake` and the list of all mistakes.
 macro_rules! mistakes {
     ($($mistake:ident)*) => {
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-        #[serde(rename_all = "snake_case")]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Mistake { $($mistake),* }
 
         impl Mistake {
@@ -64,13 +61,6 @@ mistakes! {
 
     // Pixels left black. The first row is the lowest, the corner is the lower left one, the block has 5 x 5 pixels.
     FirstRowMissing LastRowMissing CornerMissing CornerBlockMissing
-}
-
-impl Mistake {
-    /// Returns the name in snake case.
-    pub fn name(self) -> String {
-        serde_json::to_string(&self).unwrap().replace('"', "")
-    }
 }
 
 /// A set of mistakes.
