@@ -234,3 +234,20 @@ fn a_row_that_is_not_taken_ends_the_render() {
         assert_eq!(taken, all[..count]);
     }
 }
+
+#[test]
+fn the_counts_of_every_strip_are_added_up_once() {
+    for (sampler, filter, samples) in
+        [(Sampler::CENTER, Filter::PIXEL, 1), (jittered(3), Filter::Tent { radius: 1.4 }, 3)]
+    {
+        let request = Request { sampler, filter, layers: vec![Layer::Color], ..Request::new([40, 30]) };
+        let (result, _) = rows(&scene(""), &request, Tracing::Counted, usize::MAX);
+        assert_eq!(result.unwrap().non_shadow_rays, 40 * 30 * samples);
+        let (rays, _) = rows(&scene(""), &request, Tracing::Fast, usize::MAX);
+        assert_eq!(rays.unwrap().rays(), 40 * 30 * samples);
+        // If the filter reaches beyond a window, samples around it are traced, but only its rows count.
+        let window = Some(Window { x: 0, y: 10, width: 40, height: 2 });
+        let (result, _) = rows(&scene(""), &Request { window, ..request }, Tracing::Counted, usize::MAX);
+        assert_eq!(result.unwrap().non_shadow_rays, 40 * 2 * samples);
+    }
+}

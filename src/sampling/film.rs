@@ -59,6 +59,7 @@ impl Film {
 mod tests {
     use super::*;
     use crate::math::instructions::Level;
+    use glam::DVec2;
 
     #[test]
     fn a_row_is_emitted_with_the_last_spread_that_contributes_to_it() {
@@ -75,5 +76,17 @@ mod tests {
             .collect();
         // Samples contribute to two rows on either side.
         assert_eq!(given, [vec![], vec![], vec![0], vec![1], vec![2], vec![3, 4, 5]]);
+    }
+
+    #[test]
+    fn a_pixel_without_weighted_samples_is_black() {
+        let mut film = Film::new(Filter::Box { radius: 0.1 }, [1, 1], 0);
+        let filter = Filter::Box { radius: 0.1 };
+        let mut spread = Spread::new(filter, Level::baseline(), 0, [1, 1]);
+        spread.add(0, DVec2::splat(-0.5), Color::ONE, 1.0);
+        let mut finished = vec![];
+        let mut finish = |_: usize, colors: &mut dyn Iterator<Item = Color>| finished.extend(colors);
+        film.add(spread, &mut finish);
+        assert_eq!(finished, [Color::ZERO]);
     }
 }

@@ -172,4 +172,20 @@ mod tests {
         }
         assert_eq!((cubehelix(0.0), cubehelix(1.0), cubehelix(9.0)), ([0; 3], [255; 3], [255; 3]));
     }
+
+    #[test]
+    fn the_scale_stands_beside_the_pixels() {
+        let picture = map().draw().unwrap();
+        assert_eq!((picture.width(), picture.height()), (40 + 4 + 12 + 4 + 12, 30));
+        let at = |x: u32, y: u32| picture.get(x, 29 - y).unwrap();
+        assert_eq!((at(7, 5), at(8, 5)), ([255; 3], cubehelix(208.0 % 11.0 / 260.0)));
+        assert_eq!((at(45, 0), at(45, 29), at(42, 3)), ([255; 3], [0; 3], [0; 3]));
+    }
+
+    #[test]
+    fn nothing_at_all_is_black() {
+        let empty = CostMap { cost: Cost::Cells, size: [3, 2], counts: vec![0; 6], cells: None };
+        let picture = empty.draw().unwrap();
+        assert!((0..3).all(|x| picture.get(x, 0) == Some([0; 3])));
+    }
 }

@@ -133,3 +133,37 @@ fn drawn(picture: &Pixels, scale: Option<Scale>) -> Result<Cow<'_, Picture>, Bad
         _ => Ok(picture.bytes()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tools::grade::{ColumnGrader, NotGraded, Reason, Remark, Submission};
+
+    #[test]
+    fn a_picture_is_embedded_once_and_an_equal_one_not_at_all() {
+        let picture = |level: u8| Picture::from_rgb(1, 1, vec![level; 3]);
+        let reference = Reference::of_file(Pixels::Bytes(picture(0)));
+        let mut page = Page::default();
+        let mut grader = ColumnGrader::new(&reference, Rule::Equal, false, Some(&mut page)).unwrap();
+        for level in [0, 9, 9] {
+            grader.add(Submission::Picture(Pixels::Bytes(picture(level)))).unwrap();
+        }
+        let column = grader.finish("<p>".into(), vec![Remark::default(); 3]).unwrap();
+        page.add_ungraded();
+        let missing = Column::ungraded("q".into(), "none".into(), 3);
+        let names = ["<b>", "\"", "c"].map(str::to_owned).to_vec();
+        let not_graded =
+            NotGraded { name: None, file: "<i>".into(), reason: Reason::OutsideFolders, meant_for: None };
+        let columns = vec![column, missing];
+        let table = Table { rule: Rule::Equal, names, columns, not_graded: vec![not_graded] };
+        let html = page.finish(&table);
+        assert_eq!(html.matches(&file(&picture(9))).count(), 2, "a thumbnail and the picture");
+        assert_eq!(html.matches("data-a=").count(), 2);
+        for text in
+            ["&lt;b&gt;", "&lt;p&gt;", "<li>&lt;i&gt;: ", "no reference: none", "1 of 3 pictures pass"]
+        {
+            assert!(html.contains(text), "{text}");
+        }
+        assert!(!html.contains("<p>:") && !html.contains("http:") && !html.contains("https:"));
+    }
+}
