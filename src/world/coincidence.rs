@@ -274,7 +274,7 @@ mod tests {
         for (one, other) in [
             (LOW.into(), above),
             (LOW.into(), LOW.replace("0 1 0.1", "0 1 0.10000001")),
-            (LOW.into(), "Plane { normal 0 0 1 offset 0.1000001 }".into()),
+            (LOW.into(), "Plane { normal 0 0 1 offset 0.10000000000001 }".into()),
             (LOW.into(), "Plane { normal 0 1e-6 1 offset 0.1 }".into()),
             // A large error along the plane does not move the plane.
             (LOW.into(), under("Scale 4e20 0.2 0.2", "Plane { normal 0 0 1 offset 1 }")),
