@@ -73,7 +73,7 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// Summarizes the time of the first render and those of the others.
+    /// Summarizes the times of the first render and of the others.
     pub fn of(first: Duration, others: Vec<Duration>) -> Self {
         let mut times = others;
         times.push(first);

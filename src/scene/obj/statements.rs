@@ -285,8 +285,8 @@ impl<'a> Statements<'a> {
         })
     }
 
-    /// Returns the words of those points that faces use, in the order of their numbers. `number` is that of a corner's
-    /// point.
+    /// Returns the words of the points that faces use, in the order of their numbers. `number` returns the number of a
+    /// corner's point.
     fn used_words(
         &self,
         words: &BTreeMap<i64, &'a [u8]>,
