@@ -181,6 +181,32 @@ fn the_blocks_of_a_grid_are_asked_for() {
     assert!(only_line(&message).starts_with("error: the grid does not fit into memory"), "{message}");
 }
 
+/// A block of an EXR file may take a thousand times as much as in the file.
+#[test]
+fn a_compressed_block_is_asked_for() {
+    let folder = Folder::with_scene(&scene(1, "Sphere { center 0 0 0 radius 1 }"));
+    folder.run("-input s.txt -size 1 1 -output small.exr").ok();
+    let mut bytes = folder.read("small.exr");
+    let after = |bytes: &[u8], text: &[u8]| {
+        bytes.windows(text.len()).position(|part| part == text).expect("the attribute") + text.len()
+    };
+    let compression = after(&bytes, b"compression\0compression\0\x01\0\0\0");
+    let window_end = after(&bytes, b"dataWindow\0box2i\0\x10\0\0\0") + 8;
+    let places = after(&bytes, b"screenWindowWidth\0float\0\x04\0\0\0\0\0\x80\x3f\0");
+    // One block of ZIP with 16 rows of 300,000 pixels, of three floats each.
+    let block = fdeflate::compress_to_vec(&vec![0; 300_000 * 16 * 12]);
+    bytes[compression] = 3;
+    bytes[window_end..window_end + 8].copy_from_slice([299_999_i32, 15].map(i32::to_le_bytes).as_flattened());
+    bytes.truncate(places + 8);
+    bytes.extend([0, block.len() as i32].map(i32::to_le_bytes).as_flattened());
+    bytes.extend(block);
+    folder.write("large.exr", bytes);
+    let convert = |kilobytes| run_within(&folder, kilobytes, "-convert large.exr -output o.png");
+    convert(least(&folder) + 300_000).ok();
+    let message = convert(least(&folder) + 30_000).message(1);
+    assert!(only_line(&message).contains("large.exr") && message.contains("memory"), "{message}");
+}
+
 #[cfg(feature = "gui")]
 #[test]
 fn the_live_page_refuses_beforehand_and_goes_on() {
