@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-/// The path.
+/// The name of both streams as a path.
 pub const STDIO: &str = "-";
 
-/// True if the path stands for standard input or standard output.
+/// Returns true if the path stands for standard input or standard output.
 pub fn is_stdio(path: &Path) -> bool {
     path == Path::new(STDIO)
 }

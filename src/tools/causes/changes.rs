@@ -337,10 +337,4 @@ impl Unset {
         (is_at_border && is_plain && window.width * window.height < picture.len())
             .then_some(Self { window, color })
     }
-
-    /// Returns true if the pixel in this column and row from the top left was never set.
-    pub fn has(&self, [x, y]: [usize; 2]) -> bool {
-        let Window { x: left, y: top, .. } = self.window;
-        (left..self.window.right()).contains(&x) && (top..self.window.bottom()).contains(&y)
-    }
 }

@@ -51,7 +51,7 @@ const MIN_SHARES: Shares = Shares { of_wrong: 0.6, of_changed: 0.75 };
 /// The smallest shares of a mistake that makes nearly all right that it changes. Other mistakes explain the other wrong
 /// pixels.
 const MIN_SHARES_IF_PRECISE: Shares = Shares { of_wrong: 1.0 / 3.0, of_changed: 0.98 };
-/// The smallest shares if hardly any pixel is visibly wrong. Many mistakes make half of the pixels right that are wrong
+/// The smallest shares if few pixels are visibly wrong. Many mistakes make half of the pixels right that are wrong
 /// by a level.
 const MIN_SHARES_BY_A_LEVEL: Shares = Shares { of_wrong: 0.9, of_changed: 0.75 };
 /// The largest share of the pixels changed by a mistake that may be right without it. A mistake shows where it can.

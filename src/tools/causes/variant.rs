@@ -233,7 +233,9 @@ impl PixelChanges {
     pub fn color(&self, color: Color, at: usize, size: [usize; 2]) -> Color {
         self.changes.iter().fold(color, |color, change| match change {
             Make::Colors { change, .. } => change(color),
-            Make::Unset(unset) if unset.has([at % size[0], at / size[0]]) => color_of(unset.color),
+            Make::Unset(unset) if unset.window.contains([at % size[0], at / size[0]]) => {
+                color_of(unset.color)
+            }
             _ => color,
         })
     }
